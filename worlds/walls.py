@@ -1,0 +1,133 @@
+"""Walls: the pieces of the room boundaries that are left when the openings are cut out."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from shapely.geometry import Polygon, box
+
+from worlds.errors import HouseError
+from worlds.spec import OpeningSpec, StoreySpec
+
+WALL_THICKNESS_M = 0.1
+FENCE_HEIGHT_M = 1.5
+_TOLERANCE_M = 1e-6
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """A straight stretch of a storey's plan with the same room (or nothing) all along either side."""
+
+    axis: int
+    """0: runs along x at y = `at`; 1: runs along y at x = `at`."""
+    at: float
+    """[m]"""
+    low: float
+    high: float
+    """Extent along the axis [m]."""
+    rooms: tuple[str | None, str | None]
+    """Room ids on the side of smaller and of larger cross coordinate; None outside."""
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return self.high - self.low
+
+    def point(self, along: float) -> tuple[float, float]:
+        """The plan coordinates of a place on the centre line [m]."""
+        return (along, self.at) if self.axis == 0 else (self.at, along)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A solid piece of wall."""
+
+    storey: int
+    boundary: Boundary
+    bottom_m: float
+    top_m: float
+
+    @property
+    def rooms(self) -> tuple[str | None, str | None]:
+        """Room ids on either side."""
+        return self.boundary.rooms
+
+    @property
+    def start(self) -> tuple[float, float]:
+        """One end of the centre line [m]."""
+        return self.boundary.point(self.boundary.low)
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """The other end [m]."""
+        return self.boundary.point(self.boundary.high)
+
+    @property
+    def footprint(self) -> Polygon:
+        """What it covers of the plan [m]."""
+        (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
+        if self.boundary.axis == 0:
+            return box(x0, y0 - half, x1, y1 + half)
+        return box(x0 - half, y0, x1 + half, y1)
+
+
+def boundaries(storey: StoreySpec) -> list[Boundary]:
+    """All stretches of room boundary of a storey. Raises `HouseError` where two rooms claim the same side of a line."""
+    lines: dict[tuple[int, float], list[tuple[float, float, int, str]]] = defaultdict(list)
+    for room in storey.rooms:
+        corners = room.polygon_m
+        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
+            if y0 == y1:
+                lines[0, round(y0, 6)].append((min(x0, x1), max(x0, x1), int(x1 > x0), room.id))
+            else:
+                lines[1, round(x0, 6)].append((min(y0, y1), max(y0, y1), int(y1 < y0), room.id))
+    return [stretch for (axis, at), edges in sorted(lines.items()) for stretch in _stretches(axis, at, edges)]
+
+
+def _stretches(axis: int, at: float, edges: Sequence[tuple[float, float, int, str]]) -> Iterator[Boundary]:
+    cuts = sorted({round(cut, 6) for low, high, _, _ in edges for cut in (low, high)})
+    for low, high in zip(cuts, cuts[1:], strict=False):
+        sides: list[str | None] = [None, None]
+        for start, stop, side, room in edges:
+            if start < high - _TOLERANCE_M and stop > low + _TOLERANCE_M:
+                if sides[side] is not None:
+                    raise HouseError(f"rooms {sides[side]!r} and {room!r} overlap near {_place(axis, at, low, high)}")
+                sides[side] = room
+        if sides != [None, None]:
+            yield Boundary(axis, at, low, high, (sides[0], sides[1]))
+
+
+def _place(axis: int, at: float, low: float, high: float) -> str:
+    middle = (low + high) / 2
+    return f"({middle:.2f}, {at:.2f}) m" if axis == 0 else f"({at:.2f}, {middle:.2f}) m"
+
+
+def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
+    """(axis, at, low, high) of an opening on its line. Raises `HouseError` where it runs along neither x nor y."""
+    (x0, y0), (x1, y1) = opening.start_m, opening.end_m
+    if abs(y0 - y1) <= _TOLERANCE_M < abs(x0 - x1):
+        return 0, round(y0, 6), min(x0, x1), max(x0, x1)
+    if abs(x0 - x1) <= _TOLERANCE_M < abs(y0 - y1):
+        return 1, round(x0, 6), min(y0, y1), max(y0, y1)
+    raise HouseError(f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
+                     "must lie apart along x or along y")
+
+
+def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:
+    """The boundary in pieces, each with the opening that lies in it or None."""
+    position = boundary.low
+    spans = sorted((opening_span(opening), i) for i, opening in enumerate(openings))
+    for (axis, at, low, high), i in spans:
+        low, high = max(low, boundary.low), min(high, boundary.high)
+        if (axis, at) != (boundary.axis, boundary.at) or high <= low + _TOLERANCE_M:
+            continue
+        if low > position + _TOLERANCE_M:
+            yield _cut(boundary, position, low), None
+        yield _cut(boundary, low, high), openings[i]
+        position = high
+    if boundary.high > position + _TOLERANCE_M:
+        yield _cut(boundary, position, boundary.high), None
+
+
+def _cut(boundary: Boundary, low: float, high: float) -> Boundary:
+    return Boundary(boundary.axis, boundary.at, low, high, boundary.rooms)
