@@ -1,0 +1,112 @@
+"""One way to run everything: `nox -s demo | tests | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
+
+All sessions share one environment (torch makes it several gigabytes). The session `env` makes it, and is a no-op until
+pyproject.toml changes.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import nox
+
+nox.needs_version = ">=2025.2.9"
+nox.options.sessions = ["lint", "tests"]
+
+PYPROJECT = nox.project.load_toml("pyproject.toml")
+SUPPORTED = nox.project.python_versions(PYPROJECT)
+RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
+PYTHON = None if RUNNING in SUPPORTED else SUPPORTED[-1]  # None: the interpreter that runs nox
+
+GL_PACKAGES = {"egl": ("libegl1", "libgl1-mesa-dri"), "osmesa": ("libosmesa6",)}
+QUIET_THREADS = {"OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}  # spinning threads starve each other on few cores
+
+
+@nox.session(python=PYTHON, venv_backend="uv|virtualenv", reuse_venv=True)
+def env(session: nox.Session) -> None:
+    """Make the environment that the other sessions share, and see that something renders off-screen."""
+    ensure_gl(session)
+    stamp = session.env_dir / "installed.sha256"
+    wanted = hashlib.sha256(Path("pyproject.toml").read_bytes()).hexdigest()
+    if not stamp.exists() or stamp.read_text() != wanted:
+        groups = nox.project.dependency_groups(PYPROJECT, "tests", "lint")
+        session.install("--editable", ".", *groups)
+        session.run("python", "-m", "sim.gl")
+        stamp.write_text(wanted)
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def demo(session: nox.Session) -> None:
+    """A house, a walk, LEXIS, a report."""
+    run(session, "lexis-sim", "demo", *session.posargs)
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def tests(session: nox.Session) -> None:
+    """All tests but the slow ones."""
+    run(session, "pytest", "-n", "2", "--dist", "loadfile", *session.posargs)
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def nightly(session: nox.Session) -> None:
+    """All tests, the slow ones too, with new random examples."""
+    run(session, "pytest", "-n", "2", "--dist", "loadfile", "-m", "", "--hypothesis-profile=nightly", *session.posargs)
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def lint(session: nox.Session) -> None:
+    """Ruff and mypy --strict."""
+    run(session, "ruff", "check", ".")
+    run(session, "mypy")
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def bench(session: nox.Session) -> None:
+    """Benchmarks; `nox -s bench -- encoders` and so on."""
+    run(session, "lexis-sim", "bench", *(session.posargs or ["speed"]))
+
+
+def run(session: nox.Session, command: str, *args: str) -> None:
+    """Run a command of the shared environment."""
+    directory = session.cache_dir.parent / "env" / "bin"
+    session.run(str(directory / command), *args, env=QUIET_THREADS, external=True)
+
+
+def ensure_gl(session: nox.Session) -> None:
+    """Install the off-screen GL libraries where none works, or end the session with a line that says how to."""
+    if sys.platform != "linux" or any(map(gl_works, GL_PACKAGES)):
+        return
+    prefix = root_prefix()
+    if prefix is not None:
+        for backend, packages in GL_PACKAGES.items():
+            session.log(f"No off-screen GL; installing {' '.join(packages)}")
+            if apt_install(prefix, packages) and gl_works(backend):
+                return
+    session.error("No off-screen GL. Run: sudo apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)")
+
+
+def gl_works(backend: str) -> bool:
+    """Try a back end in a child process, which a broken driver may crash."""
+    return subprocess.run([sys.executable, "-I", "-S", "sim/gl_probe.py", backend], capture_output=True).returncode == 0
+
+
+def root_prefix() -> list[str] | None:
+    """What to put before a command so that it runs as root without asking; None where there is no way."""
+    if shutil.which("apt-get") is None:
+        return None
+    prefix = [] if os.geteuid() == 0 else ["sudo", "-n"]
+    if prefix and (shutil.which("sudo") is None or subprocess.run([*prefix, "true"], capture_output=True).returncode):
+        return None
+    return [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get"]
+
+
+def apt_install(apt: list[str], packages: tuple[str, ...]) -> bool:
+    """Install packages; refresh the lists only where that fails without."""
+    install = [*apt, "install", "-y", "-q", "--no-install-recommends", *packages]
+    if subprocess.run(install, capture_output=True).returncode == 0:
+        return True
+    subprocess.run([*apt, "update", "-q"])
+    return subprocess.run(install).returncode == 0

@@ -1,0 +1,27 @@
+"""What every test relies on: quiet threads, fixed examples, a generator with a fixed seed.
+
+Nothing of the project is imported at the top: jaxtyping's hook, which checks shapes at run time, is installed later.
+"""
+
+import os
+
+os.environ.update(OMP_NUM_THREADS="1", OMP_WAIT_POLICY="PASSIVE", GOMP_SPINCOUNT="0")
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+cv2.setNumThreads(1)  # torch goes by OMP_NUM_THREADS
+
+# Stated here because Hypothesis otherwise picks a profile by whether it believes to run in CI.
+_COMMON = {"deadline": None, "database": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("tests", derandomize=True, max_examples=50, **_COMMON)
+settings.register_profile("nightly", derandomize=False, max_examples=1000, **_COMMON)
+settings.load_profile("tests")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """A generator of its own for every test, with the same seed."""
+    return np.random.default_rng(20_240_731)

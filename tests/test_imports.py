@@ -1,0 +1,57 @@
+"""The direction of imports: `sim` knows both others, which know neither it nor each other (read from the source)."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+FORBIDDEN = {
+    "worlds": {"sim", "lexis", "mujoco"},
+    "lexis": {"worlds", "sim", "mujoco"},
+    "sim": set(),
+}
+
+
+def imported(source: str) -> Iterator[str]:
+    """Top-level names of the packages that a module imports, inside functions and by name too."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.partition(".")[0]
+        elif isinstance(node, ast.Call) and _called(node) in {"import_module", "__import__"}:
+            yield from (str(name.value).partition(".")[0] for name in node.args[:1] if isinstance(name, ast.Constant))
+
+
+def _called(call: ast.Call) -> str:
+    return call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+
+
+@pytest.mark.parametrize("package", FORBIDDEN)
+def test_a_package_imports_only_what_lies_before_it(package):
+    modules = sorted((ROOT / package).rglob("*.py"))
+    assert modules
+    found = {str(path.relative_to(ROOT)): FORBIDDEN[package] & set(imported(path.read_text())) for path in modules}
+    assert {path: names for path, names in found.items() if names} == {}
+
+
+def test_mujoco_comes_from_sim_gl_alone():
+    """Else it could be imported before its GL back end is chosen."""
+    importers = [path.name for path in (ROOT / "sim").rglob("*.py") if "mujoco" in set(imported(path.read_text()))]
+    assert importers == ["gl.py"]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import sim",
+        "import sim.gl as g",
+        "from sim.gl import mujoco",
+        "def f():\n    from sim import gl",
+        "importlib.import_module('sim.gl')",
+    ],
+)
+def test_every_form_of_import_is_seen(source):
+    assert list(imported(source)) == ["sim"]
