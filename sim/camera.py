@@ -31,7 +31,7 @@ class CameraRenderer:
     """Renders a scene from poses of the body. Holds a GL context: use it as a context manager or call `close`."""
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
-        self._scene, self._camera = scene, camera
+        self.scene, self._camera = scene, camera
         size = camera.intrinsics.height, camera.intrinsics.width
         self._renderer = mujoco.Renderer(scene.model, *size)
         flags = self._renderer.scene.flags
@@ -71,7 +71,7 @@ class CameraRenderer:
 
     def _look_from(self, T_W_B: Float64[np.ndarray, "4 4"]) -> None:
         T_W_C = T_W_B @ self._camera.T_B_C
-        data = self._scene.data
+        data = self.scene.data
         data.cam_xpos[0] = T_W_C[:3, 3]
         data.cam_xmat[0] = (T_W_C[:3, :3] @ _CV_FROM_MUJOCO).reshape(-1)
         self._renderer.update_scene(data, camera=CAMERA)

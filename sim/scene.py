@@ -138,7 +138,9 @@ class _Atlas:
             image[row * _PATCH_PX : (row + 1) * _PATCH_PX, column * _PATCH_PX : (column + 1) * _PATCH_PX] = patch
         return _Atlas(image, places)
 
-    def place(self, uv_m: Float64[np.ndarray, "q 4 2"], patches: Int[np.ndarray, "q"], rng: np.random.Generator) -> Float64[np.ndarray, "q 4 2"]:
+    def place(
+        self, uv_m: Float64[np.ndarray, "q 4 2"], patches: Int[np.ndarray, "q"], rng: np.random.Generator
+    ) -> Float64[np.ndarray, "q 4 2"]:
         """Texture coordinates on the atlas: each quad at a random place of its patch, never across the edge."""
         extent = uv_m.max(axis=1, keepdims=True)
         margin = 1.0 / _PATCH_PX

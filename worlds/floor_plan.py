@@ -1,15 +1,16 @@
 """The first layout sampler: rooms in bands on both sides of a hall, stairs at the hall's end, storeys stacked.
 
-    +-----------+-----------+---------+   north band
-    +-----------+-----------+---------+
-    |  hall                   stairs  |
-    +-------+---------+---------------+
-    | room  |  room   |  room         |   south band
-    +-------+---------+---------------+
-    |  garden                         |
-    +---------------------------------+
++-----------+-----------+---------+   north band
++-----------+-----------+---------+
+|  hall                   stairs  |
++-------+---------+---------------+
+| room  |  room   |  room         |   south band
++-------+---------+---------------+
+|  garden                         |
++---------------------------------+
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -24,8 +25,9 @@ _STAIRS_LENGTH_M = 3.4
 _DOOR_M = 0.95
 _CORNER_MARGIN_M = 0.15
 _WEIGHTS = {
-    "living room": 1.6, "open-plan office": 2.2, "meeting room": 1.3, "classroom": 1.8, "library": 1.5, "garage": 1.4, "gym": 1.4,
-    "kitchen": 1.1, "bathroom": 0.85, "toilet": 0.6, "storage room": 0.7, "pantry": 0.6, "laundry room": 0.75, "print room": 0.7,
+    "living room": 1.6, "open-plan office": 2.2, "meeting room": 1.3, "classroom": 1.8, "library": 1.5, "garage": 1.4,
+    "gym": 1.4, "kitchen": 1.1, "bathroom": 0.85, "toilet": 0.6, "storage room": 0.7, "pantry": 0.6, "laundry room": 0.75,
+    "print room": 0.7,
 }  # fmt: skip
 
 
@@ -54,7 +56,10 @@ class BandSizes:
 
 
 def sample_sizes(
-    rng: np.random.Generator, width: tuple[float, float], depth: tuple[float, float] = (3.7, 4.6), hall: tuple[float, float] = (2.0, 2.3)
+    rng: np.random.Generator,
+    width: tuple[float, float],
+    depth: tuple[float, float] = (3.7, 4.6),
+    hall: tuple[float, float] = (2.0, 2.3),
 ) -> BandSizes:
     """Draw the dimensions, each uniform in its range [m], to the centimetre."""
 
@@ -85,7 +90,9 @@ def _storey(
     if has_stairs:
         rooms.append((STAIRS, (hall_end, y1, sizes.width, y2)))
     south = [(label, (x0, y0, x1, y1)) for label, x0, x1 in _share(plan.south, sizes.width, hall_end, rng)]
-    north = [(label, (x0, y2, x1, round(y2 + sizes.north, 2))) for label, x0, x1 in _share(plan.north, sizes.width, hall_end, rng)]
+    north = [
+        (label, (x0, y2, x1, round(y2 + sizes.north, 2))) for label, x0, x1 in _share(plan.north, sizes.width, hall_end, rng)
+    ]
     rooms += south + north
     if plan.garden:
         rooms.append((plan.garden, (0.0, -sizes.garden, sizes.width, 0.0)))
@@ -94,7 +101,9 @@ def _storey(
     openings += _hall_doors(named, hall, hall_end, plan, rng) + _neighbours(named, plan) + _garden_door(named, plan, rng)
     return StoreySpec(
         rooms=tuple(RoomSpec(id=i, label=label, polygon_m=turn.polygon(r)) for i, label, r in named),
-        openings=tuple(o.model_copy(update={"start_m": turn.point(o.start_m), "end_m": turn.point(o.end_m)}) for o in openings),
+        openings=tuple(
+            o.model_copy(update={"start_m": turn.point(o.start_m), "end_m": turn.point(o.end_m)}) for o in openings
+        ),
     )
 
 
@@ -108,7 +117,9 @@ def _share(labels: Sequence[str], width: float, hall_end: float, rng: np.random.
     if (limit := hall_end - 1.4) < cuts[-2]:
         cuts[:-1] = np.round(cuts[:-1] * limit / cuts[-2], 2)
     if np.min(np.diff(cuts)) < 1.4:
-        raise WorldsError(f"{len(labels)} rooms ({', '.join(labels)}) do not fit in a band of {width:.2f} m; at most {int(width // 2)}")
+        raise WorldsError(
+            f"{len(labels)} rooms ({', '.join(labels)}) do not fit in a band of {width:.2f} m; at most {int(width // 2)}"
+        )
     return [(label, float(x0), float(x1)) for label, x0, x1 in zip(labels, cuts[:-1], cuts[1:], strict=True)]
 
 
@@ -127,7 +138,9 @@ def _stairs_openings(named: Sequence[tuple[str, str, Rectangle]], level: int, le
     stairs_id, _, (x, y0, _, y1) = named[1]
     middle = (y0 + y1) / 2
     up = OpeningSpec(rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(y0 + 0.05, 3)), end_m=(x, round(middle, 3)))
-    down = OpeningSpec(rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(middle, 3)), end_m=(x, round(y1 - 0.05, 3)))
+    down = OpeningSpec(
+        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(middle, 3)), end_m=(x, round(y1 - 0.05, 3))
+    )
     return ([up] if level + 1 < levels else []) + ([down] if level > 0 else [])
 
 
@@ -142,7 +155,8 @@ def _hall_doors(
             continue
         low, high = max(x0, hall[0]) + _CORNER_MARGIN_M, min(x1, hall_end) - _CORNER_MARGIN_M
         wide = label in in_open_plan and high - low > 2.2 and rng.random() < 0.5
-        width, kind = (1.6, "cased") if wide else (_DOOR_M, "door")
+        width = 1.6 if wide else _DOOR_M
+        kind: OpeningKind = "cased" if wide else "door"
         start = round(float(rng.uniform(low, high - width)), 2)
         doors.append(_opening((named[0][0], room_id), kind, (start, y), (start + width, y)))
     return doors
@@ -151,13 +165,15 @@ def _hall_doors(
 def _neighbours(named: Sequence[tuple[str, str, Rectangle]], plan: StoreyPlan) -> list[OpeningSpec]:
     open_pairs = {frozenset(pair) for pair in plan.open_pairs}
     openings = []
-    for (a, label_a, (_, y0, x1, y1)), (b, label_b, (x2, y2, _, _)) in zip(named, named[1:], strict=False):
+    for (a, label_a, (_, y0, x1, y1)), (b, label_b, (x2, y2, _, _)) in itertools.pairwise(named):
         if x1 == x2 and y0 == y2 and {label_a, label_b} in open_pairs:
             openings.append(_opening((a, b), "open", (x1, y0), (x1, y1)))
     return openings
 
 
-def _garden_door(named: Sequence[tuple[str, str, Rectangle]], plan: StoreyPlan, rng: np.random.Generator) -> list[OpeningSpec]:
+def _garden_door(
+    named: Sequence[tuple[str, str, Rectangle]], plan: StoreyPlan, rng: np.random.Generator
+) -> list[OpeningSpec]:
     if plan.garden is None:
         return []
     garden_id, *_ = named[-1]

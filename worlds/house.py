@@ -98,7 +98,8 @@ def build_house(spec: HouseSpec) -> House:
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)
     stretches = tuple(
-        tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings)) for storey in spec.storeys
+        tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
+        for storey in spec.storeys
     )
     walls = tuple(_walls(storeys, rooms, stretches))
     return House(spec, storeys, rooms, stretches, walls, tuple(_stairs(spec, storeys)), tuple(_furniture(spec, storeys)))
@@ -119,7 +120,11 @@ def _rooms(spec: HouseSpec, storeys: Sequence[Storey]) -> tuple[Room, ...]:
             polygon = _polygon(room)
             below = next((r for r in rooms if r.label == room.label == STAIRS and _cell(r.polygon) == _cell(polygon)), None)
             if below is None:
-                rooms.append(Room(room.id, room.label, level, polygon, heights.floor_m, heights.ceiling_m, room.label in OUTDOOR_LABELS))
+                rooms.append(
+                    Room(
+                        room.id, room.label, level, polygon, heights.floor_m, heights.ceiling_m, room.label in OUTDOOR_LABELS
+                    )
+                )
             else:
                 taller = Room(below.id, below.label, below.storey, polygon, below.floor_m, heights.ceiling_m, below.outdoor)
                 rooms[rooms.index(below)] = taller
@@ -184,5 +189,13 @@ def _furniture(spec: HouseSpec, storeys: Sequence[Storey]) -> list[Furniture]:
 def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
     x, y, z = piece.position_m
     return Furniture(
-        piece.id, piece.kind, piece.room, storey, (x, y, floor_m + z), piece.yaw_rad, piece.size_m, parts_of(piece), is_solid(piece.kind)
+        piece.id,
+        piece.kind,
+        piece.room,
+        storey,
+        (x, y, floor_m + z),
+        piece.yaw_rad,
+        piece.size_m,
+        parts_of(piece),
+        is_solid(piece.kind),
     )

@@ -1,5 +1,6 @@
 """Furniture and stairs as quads: parts to faces with metric texture coordinates, all vectorised over parts."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -101,7 +102,7 @@ def _lathe(profile: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "f 4 3
     angles = 2 * np.pi * np.arange(_SIDES + 1) / _SIDES
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     quads = []
-    for (r0, z0), (r1, z1) in zip(profile, profile[1:], strict=False):
+    for (r0, z0), (r1, z1) in itertools.pairwise(profile):
         lower, upper = (np.column_stack([r * ring, np.full(_SIDES + 1, z)]) for r, z in ((r0, z0), (r1, z1)))
         quads.append(np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1))
     return np.concatenate(quads)

@@ -30,7 +30,9 @@ def _home(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
 
 
 def _ori(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    ground = StoreyPlan(_shuffled(("office", "office", "kitchen", "meeting room"), rng), _shuffled(("office", "lobby", "office"), rng))
+    ground = StoreyPlan(
+        _shuffled(("office", "office", "kitchen", "meeting room"), rng), _shuffled(("office", "lobby", "office"), rng)
+    )
     upper = StoreyPlan(_shuffled(("office", "office", "print room", "office"), rng))
     return (ground, upper), sample_sizes(rng, (14.0, 16.0))
 
@@ -48,7 +50,8 @@ def _uh2_office(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSiz
 
 _INDOOR_POOL = (
     "kitchen", "dining room", "living room", "bedroom", "children's room", "bathroom", "toilet", "office", "meeting room",
-    "open-plan office", "laundry room", "storage room", "pantry", "garage", "gym", "library", "classroom", "laboratory", "print room",
+    "open-plan office", "laundry room", "storage room", "pantry", "garage", "gym", "library", "classroom", "laboratory",
+    "print room",
 )  # fmt: skip
 
 
@@ -71,4 +74,10 @@ def _either_way(labels: tuple[str, ...], rng: np.random.Generator) -> tuple[str,
     return labels if rng.random() < 0.5 else labels[::-1]
 
 
-PRESETS: dict[str, Sampler] = {"home": _home, "ori": _ori, "uh2-apt": _uh2_apartment, "uh2-office": _uh2_office, "random": _random}
+PRESETS: dict[str, Sampler] = {
+    "home": _home,
+    "ori": _ori,
+    "uh2-apt": _uh2_apartment,
+    "uh2-office": _uh2_office,
+    "random": _random,
+}

@@ -77,7 +77,9 @@ class FurnitureSpec(_Data):
     position_m: tuple[Metres, Metres, Metres] = Field(
         description="centre of the foot print and height of the underside above the storey's floor [m]"
     )
-    yaw_rad: float = Field(ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]; multiples of pi/2 for solid kinds")
+    yaw_rad: float = Field(
+        ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]; multiples of pi/2 for solid kinds"
+    )
     size_m: tuple[Length, Length, Length] = Field(description="width, depth, height in the piece's own frame [m]")
     seed: int = Field(ge=0, lt=2**32, description="of its colours and variants")
 

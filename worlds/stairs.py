@@ -36,7 +36,9 @@ class Stairs:
     """Walked surface, from the lower storey's room in front of the stairs to the upper one's [m]."""
 
 
-def build_stairs(room: str, storey: int, cell: Polygon, foot: OpeningSpec, floors_m: tuple[float, float], inset_m: float) -> Stairs:
+def build_stairs(
+    room: str, storey: int, cell: Polygon, foot: OpeningSpec, floors_m: tuple[float, float], inset_m: float
+) -> Stairs:
     """The flights that rise from opening `foot` of storey `storey` in the rectangular `cell` (wall centre lines).
 
     Raises `HouseError` where the cell is too small for walkable steps.

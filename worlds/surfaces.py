@@ -1,5 +1,6 @@
 """The visible faces of a house's shell: walls, floors, ceilings, reveals, as quads with metric texture coordinates."""
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -63,7 +64,10 @@ def _wall_face(
     # Seen from its own side a face's first corner is on the left.
     ends = (low, high) if (side == 0) == (boundary.axis == 0) else (high, low)
     offset = _HALF if side else -_HALF
-    corners = [_at(boundary, along, offset, z) for along, z in [(ends[0], floor + clear), (ends[1], floor + clear), (ends[1], top), (ends[0], top)]]
+    corners = [
+        _at(boundary, along, offset, z)
+        for along, z in [(ends[0], floor + clear), (ends[1], floor + clear), (ends[1], top), (ends[0], top)]
+    ]
     yield _unrolled(room.id if room else OUTSIDE, corners, high - low, (clear, top - floor), cursor)
     if room is None or not room.outdoor:
         return
@@ -78,10 +82,16 @@ def _reveal(house: House, level: int, boundary: Boundary, clear: float, cursor: 
     room, floor = house.room_by_id[name].id, house.storeys[level].floor_m
     for along, first in ((boundary.low, _HALF), (boundary.high, -_HALF)):
         first = first if boundary.axis == 0 else -first
-        corners = [_at(boundary, along, o, z) for o, z in [(first, floor), (-first, floor), (-first, floor + clear), (first, floor + clear)]]
+        corners = [
+            _at(boundary, along, o, z)
+            for o, z in [(first, floor), (-first, floor), (-first, floor + clear), (first, floor + clear)]
+        ]
         yield _unrolled(room, corners, WALL_THICKNESS_M, (0.0, clear), cursor)
     z = floor + clear
-    under = [_at(boundary, a, o, z) for a, o in [(boundary.low, -_HALF), (boundary.low, _HALF), (boundary.high, _HALF), (boundary.high, -_HALF)]]
+    under = [
+        _at(boundary, a, o, z)
+        for a, o in [(boundary.low, -_HALF), (boundary.low, _HALF), (boundary.high, _HALF), (boundary.high, -_HALF)]
+    ]
     yield _unrolled(room, under if boundary.axis == 0 else under[::-1], boundary.length, (0.0, WALL_THICKNESS_M), cursor)
 
 
@@ -118,7 +128,11 @@ def _at(boundary: Boundary, along: float, offset: float, z: float) -> tuple[floa
 
 
 def _unrolled(
-    room: str, corners: list[tuple[float, float, float]], length: float, heights: tuple[float, float], cursor: dict[str, float]
+    room: str,
+    corners: list[tuple[float, float, float]],
+    length: float,
+    heights: tuple[float, float],
+    cursor: dict[str, float],
 ) -> Surface:
     u0, u1 = cursor[room], cursor[room] + length
     cursor[room] = u1
@@ -134,7 +148,9 @@ def _floors_and_ceilings(house: House) -> Iterator[Surface]:
             uv = plan - (x_min, y_min)
             yield Surface(room.id, "floor", np.column_stack([plan, np.full(4, room.floor_m)]), uv)
             if not room.outdoor:
-                yield Surface(room.id, "ceiling", np.column_stack([plan, np.full(4, room.ceiling_m)])[::-1].copy(), uv[::-1].copy())
+                yield Surface(
+                    room.id, "ceiling", np.column_stack([plan, np.full(4, room.ceiling_m)])[::-1].copy(), uv[::-1].copy()
+                )
 
 
 def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
@@ -143,5 +159,5 @@ def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
     xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
     if len(xs) == len(ys) == 2:
         return [(float(xs[0]), float(ys[0]), float(xs[1]), float(ys[1]))]
-    cells = [(x0, y0, x1, y1) for x0, x1 in zip(xs, xs[1:], strict=False) for y0, y1 in zip(ys, ys[1:], strict=False)]
+    cells = [(x0, y0, x1, y1) for x0, x1 in itertools.pairwise(xs) for y0, y1 in itertools.pairwise(ys)]
     return [tuple(map(float, c)) for c in cells if polygon.contains(Polygon.from_bounds(*c).centroid)]  # type: ignore[misc]

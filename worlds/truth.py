@@ -29,7 +29,9 @@ def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, 
     return np.clip(np.searchsorted(floors, points[:, 2], side="right") - 1, 0, None)
 
 
-def ambiguity_at(house: House, points: Float[np.ndarray, "n 3"], band_m: float = AMBIGUITY_BAND_M) -> Bool[np.ndarray, "n rooms"]:
+def ambiguity_at(
+    house: House, points: Float[np.ndarray, "n 3"], band_m: float = AMBIGUITY_BAND_M
+) -> Bool[np.ndarray, "n rooms"]:
     """Which rooms' labels count as right at each point.
 
     The room that holds the point always does; within `band_m` [m] of a boundary without a wall both sides do.
@@ -59,4 +61,6 @@ def openness(house: House) -> float:
 def floor_area(house: House) -> float:
     """Indoor area of all storeys, to the wall centre lines [m²]."""
     storeys = house.spec.storeys
-    return float(sum(house.room_by_id[r.id].polygon.area for s in storeys for r in s.rooms if not house.room_by_id[r.id].outdoor))
+    return float(
+        sum(house.room_by_id[r.id].polygon.area for s in storeys for r in s.rooms if not house.room_by_id[r.id].outdoor)
+    )

@@ -39,7 +39,9 @@ def _check_openings(house: House, level: int) -> None:
         place = f"storeys[{level}].openings[{i}] ({opening.rooms[0]} - {opening.rooms[1]})"
         in_shared_wall = _length_in_shared_wall(house, level, opening)
         if in_shared_wall < opening.width_m - _TOLERANCE_M:
-            raise HouseError(f"{place}: only {in_shared_wall:.2f} of its {opening.width_m:.2f} m lie in the wall between the two rooms")
+            raise HouseError(
+                f"{place}: only {in_shared_wall:.2f} of its {opening.width_m:.2f} m lie in the wall between the two rooms"
+            )
         if opening.width_m < _MIN_OPENING_M:
             raise HouseError(f"{place}: {opening.width_m:.2f} m wide; a body needs at least {_MIN_OPENING_M:.2f} m")
         if opening.kind != "open" and not _MIN_HEIGHT_M <= opening.height_m <= height:
@@ -61,4 +63,7 @@ def _check_reachable(house: House) -> None:
     reached = Walkable(house, radius_m=BODY_RADIUS_M).reachable_rooms()
     missing = [room.id for room in house.rooms if room.id not in reached]
     if missing:
-        raise HouseError(f"not reachable on foot (body radius {BODY_RADIUS_M} m): {', '.join(missing)}; add an opening, stairs or free space")
+        raise HouseError(
+            f"not reachable on foot (body radius {BODY_RADIUS_M} m): {', '.join(missing)}; "
+            "add an opening, stairs or free space"
+        )

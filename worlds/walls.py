@@ -1,5 +1,6 @@
 """Walls: the pieces of the room boundaries that are left when the openings are cut out."""
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ class Boundary:
 
     @property
     def length(self) -> float:
-        """[m]"""
+        """[m]."""
         return self.high - self.low
 
     def point(self, along: float) -> tuple[float, float]:
@@ -86,7 +87,7 @@ def boundaries(storey: StoreySpec) -> list[Boundary]:
 
 def _stretches(axis: int, at: float, edges: Sequence[tuple[float, float, int, str]]) -> Iterator[Boundary]:
     cuts = sorted({round(cut, 6) for low, high, _, _ in edges for cut in (low, high)})
-    for low, high in zip(cuts, cuts[1:], strict=False):
+    for low, high in itertools.pairwise(cuts):
         sides: list[str | None] = [None, None]
         for start, stop, side, room in edges:
             if start < high - _TOLERANCE_M and stop > low + _TOLERANCE_M:
@@ -109,8 +110,10 @@ def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
         return 0, round(y0, 6), min(x0, x1), max(x0, x1)
     if abs(x0 - x1) <= _TOLERANCE_M < abs(y0 - y1):
         return 1, round(x0, 6), min(y0, y1), max(y0, y1)
-    raise HouseError(f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
-                     "must lie apart along x or along y")
+    raise HouseError(
+        f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
+        "must lie apart along x or along y"
+    )
 
 
 def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:

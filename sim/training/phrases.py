@@ -5,9 +5,11 @@ A third of each room's names is held out: never trained on, kept to measure how 
 
 import numpy as np
 
+from lexis.prompts import with_article
+
 TEMPLATES = (
-    "{}", "a photo of {a}", "a picture of {a}", "{a} in a house", "a view of {a}", "inside {a}", "an image of {a}", "this is {a}",
-    "a wide photo of {a}", "a photo taken in {a}",
+    "{}", "a photo of {a}", "a picture of {a}", "{a} in a house", "a view of {a}", "inside {a}", "an image of {a}",
+    "this is {a}", "a wide photo of {a}", "a photo taken in {a}",
 )  # fmt: skip
 
 ROOM_NAMES: dict[str, tuple[str, ...]] = {
@@ -45,13 +47,6 @@ HELD_OUT_NAMES: dict[str, str] = {
     "garden": "lawn with flowers", "laundry room": "utility room", "garage": "parking space",
 }  # fmt: skip
 """Names that never occur in training."""
-
-
-def with_article(name: str) -> str:
-    """The name with the article it takes: "a kitchen", "an office", plain "stairs"."""
-    if name in ("stairs", "steps"):
-        return name
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
 def caption(name: str, rng: np.random.Generator) -> str:

@@ -17,11 +17,11 @@ import torch
 from jaxtyping import Float, Int
 from safetensors.torch import save_file
 from torch import Tensor, nn
-from torch.nn import functional as F
 
 from lexis.encoder import MINI_CONFIG, MINI_MEAN, MINI_STD
+from lexis.prompts import prompts
 from sim.training.frames import OBJECT_KINDS, Frames
-from sim.training.phrases import caption, room_caption, with_article
+from sim.training.phrases import caption, room_caption
 from worlds.labels import ROOM_LABELS
 
 _PRESENT = 0.004
@@ -69,15 +69,19 @@ class Towers(nn.Module):
     def image(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b d"], Float[Tensor, "b kinds"]]:
         """Unit embeddings and the dense head's logits."""
         pooled = self.clip.visual.trunk(images)
-        return F.normalize(self.clip.visual.head(pooled).float(), dim=-1), self.dense(pooled).float()
+        return nn.functional.normalize(self.clip.visual.head(pooled).float(), dim=-1), self.dense(pooled).float()
 
     def text(self, captions: Sequence[str]) -> Float[Tensor, "c d"]:
         """Unit embeddings of captions."""
-        return F.normalize(self.clip.encode_text(self.tokenizer(list(captions))).float(), dim=-1)
+        return nn.functional.normalize(self.clip.encode_text(self.tokenizer(list(captions))).float(), dim=-1)
 
 
 def train(
-    frames: Frames, tuning: Frames, config: TrainingConfig, report: Callable[[Progress], None], checkpoint: Path | None = None
+    frames: Frames,
+    tuning: Frames,
+    config: TrainingConfig,
+    report: Callable[[Progress], None],
+    checkpoint: Path | None = None,
 ) -> Towers:
     """Train on `frames`, report accuracy on `tuning` after every epoch; resume from `checkpoint` where it exists."""
     torch.manual_seed(config.seed)
@@ -94,7 +98,7 @@ def train(
         for images, rooms, present in _batches(frames, config.batch, rng):
             loss = _loss(towers, images, rooms, present, weights, config, rng)
             optimiser.zero_grad()
-            loss.backward()
+            loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
             schedule.step()
             losses.append(float(loss.detach()))
@@ -104,7 +108,13 @@ def train(
 
 
 def _loss(
-    towers: Towers, images: Tensor, rooms: Tensor, present: Tensor, weights: Tensor, config: TrainingConfig, rng: np.random.Generator
+    towers: Towers,
+    images: Tensor,
+    rooms: Tensor,
+    present: Tensor,
+    weights: Tensor,
+    config: TrainingConfig,
+    rng: np.random.Generator,
 ) -> Tensor:
     with torch.autocast("cpu", torch.bfloat16):
         embedding, dense = towers.image(images)
@@ -112,9 +122,9 @@ def _loss(
     room_text, object_text = text[: len(ROOM_LABELS)], text[len(ROOM_LABELS) :]
     room_logits = towers.room_scale.exp() * embedding @ room_text.T
     object_logits = towers.object_scale.exp() * embedding @ object_text.T + towers.object_bias
-    room_loss = F.cross_entropy(room_logits, rooms, weights, label_smoothing=config.label_smoothing)
-    object_loss = F.binary_cross_entropy_with_logits(object_logits, present)
-    dense_loss = F.binary_cross_entropy_with_logits(dense, present)
+    room_loss = nn.functional.cross_entropy(room_logits, rooms, weights, label_smoothing=config.label_smoothing)
+    object_loss = nn.functional.binary_cross_entropy_with_logits(object_logits, present)
+    dense_loss = nn.functional.binary_cross_entropy_with_logits(dense, present)
     return room_loss + config.object_weight * (object_loss + dense_loss)
 
 
@@ -122,7 +132,7 @@ def accuracy(towers: Towers, frames: Frames) -> float:
     """Zero-shot share of frames whose room's caption, "a photo of ...", is the most similar one among the labels present."""
     towers.eval()
     with torch.inference_mode():
-        text = towers.text([f"a photo of {with_article(label)}" for label in ROOM_LABELS])
+        text = towers.text([prompts(label)[0] for label in ROOM_LABELS])
         batches = range(0, len(frames.rooms), 256)
         embeddings = torch.cat([towers.image(_normalised(frames.images[i : i + 256]))[0] for i in batches])
     similarity = (embeddings @ text.T).numpy()
@@ -156,8 +166,8 @@ def _augmented(images: Float[Tensor, "b 3 h w"], rng: np.random.Generator) -> Fl
     theta[:, 0, 0] = (zoom * rng.choice([-1.0, 1.0], (n, 1)))[:, 0]
     theta[:, 1, 1] = zoom[:, 0]
     theta[:, :, 2] = rng.uniform(-1.0, 1.0, (n, 2)) * (1.0 - zoom)
-    grid = F.affine_grid(torch.from_numpy(theta), list(images.shape), align_corners=False)
-    moved = F.grid_sample(images, grid, align_corners=False, padding_mode="reflection")
+    grid = nn.functional.affine_grid(torch.from_numpy(theta), list(images.shape), align_corners=False)
+    moved = nn.functional.grid_sample(images, grid, align_corners=False, padding_mode="reflection")
     gain = torch.from_numpy(rng.uniform(0.85, 1.15, (n, 3, 1, 1)).astype(np.float32))
     offset = torch.from_numpy(rng.normal(0.0, 0.15, (n, 1, 1, 1)).astype(np.float32))
     return moved * gain + offset

@@ -1,0 +1,63 @@
+"""What a run consists of: a house, a walk, a drift, an encoder."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lexis.config import Config
+from lexis.types import Camera
+from sim.camera import wide_camera
+from sim.errors import SimError
+from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """One run of the harness. The same config gives the same result, apart from times."""
+
+    preset: str = "home"
+    """Family of houses; ignored where `house` is given."""
+    seed: int = 7
+    """Of the house (unless given), the tour and the odometry, each with a stream of its own."""
+    house: HouseSpec | None = None
+    """A house of one's own."""
+    odometry: str = "multicam"
+    """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
+    encoder: str = "mini"
+    """As `lexis.encoder.load_encoder` takes it."""
+    loops: bool = True
+    """Whether loops are closed."""
+    refine: bool = True
+    """Whether labels are refined."""
+    lexis: Config = field(default_factory=Config)
+    camera: Camera = field(default_factory=wide_camera)
+
+    def __post_init__(self) -> None:
+        """Raise SimError for an unknown odometry preset or a negative seed."""
+        if self.odometry not in ODOMETRY_PRESETS:
+            raise SimError(f"unknown odometry {self.odometry!r}; valid: {', '.join(ODOMETRY_PRESETS)}")
+        if not 0 <= self.seed < 2**63:
+            raise SimError(f"seed {self.seed} is not in 0 ... 2**63 - 1")
+
+    def house_spec(self) -> HouseSpec:
+        """The given house, or the preset's house of this seed. Raises `worlds.errors.WorldsError`."""
+        return self.house or sample_house(self.preset, self.seed)
+
+    def streams(self) -> dict[str, np.random.Generator]:
+        """One generator per stage, so that a change to one stage leaves the others' draws alone."""
+        stages = ("tour", "odometry", "planning")
+        return {
+            stage: np.random.default_rng(s)
+            for stage, s in zip(stages, np.random.SeedSequence(self.seed).spawn(3), strict=True)
+        }
+
+    def slam_config(self) -> Config:
+        """The SLAM's settings with the run's switches applied."""
+        config = self.lexis
+        if not self.loops:
+            config = replace(config, place_recognition=replace(config.place_recognition, candidates=0))
+        if not self.refine:
+            config = replace(config, labels=replace(config.labels, refine=False))
+        return config

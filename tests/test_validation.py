@@ -1,0 +1,78 @@
+"""Houses that cannot be: each is refused with the room and the rule."""
+
+import json
+
+import pytest
+
+from worlds.errors import HouseError
+from worlds.house import build_house
+from worlds.spec import HouseSpec
+from worlds.validation import validate
+
+
+def two_rooms(**change):
+    storey = {
+        "rooms": [
+            {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [4, 0], [4, 3], [0, 3]]},
+            {"id": "b", "label": "bedroom", "polygon_m": [[4, 0], [8, 0], [8, 3], [4, 3]]},
+        ],
+        "openings": [{"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.9]}],
+    }
+    return HouseSpec.from_json(json.dumps({"storeys": [storey | change]}))
+
+
+def refusal(spec):
+    with pytest.raises(HouseError) as error:
+        validate(build_house(spec))
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def test_the_house_itself_stands():
+    validate(build_house(two_rooms()))
+
+
+def test_no_door_no_way():
+    assert "not reachable on foot" in refusal(two_rooms(openings=[]))
+
+
+def test_a_door_too_narrow_for_the_body():
+    assert "0.50 m wide" in refusal(
+        two_rooms(openings=[{"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.5]}])
+    )
+
+
+def test_a_door_wider_than_its_wall():
+    assert "lie in the wall" in refusal(
+        two_rooms(openings=[{"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 9]}])
+    )
+
+
+@pytest.mark.parametrize(
+    "polygon", [[[3, 0], [8, 0], [8, 3], [3, 3]], [[1, 1], [2, 1], [2, 2], [1, 2]], [[2, 0], [6, 0], [6, 3], [2, 3]]]
+)
+def test_overlapping_rooms_are_named(polygon):
+    rooms = [
+        {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [4, 0], [4, 3], [0, 3]]},
+        {"id": "b", "label": "bedroom", "polygon_m": polygon},
+    ]
+    message = refusal(two_rooms(rooms=rooms, openings=[]))
+    assert "'a'" in message and "'b'" in message and "overlap" in message
+
+
+def test_furniture_that_sticks_out():
+    piece = {
+        "id": "f",
+        "kind": "bed",
+        "room": "b",
+        "position_m": [8, 1, 0],
+        "yaw_rad": 0,
+        "size_m": [1.6, 2.0, 0.5],
+        "seed": 1,
+    }
+    assert "'f'" in refusal(two_rooms(furniture=[piece]))
+
+
+def test_clockwise_rooms_are_refused():
+    rooms = [{"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [0, 3], [4, 3], [4, 0]]}]
+    assert "counter-clockwise" in refusal(two_rooms(rooms=rooms, openings=[]))
