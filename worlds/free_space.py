@@ -1,0 +1,153 @@
+"""Obstacles of a house and how far every place of its storeys is from them: exact, in the plan, at a body's height."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Float64, Int
+from shapely import STRtree
+
+from worlds.house import House
+from worlds.labels import STAIRS
+
+BODY_LOW_M = 0.05
+BODY_HIGH_M = 1.9
+"""A walker collides with what lies between these heights above the walked surface; lintels and rugs do not count."""
+CLEARANCE_CAP_M = 1.0
+"""Distances beyond this are not told apart [m]."""
+_PADDING_M = 0.3
+_TOLERANCE_M = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Obstacles:
+    """Upright boxes."""
+
+    centre: Float64[np.ndarray, "n 2"]
+    """[m]"""
+    size: Float64[np.ndarray, "n 2"]
+    """Along the box's own axes [m]."""
+    yaw: Float64[np.ndarray, "n"]
+    """[rad]"""
+    span: Float64[np.ndarray, "n 2"]
+    """Lower and upper end in W [m]."""
+
+    @cached_property
+    def footprints(self) -> STRtree:
+        """The boxes in the plan, in the order of the arrays."""
+        corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * self.size[:, None, :]
+        cos, sin = np.cos(self.yaw)[:, None], np.sin(self.yaw)[:, None]
+        x, y = cos * corners[..., 0] - sin * corners[..., 1], sin * corners[..., 0] + cos * corners[..., 1]
+        return STRtree(shapely.polygons(np.stack([x, y], axis=-1) + self.centre[:, None, :]))
+
+    def at_height(self, surface_m: float) -> "Obstacles":
+        """Those that a body standing on a surface at that height would meet."""
+        meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
+        return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
+
+    def clear(
+        self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float
+    ) -> Bool[np.ndarray, "m"]:
+        """For each straight step on the walked surface, whether an upright round body meets nothing along it."""
+        steps = np.asarray(shapely.linestrings(np.stack([start[:, :2], end[:, :2]], axis=1)))
+        step, box = self.footprints.query(steps, predicate="dwithin", distance=radius_m - _TOLERANCE_M)
+        low = np.minimum(start[step, 2], end[step, 2]) + BODY_LOW_M
+        high = np.maximum(start[step, 2], end[step, 2]) + BODY_HIGH_M
+        meets = (self.span[box, 0] < high) & (self.span[box, 1] > low)
+        free = np.full(len(steps), True)
+        free[step[meets]] = False
+        return free
+
+
+def solid_obstacles(house: House) -> Obstacles:
+    """Walls, fences and solid furniture."""
+    rows = [(*_box(wall.footprint.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
+    for piece in house.furniture:
+        if piece.solid:
+            (x, y, z), (width, depth, height) = piece.position, piece.size
+            rows.append((x, y, width, depth, piece.yaw, z, z + height))
+    return _obstacles(rows)
+
+
+def stair_wells(house: House) -> Obstacles:
+    """The cells of stairs, through all their storeys: places where nobody walks on the level."""
+    return _obstacles([(*_box(r.polygon.bounds), 0.0, r.floor_m, r.ceiling_m) for r in house.rooms if r.label == STAIRS])
+
+
+def _box(bounds: Sequence[float]) -> tuple[float, float, float, float]:
+    x0, y0, x1, y1 = bounds
+    return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
+
+
+def _obstacles(rows: Sequence[tuple[float, ...]]) -> Obstacles:
+    table = np.array(rows, dtype=np.float64).reshape(-1, 7)
+    return Obstacles(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5:])
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """Every storey of a house on the same grid of points."""
+
+    x: Float64[np.ndarray, "nx"]
+    """[m]"""
+    y: Float64[np.ndarray, "ny"]
+    """[m]"""
+    floors: Float64[np.ndarray, "storeys"]
+    """Heights of the floors in W [m]."""
+    clearance: Float64[np.ndarray, "storeys nx ny"]
+    """Distance to the nearest obstacle or stairs, up to `CLEARANCE_CAP_M`; 0 within [m]."""
+    room: Int[np.ndarray, "storeys nx ny"]
+    """Index in `house.rooms`, -1 outside of all."""
+
+
+def survey(house: House, resolution_m: float) -> FreeSpace:
+    """Measure the free space of a house."""
+    x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
+    x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
+    y = np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
+    solids, wells = solid_obstacles(house), stair_wells(house)
+    floors = np.array([storey.floor_m for storey in house.storeys])
+    clearance = [_clearance(x, y, (solids.at_height(floor), wells.at_height(floor))) for floor in floors]
+    return FreeSpace(x, y, floors, np.stack(clearance), np.stack([_rooms(house, x, y, floor) for floor in floors]))
+
+
+def _clearance(
+    x: Float64[np.ndarray, "nx"], y: Float64[np.ndarray, "ny"], groups: Sequence[Obstacles]
+) -> Float64[np.ndarray, "nx ny"]:
+    squared = np.full((len(x), len(y)), CLEARANCE_CAP_M**2)
+    for obstacles in groups:
+        cos, sin = np.cos(obstacles.yaw), np.sin(obstacles.yaw)
+        reach = np.abs(np.stack([cos, -sin, sin, cos], axis=-1).reshape(-1, 2, 2)) @ obstacles.size[..., None] / 2
+        low, high = obstacles.centre - reach[..., 0] - CLEARANCE_CAP_M, obstacles.centre + reach[..., 0] + CLEARANCE_CAP_M
+        i0, i1 = np.searchsorted(x, low[:, 0]).tolist(), np.searchsorted(x, high[:, 0]).tolist()
+        j0, j1 = np.searchsorted(y, low[:, 1]).tolist(), np.searchsorted(y, high[:, 1]).tolist()
+        quarter_turns = obstacles.yaw / (np.pi / 2)
+        aligned = np.isclose(quarter_turns, np.round(quarter_turns), atol=1e-9)
+        for k in range(len(obstacles.yaw)):
+            dx, dy = x[i0[k] : i1[k]] - obstacles.centre[k, 0], y[j0[k] : j1[k]] - obstacles.centre[k, 1]
+            if aligned[k]:
+                along, across = np.abs(dx) - reach[k, 0, 0], np.abs(dy) - reach[k, 1, 0]
+                distance = np.add.outer(np.maximum(along, 0.0) ** 2, np.maximum(across, 0.0) ** 2)
+            else:
+                u, v = np.add.outer(cos[k] * dx, sin[k] * dy), np.add.outer(-sin[k] * dx, cos[k] * dy)
+                along, across = np.abs(u) - obstacles.size[k, 0] / 2, np.abs(v) - obstacles.size[k, 1] / 2
+                distance = np.maximum(along, 0.0) ** 2 + np.maximum(across, 0.0) ** 2
+            window = squared[i0[k] : i1[k], j0[k] : j1[k]]
+            np.minimum(window, distance, out=window)
+    np.sqrt(squared, out=squared)
+    return squared
+
+
+def _rooms(
+    house: House, x: Float64[np.ndarray, "nx"], y: Float64[np.ndarray, "ny"], floor: float
+) -> Int[np.ndarray, "nx ny"]:
+    index = np.full((len(x), len(y)), -1)
+    for k, room in enumerate(house.rooms):
+        if room.floor_m <= floor < room.ceiling_m:
+            x0, y0, x1, y1 = room.polygon.bounds
+            i, j = slice(*np.searchsorted(x, (x0, x1))), slice(*np.searchsorted(y, (y0, y1)))
+            inside = shapely.contains_xy(room.polygon, x[i, None], y[None, j])
+            index[i, j][inside] = k
+    return index
