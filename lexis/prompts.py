@@ -1,0 +1,22 @@
+"""Room names as sentences: CLIP reads captions better than bare nouns."""
+
+TEMPLATES = ("a photo of {}", "a picture of {}", "{} in a house", "a view of {}", "inside {}")
+"""Averaged over, so that no single wording decides."""
+
+_CONSONANT_SOUND = ("uni", "use", "uti", "eu", "one ")
+_VOWEL_SOUND = ("hour", "honour", "honor")
+
+
+def prompts(name: str) -> tuple[str, ...]:
+    """The captions of a room: `prompts("office")` begins with "a photo of an office"."""
+    return tuple(template.format(with_article(name)) for template in TEMPLATES)
+
+
+def with_article(name: str) -> str:
+    """The name with the article it takes: "a kitchen", "an office", "a utility room", plain "stairs"."""
+    name = name.strip()
+    lowered = name.lower()
+    if lowered.endswith("s") and not lowered.endswith(("ss", "'s", "us")):
+        return name
+    vowel = lowered[0] in "aeiou" and not lowered.startswith(_CONSONANT_SOUND)
+    return f"{'an' if vowel or lowered.startswith(_VOWEL_SOUND) else 'a'} {name}"
