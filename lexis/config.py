@@ -47,6 +47,10 @@ class LandmarkConfig:
     """Largest distance of a match from its epipolar line [px]."""
     ratio: float = 0.8
     """Lowe's ratio of the best to the second-best Hamming distance."""
+    max_hamming: int = 120
+    """Largest distance of two matched descriptors, of 486 bits."""
+    min_views: int = 3
+    """Images that must agree on a landmark, the keyframe's included."""
     min_parallax_rad: float = 0.026
     """Smallest angle between the outermost rays of a landmark [rad]; 1.5 degrees."""
     max_reprojection_px: float = 1.5
@@ -58,6 +62,8 @@ class LandmarkConfig:
         _require(self.max_features >= 8, "landmarks.max_features", self.max_features, ">= 8")
         _require(self.epipolar_px > 0, "landmarks.epipolar_px", self.epipolar_px, "> 0 px")
         _require(0 < self.ratio <= 1, "landmarks.ratio", self.ratio, "(0, 1]")
+        _require(0 < self.max_hamming <= 488, "landmarks.max_hamming", self.max_hamming, "1 to 488 bits")
+        _require(self.min_views >= 2, "landmarks.min_views", self.min_views, ">= 2")
         _require(0 < self.min_parallax_rad < 1, "landmarks.min_parallax_rad", self.min_parallax_rad, "(0, 1) rad")
         _require(self.max_reprojection_px > 0, "landmarks.max_reprojection_px", self.max_reprojection_px, "> 0 px")
 
@@ -142,6 +148,12 @@ class VerificationConfig:
     """Part that grows with the path since the candidate [m/m]."""
     max_edges: int = 3
     """Loop edges kept per query, best first."""
+    pixel_sigma: float = 1.5
+    """Standard deviation of an inlier's reprojection error, landmark noise included [px]."""
+    rotation_sigma_rad: float = 0.005
+    """Floor of a loop edge's standard deviation [rad]."""
+    translation_sigma_m: float = 0.03
+    """Floor of a loop edge's standard deviation [m]."""
     seed: int = 0
     """Of RANSAC."""
 
@@ -155,6 +167,11 @@ class VerificationConfig:
         _require(self.gate_m >= 0, "verification.gate_m", self.gate_m, ">= 0 m")
         _require(self.gate_share >= 0, "verification.gate_share", self.gate_share, ">= 0")
         _require(self.max_edges >= 1, "verification.max_edges", self.max_edges, ">= 1")
+        _require(self.pixel_sigma > 0, "verification.pixel_sigma", self.pixel_sigma, "> 0 px")
+        sigma = self.rotation_sigma_rad
+        _require(sigma > 0, "verification.rotation_sigma_rad", sigma, "> 0 rad")
+        sigma = self.translation_sigma_m
+        _require(sigma > 0, "verification.translation_sigma_m", sigma, "> 0 m")
         _require(self.seed >= 0, "verification.seed", self.seed, ">= 0")
 
 

@@ -1,0 +1,73 @@
+"""The fixed lag of the front end: a keyframe is complete once the frames after it have arrived.
+
+Its landmarks are triangulated with the frames on both sides; a keyframe at the end of the sequence makes do with
+those before it.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32
+
+from lexis.config import Config
+from lexis.keyframes import Frame
+from lexis.landmarks import View, triangulate
+from lexis.types import Camera, Features, Keyframe
+
+
+@dataclass(frozen=True, eq=False)
+class _Entry:
+    frame: Frame
+    features: Features
+    embedding: Float32[np.ndarray, "d"] | None
+    """None for a support frame."""
+
+    @property
+    def view(self) -> View:
+        return View(self.frame.observation.T_O_B, self.features)
+
+
+class KeyframeWindow:
+    """Takes frames in order, gives complete keyframes in order."""
+
+    def __init__(self, camera: Camera, config: Config) -> None:
+        """Start empty."""
+        self._camera = camera
+        self._config = config
+        self._entries: deque[_Entry] = deque(maxlen=2 * config.keyframes.supports + 1)
+        self._count = 0
+
+    def add(self, frame: Frame, features: Features, embedding: Float32[np.ndarray, "d"] | None) -> list[Keyframe]:
+        """The keyframes that became complete: none or one. Only keyframes carry an embedding."""
+        self._entries.append(_Entry(frame, features, embedding))
+        centre = len(self._entries) - 1 - self._config.keyframes.supports
+        return self._complete(centre) if centre >= 0 else []
+
+    def flush(self) -> list[Keyframe]:
+        """The keyframes that still waited, at the end of the sequence."""
+        first = max(len(self._entries) - self._config.keyframes.supports, 0)
+        ready = [keyframe for centre in range(first, len(self._entries)) for keyframe in self._complete(centre)]
+        self._entries.clear()
+        return ready
+
+    def _complete(self, centre: int) -> list[Keyframe]:
+        entry = self._entries[centre]
+        if entry.embedding is None:
+            return []
+        supports = self._config.keyframes.supports
+        nearby = range(max(centre - supports, 0), min(centre + supports + 1, len(self._entries)))
+        views = [self._entries[index].view for index in nearby if index != centre]
+        observation = entry.frame.observation
+        keyframe = Keyframe(
+            id=self._count,
+            observation_index=observation.index,
+            stamp=observation.stamp,
+            T_O_B=observation.T_O_B,
+            step_covariance=entry.frame.step_covariance,
+            embedding=entry.embedding,
+            features=entry.features,
+            landmarks=triangulate(entry.view, views, self._camera, self._config.landmarks),
+        )
+        self._count += 1
+        return [keyframe]

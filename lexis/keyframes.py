@@ -1,0 +1,60 @@
+"""Which observations LEXIS keeps: equally spaced keyframes, and support frames between them (paper, Sec. III-A)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexis.config import KeyframeConfig
+from lexis.se3 import between, compose_covariance, rotation_angle
+from lexis.types import Covariance, Observation, Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """An observation that is kept."""
+
+    observation: Observation
+    is_keyframe: bool
+    """False for a support frame, which only serves to triangulate landmarks."""
+    step_covariance: Covariance
+    """Of the odometry since the previous keyframe [rad², m²]."""
+
+
+class KeyframeSelector:
+    """Keeps a keyframe every `spacing_m` of odometry path and a support frame every `support_spacing_m`."""
+
+    def __init__(self, config: KeyframeConfig) -> None:
+        """Start before the first observation."""
+        self._config = config
+        self._last: Pose | None = None
+        self._path_since_keyframe = 0.0
+        self._path_since_frame = 0.0
+        self._turn_since_keyframe = 0.0
+        self._covariance: Covariance = np.zeros((6, 6))
+
+    def select(self, observation: Observation) -> Frame | None:
+        """The observation as a frame, or None when it is too close to the one before. The first is a keyframe."""
+        first = self._last is None
+        if self._last is not None:
+            self._advance(between(self._last, observation.T_O_B), observation.increment_covariance)
+        self._last = observation.T_O_B
+        if first or self._keyframe_due():
+            frame = Frame(observation, True, self._covariance)
+            self._path_since_keyframe = self._path_since_frame = self._turn_since_keyframe = 0.0
+            self._covariance = np.zeros((6, 6))
+            return frame
+        if self._path_since_frame >= self._config.support_spacing_m:
+            self._path_since_frame = 0.0
+            return Frame(observation, False, self._covariance)
+        return None
+
+    def _advance(self, increment: Pose, covariance: Covariance) -> None:
+        distance = float(np.linalg.norm(increment[:3, 3]))
+        self._path_since_keyframe += distance
+        self._path_since_frame += distance
+        self._turn_since_keyframe += float(rotation_angle(increment))
+        self._covariance = compose_covariance(self._covariance, increment, covariance)
+
+    def _keyframe_due(self) -> bool:
+        turned = self._config.rotation_rad is not None and self._turn_since_keyframe >= self._config.rotation_rad
+        return turned or self._path_since_keyframe >= self._config.spacing_m

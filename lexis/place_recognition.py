@@ -1,0 +1,46 @@
+"""Loop candidates from the room that the query believes it is in (paper, Sec. III-D)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool
+
+from lexis.config import PlaceRecognitionConfig
+from lexis.pose_graph import PoseGraph
+from lexis.types import Keyframe, RoomInstance
+
+
+def propose(
+    query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
+) -> tuple[int, ...]:
+    """Ids of the keyframes to verify, best first; empty when no room of the label holds an old enough keyframe.
+
+    Args:
+        query: the new keyframe, already in the graph.
+        label: the room that its image looks like.
+        rooms: the current room instances.
+        graph: the current estimate and the embeddings.
+        config: how many to propose, and how old they have to be.
+
+    The closest room is sought among those with an old enough keyframe: the room that the robot has just entered may
+    for now be a cluster of its own, too recent to close a loop with, and would hide the older one behind it.
+    """
+    old = _old_enough(query, graph, config)
+    members = {room.id: [i for i in room.keyframes if old[i]] for room in rooms if room.label == label}
+    eligible = [room for room in rooms if members.get(room.id)]
+    if not eligible:
+        return ()
+    position = graph.T_W_B[query.id, :3, 3]
+    closest = min(eligible, key=lambda room: float(np.linalg.norm(room.mean - position)))
+    ids = np.array(members[closest.id])
+    similarity = graph.embeddings[ids] @ query.embedding
+    best = np.argsort(-similarity, kind="stable")[: config.candidates]
+    return tuple(ids[best].tolist())
+
+
+def _old_enough(query: Keyframe, graph: PoseGraph, config: PlaceRecognitionConfig) -> Bool[np.ndarray, "n"]:
+    """Which keyframes lie at least `min_gap_s` and `min_gap_m` of path before the query."""
+    stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
+    seconds = query.stamp - stamps
+    metres = graph.path_m[query.id] - graph.path_m
+    return (seconds >= config.min_gap_s) & (metres >= config.min_gap_m) & (stamps < query.stamp)

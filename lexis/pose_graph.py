@@ -1,0 +1,72 @@
+"""The pose graph as it grows: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float32, Float64
+
+from lexis.config import PoseGraphConfig
+from lexis.graph_optimisation import loop_weights, optimise
+from lexis.se3 import between
+from lexis.types import Keyframe, LoopEdge, Pose, Poses
+
+
+class PoseGraph:
+    """Keyframes, loops and the current estimate as the graph grows. W is where the first keyframe keeps its T_O_B."""
+
+    def __init__(self, config: PoseGraphConfig) -> None:
+        """Start empty."""
+        self._config = config
+        self._poses: list[Pose] = []
+        self._path_m: list[float] = []
+        self._unused_loops = False
+        self._last_optimised = 0
+        self.keyframes: list[Keyframe] = []
+        self.loops: list[LoopEdge] = []
+
+    @property
+    def T_W_B(self) -> Poses:
+        """The current estimate: optimised where that has happened, odometry from there on."""
+        return np.stack(self._poses)
+
+    @property
+    def embeddings(self) -> Float32[np.ndarray, "n d"]:
+        """f_CLIP of all keyframes."""
+        return np.stack([keyframe.embedding for keyframe in self.keyframes])
+
+    @property
+    def path_m(self) -> Float64[np.ndarray, "n"]:
+        """Odometry path from the first keyframe to each [m]."""
+        return np.array(self._path_m)
+
+    @property
+    def loop_weights(self) -> Float64[np.ndarray, "loops"]:
+        """DCS weights of the loop edges at the current estimate."""
+        return loop_weights(self.T_W_B, self.loops, self._config)
+
+    def add_keyframe(self, keyframe: Keyframe) -> None:
+        """Append a keyframe, placed by odometry from the one before."""
+        if not self.keyframes:
+            self._poses, self._path_m = [keyframe.T_O_B], [0.0]
+        else:
+            step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
+            self._poses.append(self._poses[-1] @ step)
+            self._path_m.append(self._path_m[-1] + float(np.linalg.norm(step[:3, 3])))
+        self.keyframes.append(keyframe)
+
+    def add_loops(self, loops: Sequence[LoopEdge]) -> None:
+        """Append verified edges; they act at the next optimisation."""
+        self.loops.extend(loops)
+        self._unused_loops |= bool(loops)
+
+    def optimise_if_due(self, final: bool = False) -> bool:
+        """Optimise if there are new loops and `every` keyframes have passed, or at the end. Whether it did."""
+        waited = len(self.keyframes) - self._last_optimised >= self._config.every
+        if not self._unused_loops or not (waited or final):
+            return False
+        T_O_B = np.stack([keyframe.T_O_B for keyframe in self.keyframes])
+        covariances = np.stack([keyframe.step_covariance for keyframe in self.keyframes[1:]])
+        result = optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config)
+        self._poses = list(result.T_W_B)
+        self._unused_loops, self._last_optimised = False, len(self.keyframes)
+        return True

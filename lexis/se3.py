@@ -1,0 +1,78 @@
+"""Rigid motions as 4x4 matrices, vectorised over leading axes. Tangent vectors are rotation first, as in GTSAM."""
+
+import numpy as np
+from jaxtyping import Bool, Float64
+from scipy.spatial.transform import RigidTransform
+
+Transforms = Float64[np.ndarray, "*batch 4 4"]
+
+
+def inverse(T_a_b: Transforms) -> Transforms:
+    """``T_b_a``, by the transpose instead of a general inversion."""
+    rotation = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
+    result = np.zeros_like(T_a_b)
+    result[..., :3, :3] = rotation
+    result[..., :3, 3] = -(rotation @ T_a_b[..., :3, 3:])[..., 0]
+    result[..., 3, 3] = 1.0
+    return result
+
+
+def between(T_a_b: Transforms, T_a_c: Transforms) -> Float64[np.ndarray, "*out 4 4"]:
+    """``T_b_c``: the second pose seen from the first. Leading axes broadcast."""
+    return inverse(T_a_b) @ T_a_c
+
+
+def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
+    """Points of frame b in frame a."""
+    return points @ T_a_b[:3, :3].T + T_a_b[:3, 3]
+
+
+def skew(vectors: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3 3"]:
+    """``[v]x``, so that ``skew(v) @ w == cross(v, w)``."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def exp(tangents: Float64[np.ndarray, "*batch 6"]) -> Transforms:
+    """The motion that a constant twist ``(rotation [rad], translation [m])`` makes in unit time."""
+    return RigidTransform.from_exp_coords(tangents).as_matrix()
+
+
+def log(T: Transforms) -> Float64[np.ndarray, "*batch 6"]:
+    """The inverse of `exp`."""
+    return RigidTransform.from_matrix(T).as_exp_coords()
+
+
+def adjoint(T: Transforms) -> Float64[np.ndarray, "*batch 6 6"]:
+    """``Ad`` with ``T @ exp(x) == exp(Ad @ x) @ T``."""
+    rotation = T[..., :3, :3]
+    result = np.zeros((*T.shape[:-2], 6, 6))
+    result[..., :3, :3] = result[..., 3:, 3:] = rotation
+    result[..., 3:, :3] = skew(T[..., :3, 3]) @ rotation
+    return result
+
+
+def compose_covariance(
+    first: Float64[np.ndarray, "6 6"], T_second: Float64[np.ndarray, "4 4"], second: Float64[np.ndarray, "6 6"]
+) -> Float64[np.ndarray, "6 6"]:
+    """Covariance of ``T_first @ T_second`` to first order, both perturbed independently on the right [rad², m²]."""
+    Ad = adjoint(inverse(T_second))
+    return Ad @ first @ Ad.T + second
+
+
+def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
+    """Angle of the rotation, in [0, pi] [rad]."""
+    R = T[..., :3, :3]
+    axis = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1)
+    return np.arctan2(np.linalg.norm(axis, axis=-1), np.trace(R, axis1=-2, axis2=-1) - 1.0)
+
+
+def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
+    """Whether the matrices are finite, orthonormal, right-handed and homogeneous within the tolerance."""
+    R = T[..., :3, :3]
+    orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
+    homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)
+    finite = np.isfinite(T).all(axis=(-1, -2))
+    return np.asarray(finite & orthonormal & homogeneous & (np.linalg.det(R) > 0))

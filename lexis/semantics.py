@@ -1,0 +1,45 @@
+"""Labels, rooms and floors as one function of the current graph: derived from it, never patched into it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+
+from lexis.config import Config
+from lexis.room_labels import label_keyframes, similarities
+from lexis.room_segmentation import segment
+from lexis.types import Poses, RoomInstance
+
+
+@dataclass(frozen=True, eq=False)
+class Semantics:
+    """What the keyframes mean. Arrays are indexed by keyframe id, as in `LexisMap`."""
+
+    similarities: Float[np.ndarray, "n rooms"]
+    baseline_labels: Int[np.ndarray, "n"]
+    labels: Int[np.ndarray, "n"]
+    floors: Int[np.ndarray, "n"]
+    rooms: tuple[RoomInstance, ...]
+
+
+def derive(
+    embeddings: Float32[np.ndarray, "n d"],
+    T_W_B: Poses,
+    text: Float32[np.ndarray, "rooms d"],
+    room_names: tuple[str, ...],
+    config: Config,
+) -> Semantics:
+    """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
+
+    Args:
+        embeddings: f_CLIP of every keyframe, of unit norm.
+        T_W_B: current poses.
+        text: f_TEXT of every room name, of unit norm.
+        room_names: the vocabulary.
+        config: of labels and segmentation.
+    """
+    positions = T_W_B[:, :3, 3]
+    cosines = similarities(embeddings, text)
+    labels = label_keyframes(cosines, positions, room_names, config.labels)
+    segmentation = segment(labels.refined, positions, room_names, config.segmentation)
+    return Semantics(cosines, labels.baseline, labels.refined, segmentation.floors, segmentation.rooms)

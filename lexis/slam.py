@@ -1,0 +1,137 @@
+"""LEXIS from observations to a map, its stages in the paper's order. Start reading here.
+
+select keyframe → encode + extract features → add to graph → label → refine → cluster rooms and floors
+→ propose loop candidates in the room → verify by PnP → add edges → optimise → relabel
+"""
+
+from collections.abc import Sequence
+
+from lexis.config import Config
+from lexis.encoder import Encoder
+from lexis.errors import LexisError
+from lexis.features import FeatureExtractor
+from lexis.inputs import check_camera, check_observation, check_room_names
+from lexis.keyframe_window import KeyframeWindow
+from lexis.keyframes import KeyframeSelector
+from lexis.place_recognition import propose
+from lexis.pose_graph import PoseGraph
+from lexis.semantics import Semantics, derive
+from lexis.timing import StageTimer
+from lexis.types import Camera, Keyframe, LexisMap, Observation
+from lexis.verification import verify
+
+
+class Slam:
+    """Takes observations in order, gives the map.
+
+    Example::
+
+        slam = Slam(camera, encoder, ("kitchen", "office", "corridor", "stairs"))
+        for observation in observations:
+            slam.process(observation)
+        lexis_map = slam.finish()
+    """
+
+    def __init__(
+        self, camera: Camera, encoder: Encoder, room_names: Sequence[str], config: Config | None = None
+    ) -> None:
+        """Set up all stages and encode the room prompts.
+
+        Raises:
+            LexisError: the camera or the room names are unusable.
+        """
+        check_camera(camera)
+        check_room_names(room_names)
+        self._camera = camera
+        self._encoder = encoder
+        self._room_names = tuple(room_names)
+        self._config = config or Config()
+        self._text = encoder.encode_rooms(self._room_names)
+        self._selector = KeyframeSelector(self._config.keyframes)
+        self._extractor = FeatureExtractor(self._config.landmarks)
+        self._window = KeyframeWindow(camera, self._config)
+        self._graph = PoseGraph(self._config.pose_graph)
+        self._semantics: Semantics | None = None
+        self._candidates: list[tuple[int, tuple[int, ...]]] = []
+        self._previous: Observation | None = None
+        self._timed = StageTimer()
+
+    def process(self, observation: Observation) -> None:
+        """Take the next observation; a keyframe enters the graph once the frames after it have arrived.
+
+        Raises:
+            ObservationError: it does not fit the camera or the sequence.
+        """
+        check_observation(observation, self._camera, self._previous)
+        self._previous = observation
+        frame = self._selector.select(observation)
+        if frame is None:
+            return
+        with self._timed("encode"):
+            embedding = self._encoder.encode_image(observation.image) if frame.is_keyframe else None
+        with self._timed("features"):
+            features = self._extractor.extract(observation.image)
+        with self._timed("landmarks"):
+            complete = self._window.add(frame, features, embedding)
+        for keyframe in complete:
+            self._add(keyframe)
+
+    def finish(self) -> LexisMap:
+        """The map of all observations; this ends the run.
+
+        Raises:
+            LexisError: there was no observation.
+        """
+        with self._timed("landmarks"):
+            complete = self._window.flush()
+        for keyframe in complete:
+            self._add(keyframe)
+        if not self._graph.keyframes:
+            raise LexisError("no observation was processed; valid: at least one before finish()")
+        self._optimise(final=True)
+        return self._map(self._understand())
+
+    def _add(self, keyframe: Keyframe) -> None:
+        self._graph.add_keyframe(keyframe)
+        if len(self._graph.keyframes) % self._config.labels.every == 0:
+            self._semantics = self._understand()
+        self._close_loops(keyframe)
+        if self._optimise():
+            self._semantics = self._understand()
+
+    def _understand(self) -> Semantics:
+        """Label, refine, cluster rooms and floors."""
+        with self._timed("rooms"):
+            return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config)
+
+    def _close_loops(self, query: Keyframe) -> None:
+        """Propose candidates in the room, verify them by PnP, add the edges."""
+        with self._timed("propose"):
+            label = self._room_names[int((self._text @ query.embedding).argmax())]
+            rooms = self._semantics.rooms if self._semantics else ()
+            candidates = propose(query, label, rooms, self._graph, self._config.place_recognition)
+        with self._timed("verify"):
+            loops = verify(query, candidates, self._graph, self._camera, self._config.verification)
+        self._candidates.append((query.id, candidates))
+        self._graph.add_loops(loops)
+
+    def _optimise(self, final: bool = False) -> bool:
+        with self._timed("optimise"):
+            return self._graph.optimise_if_due(final)
+
+    def _map(self, semantics: Semantics) -> LexisMap:
+        return LexisMap(
+            camera=self._camera,
+            room_names=self._room_names,
+            keyframes=tuple(self._graph.keyframes),
+            T_W_B=self._graph.T_W_B,
+            similarities=semantics.similarities,
+            baseline_labels=semantics.baseline_labels,
+            labels=semantics.labels,
+            floors=semantics.floors,
+            rooms=semantics.rooms,
+            loops=tuple(self._graph.loops),
+            loop_weights=self._graph.loop_weights,
+            candidates=tuple(self._candidates),
+            stage_seconds=self._timed.seconds,
+        )

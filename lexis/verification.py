@@ -1,0 +1,158 @@
+"""Geometric verification of loop candidates by PnP against the candidate's landmarks (paper, Sec. III-D)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import poselib
+from jaxtyping import Float64, Int
+
+from lexis.config import VerificationConfig
+from lexis.features import mutual_matches
+from lexis.pose_graph import PoseGraph
+from lexis.projection import project, project_jacobian
+from lexis.se3 import between, inverse, skew, transform
+from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
+
+_GRID = 6
+"""Cells along each side of the image when the spread of inliers is measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Correspondences:
+    """Key points of the query and the landmarks they may show; a key point may occur several times."""
+
+    feature_ids: Int[np.ndarray, "k"]
+    """Rows of the query's features."""
+    points: Float64[np.ndarray, "k 3"]
+    """In the body frame of the candidate [m]."""
+
+
+def verify(
+    query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+) -> list[LoopEdge]:
+    """Loop edges to the candidates that geometry confirms and the odometry allows, most inliers first.
+
+    Args:
+        query: the new keyframe, already in the graph.
+        candidates: ids of earlier keyframes.
+        graph: the keyframes, and the current estimate that refuses loops too far from it.
+        camera: of all keyframes.
+        config: what counts as confirmed, and how many edges to return at most.
+    """
+    verifier = _Verifier(query, graph.keyframes, camera, config)
+    T_W_B, path_m = graph.T_W_B, graph.path_m
+    edges = [verifier.locate(match) for match in candidates]
+    plausible = [
+        edge
+        for edge in edges
+        if edge is not None
+        and _is_plausible(edge, between(T_W_B[edge.match], T_W_B[query.id]), path_m[query.id] - path_m[edge.match], config)
+    ]
+    return sorted(plausible, key=lambda edge: -edge.inliers)[: config.max_edges]
+
+
+def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: VerificationConfig) -> bool:
+    """Whether the loop lies about where the estimate says; the longer the path since, the more that may be wrong."""
+    distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])
+    return bool(distance <= config.gate_m + config.gate_share * path_m)
+
+
+class _Verifier:
+    """PnP for the candidates of one query; remembers its matches, since neighbouring candidates share landmarks."""
+
+    def __init__(
+        self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig
+    ) -> None:
+        self._query = query
+        self._keyframes = keyframes
+        self._camera = camera
+        self._config = config
+        self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
+
+    def locate(self, match: int) -> LoopEdge | None:
+        """The query's pose by the landmarks around a candidate, or None where too few agree or they are too close."""
+        seen = self._correspondences(match)
+        if len(np.unique(seen.feature_ids)) < self._config.min_inliers:
+            return None
+        intrinsics = self._camera.intrinsics
+        pixels = self._query.features.keypoints[seen.feature_ids].astype(np.float64)
+        T_C_match = _solve_pnp(pixels, seen.points, intrinsics, self._config)
+        points_C = transform(T_C_match, seen.points)
+        inliers = _inliers(points_C, pixels, intrinsics, self._config.max_reprojection_px)
+        unique, first = np.unique(seen.feature_ids[inliers], return_index=True)
+        if len(unique) < self._config.min_inliers or _occupied_cells(pixels[inliers], intrinsics) < self._config.min_cells:
+            return None
+        T_match_query = inverse(T_C_match) @ inverse(self._camera.T_B_C)
+        covariance = _covariance(points_C[inliers][first], self._camera, self._config)
+        return LoopEdge(self._query.id, match, T_match_query, covariance, len(unique))
+
+    def _correspondences(self, match: int) -> _Correspondences:
+        """Matches to the landmarks of the candidate and its neighbours, which odometry brings together.
+
+        Each keyframe is matched by itself: in a common pool, two sightings of one point would fail the ratio test.
+        """
+        pool = range(max(match - self._config.pool, 0), min(match + self._config.pool + 1, self._query.id))
+        ids, points = [], []
+        for neighbour in pool:
+            keyframe = self._keyframes[neighbour]
+            T_match_neighbour = between(self._keyframes[match].T_O_B, keyframe.T_O_B)
+            pairs = self._match(keyframe)
+            ids.append(pairs[:, 0])
+            points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))
+        return _Correspondences(np.concatenate(ids), np.concatenate(points))
+
+    def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
+        if keyframe.id not in self._matches:
+            landmarks = keyframe.features.descriptors[keyframe.landmarks.feature_ids]
+            self._matches[keyframe.id] = mutual_matches(
+                self._query.features.descriptors, landmarks, self._config.ratio
+            )
+        return self._matches[keyframe.id]
+
+
+def _solve_pnp(
+    pixels: Float64[np.ndarray, "k 2"],
+    points: Float64[np.ndarray, "k 3"],
+    intrinsics: Intrinsics,
+    config: VerificationConfig,
+) -> Pose:
+    """LO-RANSAC: the camera ``T_C_match`` that the most correspondences agree with."""
+    camera = {
+        "model": "PINHOLE",
+        "width": intrinsics.width,
+        "height": intrinsics.height,
+        "params": [intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy],
+    }
+    ransac = {"max_reproj_error": config.max_reprojection_px, "seed": config.seed}
+    solution, _ = poselib.estimate_absolute_pose(pixels, points, camera, ransac)
+    T_C_match = np.eye(4)
+    T_C_match[:3, :3], T_C_match[:3, 3] = solution.R, solution.t
+    return T_C_match
+
+
+def _inliers(
+    points_C: Float64[np.ndarray, "k 3"], pixels: Float64[np.ndarray, "k 2"], intrinsics: Intrinsics, limit_px: float
+) -> Int[np.ndarray, "i"]:
+    """Correspondences that agree with the pose, scored afresh: a solver's own list may belong to another pose."""
+    in_front = points_C[:, 2] > 0
+    safe = np.where(in_front[:, None], points_C, [0.0, 0.0, 1.0])
+    errors = np.linalg.norm(project(safe, intrinsics) - pixels, axis=1)
+    return np.flatnonzero(in_front & (errors <= limit_px))
+
+
+def _occupied_cells(pixels: Float64[np.ndarray, "i 2"], intrinsics: Intrinsics) -> int:
+    """How many cells of the grid hold an inlier: a true pose explains more than one poster."""
+    cells = np.floor((pixels + 0.5) / [intrinsics.width, intrinsics.height] * _GRID)
+    return len(np.unique(np.clip(cells, 0, _GRID - 1), axis=0))
+
+
+def _covariance(points_C: Float64[np.ndarray, "i 3"], camera: Camera, config: VerificationConfig) -> Covariance:
+    """Of ``T_match_query``: what the reprojections leave open, and a floor for the landmarks' common error."""
+    points_B = transform(camera.T_B_C, points_C)
+    rotation = camera.T_B_C[:3, :3].T
+    by_pose = np.concatenate([rotation @ skew(points_B), np.broadcast_to(-rotation, (len(points_B), 3, 3))], axis=2)
+    jacobian = (project_jacobian(points_C, camera.intrinsics) @ by_pose).reshape(-1, 6)
+    information = jacobian.T @ jacobian / config.pixel_sigma**2
+    floor = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3) ** 2
+    return np.linalg.inv(information + 1e-9 * np.eye(6)) + np.diag(floor)
