@@ -1,0 +1,23 @@
+"""`CATALOGUE`: every kind of furniture by name."""
+
+from collections.abc import Mapping
+from importlib import import_module
+from types import MappingProxyType
+
+from worlds.errors import WorldsError
+from worlds.furniture.kinds import Kind
+from worlds.furniture.registry import KINDS
+
+_THEMES = ("kitchen", "dining", "living", "bedroom", "bathroom", "office")
+
+for _theme in _THEMES:
+    import_module(f"worlds.furniture.{_theme}")
+
+CATALOGUE: Mapping[str, Kind] = MappingProxyType(KINDS)
+
+
+def kind_of(name: str) -> Kind:
+    """The kind called `name`. Raises `WorldsError` with the nearest valid names."""
+    if name not in CATALOGUE:
+        raise WorldsError(f"unknown furniture kind {name!r}; valid: {', '.join(sorted(CATALOGUE))}")
+    return CATALOGUE[name]

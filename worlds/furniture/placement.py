@@ -1,0 +1,154 @@
+"""`furnish`: fill the rooms of a storey with what the catalogue says belongs there, keeping every room walkable."""
+
+import math
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+from numpy.random import Generator
+
+from worlds.furniture.candidates import Piece, candidates, rectangles, zones
+from worlds.furniture.catalogue import CATALOGUE, kind_of
+from worlds.furniture.kinds import Around, Count, Kind, OnCeiling, OnTop, OnWall, Parts, Range, Size
+from worlds.furniture.room_plan import RoomPlan
+from worlds.labels import STAIRS
+from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec
+
+_TRIES = 5
+_HEAD_ROOM_M = 0.05
+
+
+def furnish(storey: StoreySpec, rng: Generator, clutter: float = 1.0, prefix: str = "0") -> tuple[FurnitureSpec, ...]:
+    """Furniture for all rooms of a storey; none for `clutter` 0, the usual for 1, more things lying about above.
+
+    Ids start with `prefix` and are unique in the storey. Stairs stay bare.
+    """
+    pieces: list[FurnitureSpec] = []
+    for room, room_rng in zip(storey.rooms, rng.spawn(len(storey.rooms)), strict=True):
+        if room.label == STAIRS or clutter <= 0.0:
+            continue
+        openings = [opening for opening in storey.openings if room.id in opening.rooms]
+        plan = RoomPlan(room, openings, [other for other in storey.rooms if other is not room], storey.height_m)
+        for piece in _furnish_room(plan, room_rng, clutter):
+            pieces.append(_spec(piece, room, f"{prefix}.{len(pieces)} {piece.kind.name}", room_rng))
+    return tuple(pieces)
+
+
+def parts_of(spec: FurnitureSpec) -> Parts:
+    """The parts of a piece in its own frame. Raises `WorldsError` for an unknown kind."""
+    return kind_of(spec.kind).build(Size(*spec.size_m), np.random.default_rng(spec.seed))
+
+
+def is_solid(kind: str) -> bool:
+    """Whether pieces of `kind` block the way. Raises `WorldsError` for an unknown kind."""
+    return kind_of(kind).solid
+
+
+def _furnish_room(plan: RoomPlan, rng: Generator, clutter: float) -> list[Piece]:
+    pieces: list[Piece] = []
+    standing, dependent = _kinds_for(plan.room.label)
+    for kind in standing:
+        first = len(pieces)
+        _place_some(plan, kind, None, pieces, rng, clutter)
+        for host in pieces[first:]:
+            for guest in dependent:
+                if isinstance(guest.place, Around) and host.kind.name in guest.place.hosts:
+                    _place_some(plan, guest, host, pieces, rng, clutter)
+    for kind in dependent:
+        if not isinstance(kind.place, Around):
+            for host in _hosts(kind, pieces):
+                _place_some(plan, kind, host, pieces, rng, clutter)
+    return pieces
+
+
+@cache
+def _kinds_for(label: str) -> tuple[tuple[Kind, ...], tuple[Kind, ...]]:
+    """What stands in a room by itself, and what needs that to be there, both in the order in which it is placed."""
+    here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
+    standing = tuple(kind for kind in here if _stage(kind) <= 1)
+    return standing, tuple(kind for kind in here if _stage(kind) > 1)
+
+
+def _rank(kind: Kind, label: str) -> tuple[int, bool, float]:
+    """What a room must have comes before what it may have, and large before small, since the later has to make do."""
+    return _stage(kind), not isinstance(kind.rooms[label], tuple), -kind.width[1] * kind.depth[1]
+
+
+def _stage(kind: Kind) -> int:
+    match kind.place:
+        case OnWall(exterior=True):
+            return 0
+        case OnTop():
+            return 2
+        case OnWall():
+            return 3
+        case OnCeiling():
+            return 4
+        case Around():
+            return 5
+    return 1
+
+
+def _hosts(kind: Kind, pieces: Sequence[Piece]) -> list[Piece | None]:
+    match kind.place:
+        case OnTop(hosts=names):
+            return [piece for piece in pieces if piece.kind.name in names]
+        case OnWall(above=names) if names:
+            return [piece for piece in pieces if piece.kind.name in names]
+    return [None]
+
+
+def _place_some(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: list[Piece], rng: Generator, clutter: float) -> None:
+    for _ in range(_draw_count(kind.rooms[plan.room.label], rng, clutter)):
+        piece = _place(plan, kind, host, pieces, rng)
+        if piece is None:
+            return
+        pieces.append(piece)
+
+
+def _draw_count(count: Count, rng: Generator, clutter: float) -> int:
+    if isinstance(count, tuple):
+        expected = min(clutter, 1.0) * int(rng.integers(count[0], count[1] + 1))
+    else:
+        expected = clutter * count
+    return math.floor(expected + rng.random())
+
+
+def _place(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: Sequence[Piece], rng: Generator) -> Piece | None:
+    """Try a random size, then the smallest; None if neither finds a place."""
+    drawn, smallest = _draw_size(plan, kind, rng), _draw_size(plan, kind, None)
+    for size in (drawn, smallest):
+        poses = candidates(plan, kind, size, host, pieces, rng)
+        if not poses:
+            continue
+        places, z = rectangles(poses, size), (poses[0].z, poses[0].z + size.height)
+        ahead = zones(poses, size, kind.clearance) if kind.clearance else None
+        guest_of = id(host) if isinstance(kind.place, Around) else None
+        free = np.flatnonzero(plan.fits(places, z, kind.solid, ahead, guest_of))
+        for i in free[:_TRIES].tolist():
+            piece = Piece(kind, size, poses[i])
+            if not kind.solid or plan.stays_walkable(piece.rectangle):
+                plan.add(piece.rectangle, z, kind.solid, None if ahead is None else tuple(ahead[i].tolist()), id(piece))
+                return piece
+    return None
+
+
+def _draw_size(plan: RoomPlan, kind: Kind, rng: Generator | None) -> Size:
+    def draw(span: Range) -> float:
+        return round(span[0] if rng is None else float(rng.uniform(*span)), 3)
+
+    return Size(draw(kind.width), draw(kind.depth), min(draw(kind.height), round(plan.height_m - _HEAD_ROOM_M, 3)))
+
+
+def _spec(piece: Piece, room: RoomSpec, name: str, rng: Generator) -> FurnitureSpec:
+    (x, y), (ax, ay) = piece.pose.xy, piece.pose.along
+    return FurnitureSpec(
+        id=name,
+        kind=piece.kind.name,
+        room=room.id,
+        position_m=(round(x, 5), round(y, 5), round(piece.pose.z, 5)),
+        yaw_rad=math.atan2(ay, ax),
+        size_m=tuple(piece.size),
+        seed=int(rng.integers(2**32)),
+    )
+

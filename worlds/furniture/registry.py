@@ -1,0 +1,34 @@
+"""The `@furniture` decorator, and the table that it fills."""
+
+from collections.abc import Callable, Mapping
+
+from worlds.errors import WorldsError
+from worlds.furniture.kinds import AgainstWall, Build, Count, Kind, Place, Range
+
+KINDS: dict[str, Kind] = {}
+
+
+def furniture(
+    name: str,
+    *,
+    width: Range,
+    depth: Range,
+    height: Range,
+    rooms: Mapping[str, Count],
+    place: Place = AgainstWall(),  # noqa: B008 - frozen
+    solid: bool | None = None,
+    clearance: float = 0.0,
+) -> Callable[[Build], Build]:
+    """Declare the decorated build function as a kind; see `Kind` for the arguments.
+
+    A piece is solid by default if it stands on the floor. Raises `WorldsError` if the name is taken.
+    """
+
+    def declare(build: Build) -> Build:
+        if name in KINDS:
+            raise WorldsError(f"furniture kind {name!r} is declared twice")
+        on_floor = type(place).__name__ in ("AgainstWall", "OnFloor", "Around")
+        KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
+        return build
+
+    return declare

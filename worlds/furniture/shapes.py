@@ -1,0 +1,98 @@
+"""Shapes that furniture is built from, given by the intervals they span in the piece's frame [m]."""
+
+from dataclasses import replace
+
+from numpy.random import Generator
+
+from worlds.furniture.kinds import Parts, Range, Size
+from worlds.parts import Colour, Part, Shape
+
+
+def box(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
+    """A box."""
+    return _spanning("box", x, y, z, colour, material)
+
+
+def cylinder(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
+    """An upright cylinder, elliptic if x and y differ in length."""
+    return _spanning("cylinder", x, y, z, colour, material)
+
+
+def cone(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
+    """An upright cone."""
+    return _spanning("cone", x, y, z, colour, material)
+
+
+def ball(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
+    """An ellipsoid."""
+    return _spanning("ball", x, y, z, colour, material)
+
+
+def moved(part: Part, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Part:
+    """The part, shifted."""
+    return replace(part, centre=(part.centre[0] + x, part.centre[1] + y, part.centre[2] + z))
+
+
+def about(centre: float, length: float) -> Range:
+    """The interval of `length` about `centre`."""
+    return centre - length / 2, centre + length / 2
+
+
+def inset(interval: Range, by: float) -> Range:
+    """The interval, shorter by `by` at both ends."""
+    return interval[0] + by, interval[1] - by
+
+
+def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
+    """The interval in `count` equal pieces with a gap between them."""
+    step = (interval[1] - interval[0] + gap) / count
+    return [(interval[0] + i * step, interval[0] + (i + 1) * step - gap) for i in range(count)]
+
+
+def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
+    """Four legs near the corners, from the floor up to `top`."""
+    x, y = inset(s.x, margin), inset(s.y, margin)
+    ends = [((a[0], a[0] + thickness), (a[1] - thickness, a[1])) for a in (x, y)]
+    return tuple(box(i, j, (0.0, top), colour, material) for i in ends[0] for j in ends[1])
+
+
+def fronts(x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood") -> Parts:
+    """A grid of doors or drawers on a face towards +y at y = `at`, 2 cm thick, each with a handle."""
+    parts: list[Part] = []
+    for span in split(inset(x, 0.01), columns, 0.012):
+        for rise in split(inset(z, 0.01), rows, 0.012):
+            parts.append(box(span, (at - 0.02, at - 0.005), rise, colour, material))
+            width, height = span[1] - span[0], rise[1] - rise[0]
+            if height > width:
+                parts.append(box(about(span[1] - 0.05, 0.015), (at - 0.006, at), about((rise[0] + rise[1]) / 2, min(0.2, height / 3)), handle))
+            else:
+                parts.append(box(about((span[0] + span[1]) / 2, min(0.16, width / 3)), (at - 0.006, at), about(rise[1] - 0.05, 0.015), handle))
+    return tuple(parts)
+
+
+def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", board: float = 0.03) -> Parts:
+    """A carcass open to the front with `shelves` compartments."""
+    sides = [box(x, s.y, s.z, colour, material) for x in ((s.left, s.left + board), (s.right - board, s.right))]
+    back = box(s.x, (s.back, s.back + 0.015), s.z, colour, material)
+    levels = [i * (s.height - board) / shelves for i in range(shelves + 1)]
+    return (*sides, back, *(box(inset(s.x, board), s.y, (z, z + board), colour, material) for z in levels))
+
+
+def stocked(s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8) -> Parts:
+    """Goods on the shelves of a `shelf_unit` of the same size: blocks of the materials in `goods`."""
+    parts: list[Part] = []
+    step = (s.height - board) / shelves
+    for level in range(shelves):
+        for x in split(inset(s.x, board + 0.01), max(1, round(s.width / 0.5)), 0.02):
+            low = level * step + board
+            length = (x[1] - x[0]) * rng.uniform(0.55, 1.0)
+            high = low + (step - board) * rng.uniform(0.55, 0.92)
+            if rng.random() < fill:
+                material = goods[int(rng.integers(len(goods)))]
+                parts.append(box((x[0], x[0] + length), (s.back + 0.02, s.front - rng.uniform(0.02, 0.08)), (low, high), colour, material))
+    return tuple(parts)
+
+
+def _spanning(shape: Shape, x: Range, y: Range, z: Range, colour: Colour, material: str) -> Part:
+    centre = (x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2
+    return Part(shape, centre, (x[1] - x[0], y[1] - y[0], z[1] - z[0]), colour, material)

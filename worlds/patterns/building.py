@@ -1,0 +1,127 @@
+"""What floors, walls and ceilings are made of."""
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+
+from worlds.patterns.surface import Planes, Shade, Surface, courses
+
+
+def plain(surface: Surface, rng: Generator) -> Shade:
+    """Paint: faint mottling, with here and there a scuff."""
+    shade = 0.98 + 0.075 * surface.noise(rng, 0.35, octaves=5, gain=0.85)
+    _marks(shade, surface, rng, per_m2=7.0, length_m=0.07, strength=0.3)
+    return shade
+
+
+def plaster(surface: Surface, rng: Generator) -> Shade:
+    """Rough plaster: trowel strokes and blotches."""
+    strokes = surface.noise(rng, 0.16, octaves=4, gain=0.8, stretch=2.5)
+    blotches = surface.noise(rng, 0.5, octaves=4)
+    return 1.0 + 0.07 * blotches + 0.09 * np.tanh(1.6 * strokes)
+
+
+def concrete(surface: Surface, rng: Generator) -> Shade:
+    """Cast concrete: clouds, pores and cracks."""
+    shade = 1.0 + 0.09 * surface.noise(rng, 0.6, octaves=6, gain=0.75)
+    for x, y in surface.scatter(rng, 14.0):
+        cv2.circle(shade, (int(x), int(y)), int(rng.integers(1, 3)), 0.68, -1)
+    _marks(shade, surface, rng, per_m2=1.5, length_m=0.5, strength=0.25)
+    return shade
+
+
+def wood(surface: Surface, rng: Generator) -> Planes:
+    """Boards along the longer side, with grain and knots."""
+    return _boards(surface, rng, width_m=0.14, length_m=1.6, tint=0.02, light=0.08, joint=0.66)
+
+
+def parquet(surface: Surface, rng: Generator) -> Planes:
+    """Short blocks with strongly different tints."""
+    return _boards(surface, rng, width_m=0.1, length_m=0.55, tint=0.03, light=0.15, joint=0.6)
+
+
+def tile(surface: Surface, rng: Generator) -> Planes:
+    """Square tiles in a grid, each glazed a little differently, with a few that are decorated."""
+    side = rng.uniform(0.15, 0.3)
+    joint = rng.choice([0.62, 1.25])
+    laid = courses(rng, surface, side, side, vary=0.0, aligned=True)
+    planes = laid.spread(rng, light=0.08, tint=0.03, joint=joint)
+    planes *= 1.0 + 0.045 * surface.noise(rng, 0.12, octaves=3)
+    for x, y in surface.scatter(rng, 1.5, most=40):
+        _blossom(planes, rng, (x, y), 0.3 * side * surface.px_per_m)
+    return planes
+
+
+def brick(surface: Surface, rng: Generator) -> Planes:
+    """Stretcher bond with uneven bricks."""
+    laid = courses(rng, surface, 0.085, 0.24, vary=0.12)
+    planes = laid.spread(rng, light=0.17, tint=0.04, joint=1.45)
+    planes *= 1.0 + 0.12 * surface.noise(rng, 0.06, octaves=3, gain=0.9)
+    return planes
+
+
+def paving(surface: Surface, rng: Generator) -> Planes:
+    """Slabs of uneven length, with gravel between them."""
+    laid = courses(rng, surface, 0.4, 0.55, vary=0.35)
+    planes = laid.spread(rng, light=0.12, tint=0.02, joint=0.55)
+    planes *= 1.0 + 0.11 * surface.noise(rng, 0.2, octaves=5, gain=0.85)
+    return planes
+
+
+def carpet(surface: Surface, rng: Generator) -> Shade:
+    """Pile: strong fine noise over soft blotches."""
+    return 1.0 + 0.14 * surface.noise(rng, 0.08, octaves=4, gain=1.0) + 0.05 * surface.noise(rng, 0.5, octaves=2)
+
+
+def marble(surface: Surface, rng: Generator) -> Shade:
+    """Veins where a noise field changes its sign."""
+    veins = np.abs(surface.noise(rng, 0.45, octaves=6, gain=0.62))
+    return 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
+
+
+def wallpaper(surface: Surface, rng: Generator) -> Planes:
+    """Stripes of uneven width with hand-set blossoms; no two alike."""
+    stripes = courses(rng, surface.transposed, rng.uniform(0.08, 0.25), 50.0, vary=0.0)
+    planes = np.ascontiguousarray(stripes.spread(rng, light=0.05, tint=0.02, joint=0.93).transpose(0, 2, 1))
+    planes *= 1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4)
+    for x, y in surface.scatter(rng, 9.0):
+        _blossom(planes, rng, (x, y), rng.uniform(0.03, 0.07) * surface.px_per_m)
+    return planes
+
+
+def grass(surface: Surface, rng: Generator) -> Planes:
+    """Tufts, worn spots and daisies."""
+    tufts = surface.noise(rng, 0.12, octaves=4, gain=0.9)
+    worn = surface.noise(rng, 1.2, octaves=4)
+    planes = np.stack([1.0 + 0.22 * tufts + 0.22 * worn, 1.0 + 0.2 * tufts + 0.08 * worn, 1.0 + 0.2 * tufts])
+    for x, y in surface.scatter(rng, 5.0):
+        for plane in planes:
+            cv2.circle(plane, (int(x), int(y)), max(1, int(0.02 * surface.px_per_m)), 2.2, -1)
+    return planes
+
+
+def _boards(surface: Surface, rng: Generator, width_m: float, length_m: float, tint: float, light: float, joint: float) -> Planes:
+    upright = surface.height_m > surface.width_m
+    lying = surface.transposed if upright else surface
+    planes = courses(rng, lying, width_m, length_m, vary=0.35).spread(rng, light=light, tint=tint, joint=joint)
+    grain = lying.noise(rng, 0.05, octaves=4, gain=0.8, stretch=9.0)
+    shade = 1.0 + 0.11 * grain
+    for x, y in lying.scatter(rng, 4.0):
+        radius = rng.uniform(0.008, 0.025) * lying.px_per_m
+        cv2.ellipse(shade, (int(x), int(y)), (int(2.2 * radius) + 1, int(radius) + 1), 0.0, 0.0, 360.0, 0.62, -1)
+    planes *= shade
+    return np.ascontiguousarray(planes.transpose(0, 2, 1)) if upright else planes
+
+
+def _marks(shade: Shade, surface: Surface, rng: Generator, per_m2: float, length_m: float, strength: float) -> None:
+    for x, y in surface.scatter(rng, per_m2, most=80):
+        dx, dy = rng.normal(0.0, length_m * surface.px_per_m, 2)
+        cv2.line(shade, (int(x), int(y)), (int(x + dx), int(y + dy)), 1.0 - strength * rng.uniform(0.4, 1.0), 1, cv2.LINE_AA)
+
+
+def _blossom(planes: Planes, rng: Generator, at: tuple[float, float], radius: float) -> None:
+    axes = (int(radius * rng.uniform(0.5, 1.0)) + 1, int(radius * rng.uniform(0.2, 0.6)) + 1)
+    turn = rng.uniform(0.0, 180.0)
+    for plane, value in zip(planes, rng.uniform(0.55, 1.15, 3), strict=True):
+        for petal in (0.0, 65.0):
+            cv2.ellipse(plane, (int(at[0]), int(at[1])), axes, turn + petal, 0.0, 360.0, value, -1)

@@ -1,0 +1,106 @@
+"""`Surface`: a rectangle of pixels that knows its size in metres, and the random fields that patterns are mixed from."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float32, Int64
+from numpy.random import Generator
+
+Shade = Float32[np.ndarray, "height width"]
+"""What multiplies the colour of a surface, about 1."""
+Planes = Float32[np.ndarray, "3 height width"]
+"""A shade for each of red, green and blue."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """`height` x `width` [px] that cover `height_m` x `width_m` [m]."""
+
+    height: int
+    width: int
+    height_m: float
+    width_m: float
+
+    @property
+    def transposed(self) -> "Surface":
+        """The same surface on its side."""
+        return Surface(self.width, self.height, self.width_m, self.height_m)
+
+    @property
+    def px_per_m(self) -> float:
+        """Resolution along the better resolved axis [px/m]."""
+        return max(self.width / self.width_m, self.height / self.height_m)
+
+    def noise(
+        self, rng: Generator, cell_m: float, octaves: int = 4, gain: float = 0.7, stretch: float = 1.0
+    ) -> Float32[np.ndarray, "{self.height} {self.width}"]:
+        """Value noise of zero mean and about unit variance, drawn afresh so that no two surfaces share a detail.
+
+        The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width); each next one is half as wide and
+        `gain` as strong; octaves below two pixels are left out. It costs little more than its finest octave, since each
+        octave is added on its own grid before that grid is enlarged.
+        """
+        columns, rows = self.width_m / (cell_m * stretch), self.height_m / cell_m
+        field, amplitude, power = np.zeros((2, 2), np.float32), 1.0, 0.0
+        for _ in range(octaves):
+            grid = (min(math.ceil(rows) + 1, self.height), min(math.ceil(columns) + 1, self.width))
+            layer = rng.random(grid, dtype=np.float32)
+            layer -= 0.5
+            field = cv2.resize(field, grid[::-1], interpolation=cv2.INTER_LINEAR) + layer * np.float32(amplitude * math.sqrt(12.0))
+            power += amplitude**2
+            amplitude, rows, columns = amplitude * gain, 2.0 * rows, 2.0 * columns
+            if 2.0 * rows > self.height and 2.0 * columns > self.width:
+                break
+        field *= np.float32(1.0 / math.sqrt(power))
+        return cv2.resize(field, (self.width, self.height), interpolation=cv2.INTER_CUBIC)
+
+    def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> Float32[np.ndarray, "count 2"]:
+        """Random points (x, y) [px], about `per_m2` to the square metre, at least one and at most `most`."""
+        count = min(max(1, int(rng.poisson(per_m2 * self.width_m * self.height_m))), most)
+        return rng.random((count, 2), dtype=np.float32) * np.float32([self.width, self.height])
+
+
+@dataclass(frozen=True, eq=False)
+class Courses:
+    """A surface laid in rows of pieces (bricks, tiles, planks), each piece with its own number."""
+
+    row_of: Int64[np.ndarray, " height"]
+    """Row of each line of pixels."""
+    piece_of: Int64[np.ndarray, "rows width"]
+    """Piece within its row, for each row and column of pixels."""
+    line_joint: Bool[np.ndarray, " height"]
+    """Lines of pixels that lie in a joint between rows."""
+    pieces: int
+    """At most so many to a row."""
+
+    def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
+        """A random brightness (deviation `light`) and hue (`tint`) for each piece; joints have the shade `joint`."""
+        rows = len(self.piece_of)
+        shades = 1.0 + rng.normal(0.0, light, (rows, self.pieces, 1)) + rng.normal(0.0, tint, (rows, self.pieces, 3))
+        table = shades.astype(np.float32)[np.arange(rows)[:, None], self.piece_of]
+        # Each joint has its own depth, or a grid of equal joints would look the same everywhere.
+        ends = np.diff(self.piece_of, axis=1, prepend=self.piece_of[:, :1]) != 0
+        table[ends] = joint + rng.normal(0.0, 0.06, (int(ends.sum()), 1))
+        planes = np.ascontiguousarray(table.transpose(2, 0, 1)).take(self.row_of, axis=1)
+        planes[:, self.line_joint] = joint + rng.normal(0.0, 0.06, (int(self.line_joint.sum()), 1))
+        return planes
+
+
+def courses(rng: Generator, surface: Surface, course_m: float, piece_m: float, vary: float, aligned: bool = False) -> Courses:
+    """Rows of height `course_m` [m] with pieces about `piece_m` [m] long whose lengths vary by the share `vary`.
+
+    `aligned` rows have their joints one above the other, as tiles have.
+    """
+    scale_y, scale_x = surface.height_m / surface.height, surface.width_m / surface.width
+    row_of = ((np.arange(surface.height) + 0.5) * scale_y / course_m + rng.random()).astype(np.int64)
+    rows, pieces = int(row_of[-1]) + 1, math.ceil(surface.width_m / (piece_m * (1.0 - vary))) + 2
+    lengths = piece_m * (1.0 + vary * rng.uniform(-1.0, 1.0, (1 if aligned else rows, pieces)))
+    starts = np.cumsum(lengths, axis=1) - piece_m * rng.random((len(lengths), 1))
+    cuts = np.broadcast_to((starts / scale_x).astype(np.int64), (rows, pieces))
+    marks = np.zeros((rows, surface.width), np.int64)
+    row, piece = np.nonzero((cuts > 0) & (cuts < surface.width))
+    marks[row, cuts[row, piece]] = 1
+    joint = np.diff(row_of, prepend=row_of[0]) != 0
+    return Courses(row_of, np.cumsum(marks, axis=1), joint, pieces + 1)
