@@ -1,0 +1,100 @@
+"""Room labels of keyframes: image against prompts, votes of neighbours, stairs by height (paper, Sec. III-B)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float64, Int
+from scipy.spatial import cKDTree
+
+from lexis.config import LabelConfig
+from lexis.stairs import on_stairs
+
+Positions = Float64[np.ndarray, "n 3"]
+Labels = Int[np.ndarray, "n"]
+Similarities = Float[np.ndarray, "n rooms"]
+
+
+@dataclass(frozen=True, eq=False)
+class RoomLabels:
+    """One index into the room names for every keyframe."""
+
+    baseline: Labels
+    """The most similar prompt."""
+    refined: Labels
+    """After the votes of neighbours, and stairs by height."""
+
+
+def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "rooms d"]) -> Float[np.ndarray, "n rooms"]:
+    """Cosine similarity S_c of every image encoding with every text encoding (Eq. 1)."""
+    norms = np.linalg.norm(embeddings, axis=1)[:, None] * np.linalg.norm(text, axis=1)
+    return np.asarray(embeddings @ text.T / norms)
+
+
+def label_keyframes(
+    similarities: Similarities, positions: Positions, room_names: tuple[str, ...], config: LabelConfig
+) -> RoomLabels:
+    """Label all keyframes: what the online run, a pass of votes every K new keyframes, would end with on these poses.
+
+    Where the vocabulary names the stairs, climbing decides on them alone: a keyframe on a climb is on stairs whatever it
+    sees, and one that only looks at stairs takes its next best prompt.
+
+    Args:
+        similarities: of every keyframe with every room prompt, in the order of the keyframes.
+        positions: of the keyframes in W, consecutive ones neighbours on the path [m].
+        room_names: the vocabulary.
+        config: C, K, and what counts as a climb.
+    """
+    baseline = similarities.argmax(axis=1)
+    if config.stairs_name not in room_names or len(room_names) == 1:
+        return RoomLabels(baseline, _replay(baseline, similarities, positions, np.arange(len(positions)), config))
+    stairs = room_names.index(config.stairs_name)
+    level = np.flatnonzero(~on_stairs(positions, config))
+    rooms_only = similarities.copy()
+    rooms_only[:, stairs] = -np.inf
+    refined = np.full(len(positions), stairs)
+    refined[level] = _replay(rooms_only[level].argmax(axis=1), rooms_only[level], positions[level], level, config)
+    return RoomLabels(baseline, refined)
+
+
+def _replay(
+    labels: Labels, similarities: Similarities, positions: Positions, ids: Int[np.ndarray, "n"], config: LabelConfig
+) -> Labels:
+    """One pass over the nodes so far whenever another K keyframes have come, and a last one over all.
+
+    `ids` are the nodes' places in the sequence of keyframes, ascending.
+    """
+    if not len(ids):
+        return labels
+    labels = labels.copy()
+    for count in range(config.every, int(ids[-1]) + 1 + config.every, config.every):
+        known = int(np.searchsorted(ids, count))
+        labels[:known] = propagate(labels[:known], similarities[:known], positions[:known], config.neighbours)
+    return labels
+
+
+def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:
+    """One forward pass of label propagation: every node takes the most common label of its C nearest neighbours.
+
+    All nodes vote with the labels they had before the pass, so their order does not matter. Of equally common labels a node
+    keeps its own; otherwise it takes the one that its neighbours' images resemble most in sum.
+    """
+    nearest = _nearest(positions, neighbours)
+    if not nearest.size:
+        return labels.copy()
+    n, rooms = similarities.shape
+    ballots = np.arange(n)[:, None] * rooms + labels[nearest]
+    votes = np.bincount(ballots.ravel(), minlength=n * rooms).reshape(n, rooms)
+    most_common = votes == votes.max(axis=1, keepdims=True)
+    resemblance = np.where(most_common, similarities[nearest].sum(axis=1), -np.inf)
+    return np.where(most_common[np.arange(n), labels], labels, resemblance.argmax(axis=1))
+
+
+def _nearest(positions: Positions, count: int) -> Int[np.ndarray, "n c"]:
+    """Row i: the `count` nodes nearest to node i (fewer where there are no more), itself left out."""
+    n = len(positions)
+    found = min(count + 1, n)
+    nearest = np.asarray(cKDTree(positions).query(positions, k=np.arange(1, found + 1))[1])
+    others = nearest != np.arange(n)[:, None]
+    # Of nodes at one place, a node may miss itself among its nearest: then the last one goes.
+    others[others.all(axis=1), -1] = False
+    return np.asarray(nearest[others].reshape(n, found - 1))

@@ -1,0 +1,132 @@
+"""Room instances and floors: clusters of labelled keyframes (paper, Sec. III-C)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from lexis.config import SegmentationConfig
+from lexis.floors import NO_FLOOR, floor_levels
+from lexis.types import RoomInstance
+
+Positions = Float64[np.ndarray, "n 3"]
+PerKeyframe = Int[np.ndarray, "n"]
+
+
+@dataclass(frozen=True, eq=False)
+class Segmentation:
+    """The keyframes as rooms and floors."""
+
+    rooms: tuple[RoomInstance, ...]
+    """Ordered by their first keyframe; `rooms[i].id == i`."""
+    floors: PerKeyframe
+    """0 is the lowest; -1 on stairs."""
+    instance_of: PerKeyframe
+    """Id of the room instance of every keyframe."""
+
+
+def segment(
+    labels: PerKeyframe, positions: Positions, room_names: tuple[str, ...], config: SegmentationConfig
+) -> Segmentation:
+    """Group labelled keyframes into room instances and floors.
+
+    Keyframes join, in order, the nearest cluster of their label and floor whose running mean is within `distance_m`, or
+    start one. Clusters of one label then become one room where keyframes of both are neighbours with no other room in
+    between. No room spans floors; a staircase is one room over all floors that it joins.
+
+    Args:
+        labels: index of every keyframe into `room_names`.
+        positions: of the keyframes in W, in the order of the walk [m].
+        room_names: the vocabulary.
+        config: distances, and the name that separates floors.
+    """
+    stairs = np.array([name == config.stairs_name for name in room_names])[labels]
+    floors = floor_levels(stairs, positions[:, 2])
+    kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+    # The flights of a staircase lie above one another: seen from above they are one place.
+    from_above = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
+    clusters = _cluster(kinds, from_above, config.distance_m)
+    instance_of = _by_first_appearance(_merge(clusters, kinds, positions, config.adjacency_m))
+    return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors, instance_of)
+
+
+@dataclass
+class _Clusters:
+    """Clusters of one kind, growing: running means and counts."""
+
+    ids: list[int] = field(default_factory=list)
+    means: list[Float64[np.ndarray, "3"]] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
+
+    def join(self, position: Float64[np.ndarray, "3"], distance_m: float, new_id: int) -> int:
+        """Add a keyframe to the nearest cluster within reach, or start one under `new_id`; return the cluster's id."""
+        distances = np.linalg.norm(np.array(self.means).reshape(-1, 3) - position, axis=1)
+        nearest = int(distances.argmin()) if len(distances) else -1
+        if nearest < 0 or distances[nearest] > distance_m:
+            self.ids.append(new_id)
+            self.means.append(position)
+            self.counts.append(1)
+            return new_id
+        self.counts[nearest] += 1
+        self.means[nearest] = self.means[nearest] + (position - self.means[nearest]) / self.counts[nearest]
+        return self.ids[nearest]
+
+
+def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> PerKeyframe:
+    """The cluster of every keyframe, in one pass over the walk."""
+    growing: dict[int, _Clusters] = {}
+    clusters = np.empty(len(kinds), int)
+    for i, (kind, position) in enumerate(zip(kinds.tolist(), positions, strict=True)):
+        clusters[i] = growing.setdefault(kind, _Clusters()).join(position, distance_m, new_id=i)
+    return clusters
+
+
+def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> PerKeyframe:
+    """Join clusters of one kind with nothing between them; returns components' ids."""
+    n = len(clusters)
+    if n == 0:
+        return clusters
+    pairs = np.concatenate([_walked(n), _close(positions, kinds, adjacency_m)])
+    pairs = pairs[kinds[pairs[:, 0]] == kinds[pairs[:, 1]]]
+    own = np.stack([np.arange(n), clusters], axis=1)
+    rows, columns = np.concatenate([pairs, own]).T
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _walked(n: int) -> Int[np.ndarray, "m 2"]:
+    """Consecutive keyframes: the robot went from one to the other."""
+    return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
+
+
+def _close(positions: Positions, kinds: PerKeyframe, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
+    """Pairs of one kind within `adjacency_m` with no keyframe of another kind in the ball that has them as a diameter."""
+    tree = cKDTree(positions)
+    pairs = tree.query_pairs(adjacency_m, output_type="ndarray")
+    pairs = pairs[kinds[pairs[:, 0]] == kinds[pairs[:, 1]]]
+    ends = positions[pairs]
+    radii = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / 2
+    between = tree.query_ball_point(ends.mean(axis=1), radii * (1 - 1e-9))
+    free = [bool((kinds[inside] == kinds[i]).all()) for inside, i in zip(between, pairs[:, 0], strict=True)]
+    return np.asarray(pairs[np.array(free, bool)])
+
+
+def _by_first_appearance(ids: PerKeyframe) -> PerKeyframe:
+    """The same partition numbered from 0 in the order of first members."""
+    _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
+    return np.asarray(np.argsort(np.argsort(first))[inverse])
+
+
+def _rooms(
+    instance_of: PerKeyframe, labels: PerKeyframe, floors: PerKeyframe, positions: Positions, room_names: tuple[str, ...]
+) -> tuple[RoomInstance, ...]:
+    rooms = []
+    for room in range(int(instance_of.max(initial=-1)) + 1):
+        members = np.flatnonzero(instance_of == room)
+        label, floor = room_names[labels[members[0]]], int(floors[members[0]])
+        mean = positions[members].mean(axis=0)
+        rooms.append(RoomInstance(room, label, tuple(members.tolist()), mean, None if floor == NO_FLOOR else floor))
+    return tuple(rooms)

@@ -1,0 +1,55 @@
+"""Stairs by height change, whether or not the camera sees them (paper, Sec. III-B)."""
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from lexis.config import LabelConfig
+from lexis.runs import Run, runs_of
+
+LANDING_M = 3.0
+"""Longest path over a half landing between two flights [m]."""
+FLOOR_PATH_M = 4.0
+"""A level stretch at least this long lies on a floor, not on a landing [m]."""
+FLOOR_TOLERANCE_M = 0.4
+"""How far the height of a landing may be from a floor's before it is held to be a landing [m]."""
+
+PerKeyframe = Float64[np.ndarray, "n"]
+
+
+def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Bool[np.ndarray, "n"]:
+    """Which keyframes stand on stairs, half landings between two flights included.
+
+    A keyframe climbs if the height changes by `stairs_min_height_m` over `stairs_window_m` of path centred on it; drift of
+    the odometry is an order of magnitude less. At the foot and the top of a flight half the window climbs, so that with the
+    defaults (2 m at 30-37 degrees) the border falls on the first and last step.
+    """
+    if len(positions) < 2:
+        return np.zeros(len(positions), bool)
+    path = _path(positions)
+    half = config.stairs_window_m / 2
+    height = positions[:, 2]
+    change = np.interp(path + half, path, height) - np.interp(path - half, path, height)
+    climbs = np.where(np.abs(change) >= config.stairs_min_height_m, np.sign(change), 0.0)
+    stairs = np.asarray(climbs != 0)
+    for landing in _landings(climbs, path, height):
+        stairs[landing] = True
+    return stairs
+
+
+def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
+    """Short level stretches between two flights of one direction, at a height where no floor is."""
+    level = [run for run in runs_of(climbs) if climbs[run.start] == 0]
+    floors = [float(np.median(height[run.slice])) for run in level if path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M]
+    joining = [run.slice for run in level if _joins_flights(run, climbs, path)]
+    return [s for s in joining if all(abs(np.median(height[s]) - floor) > FLOOR_TOLERANCE_M for floor in floors)]
+
+
+def _joins_flights(run: Run, climbs: PerKeyframe, path: PerKeyframe) -> bool:
+    inside = run.start > 0 and run.stop < len(climbs)
+    return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop] - path[run.start - 1] <= LANDING_M)
+
+
+def _path(positions: Float64[np.ndarray, "n 3"]) -> PerKeyframe:
+    """Path walked up to every keyframe [m]; a hair longer at every step, so that interpolation stays defined at rest."""
+    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])
