@@ -1,0 +1,82 @@
+"""The little that a plan is drawn with: marks in metres, and the styles that both SVG and PNG give them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A polygon, line, dot or text in plan coordinates (x right, y up, metres)."""
+
+    kind: Literal["polygon", "line", "dot", "text"]
+    style: str
+    """A key of `STYLES`; in SVG also the class."""
+    points: Float[np.ndarray, "k 2"]
+    """One point for dots and texts."""
+    colour: str | None = None
+    """In place of the style's: the fill of polygons, dots and texts, the stroke of lines; `#rrggbb`."""
+    text: str = ""
+    """The content of a text; the tooltip of anything else."""
+    size: float = 0.3
+    """Height of a text [m]."""
+    keyframe: int | None = None
+    """That it stands for."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How marks look on white."""
+
+    fill: str | None = None
+    fill_opacity: float = 1.0
+    stroke: str | None = None
+    width: float = 1.0
+    """Of the stroke, in hundredths of a metre."""
+    dash: tuple[float, float] | None = None
+    """[cm]; SVG only."""
+    radius: float = 0.0
+    """Of a dot [m]."""
+    opacity: float = 1.0
+
+
+STYLES: dict[str, Style] = {
+    "room": Style(fill="#cccccc", fill_opacity=0.24),
+    "furniture": Style(fill="#7a828c", fill_opacity=0.13, stroke="#7a828c", width=0.8),
+    "tread": Style(stroke="#8a929c", width=0.9),
+    "wall": Style(fill="#2b3138"),
+    "fence": Style(fill="#9aa2ab"),
+    "door": Style(stroke="#8a929c", width=1.2),
+    "cased": Style(stroke="#59626c", width=2.2, dash=(12, 7)),
+    "open": Style(stroke="#8a929c", width=2.2, dash=(4, 9)),
+    "name": Style(fill="#3a4149"),
+    "scale": Style(stroke="#59626c", width=3),
+    "true": Style(stroke="#2b3138", width=2.6, opacity=0.55),
+    "odometry": Style(stroke="#c77700", width=3, dash=(16, 9)),
+    "optimised": Style(stroke="#1f6feb", width=3),
+    "path": Style(stroke="#8b3fd1", width=5, opacity=0.75),
+    "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.55),
+    "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14, 8)),
+    "heading": Style(stroke="#2b3138", width=1.6),
+    "right": Style(fill="#ffffff", stroke="#ffffff", width=2, radius=0.11),
+    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=5, radius=0.14),
+}
+"""Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Marks, in the order they are painted, and the part of the plan to show."""
+
+    marks: Sequence[Mark]
+    low: Float[np.ndarray, "2"]
+    """Lower left corner [m]."""
+    high: Float[np.ndarray, "2"]
+    title: str = field(default="plan", kw_only=True)
+
+    def with_marks(self, more: Sequence[Mark]) -> "Drawing":
+        """The same drawing with marks painted on top."""
+        return Drawing([*self.marks, *more], self.low, self.high, title=self.title)

@@ -1,0 +1,99 @@
+"""The few sentences that a reader wants first: what went wrong, where, and how badly."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.report.data import ReportData
+
+_SUBSTANTIAL = 0.2
+"""The share of a room that must lie elsewhere before it counts as split or merged."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A sentence on the run, and the keyframe to look at first."""
+
+    good: bool
+    text: str
+    keyframe: int | None = None
+
+
+def findings(data: ReportData) -> list[Finding]:
+    """What is worth saying about a run, by stage; what went wrong comes first."""
+    stages = (_confusions, _refinement, _rooms, _loops, _trajectory, _plans)
+    return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
+
+
+def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
+    table, names = data.keyframes, data.label_names
+    wrong = np.flatnonzero(table.wrong)
+    if len(wrong) == 0:
+        yield Finding(True, "Every keyframe carries the label of its room.")
+    pairs = Counter((int(table.true_labels[k]), int(table.predicted_labels[k])) for k in wrong)
+    for (true, said), count in pairs.most_common(most):
+        those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
+        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} are taken for {names[said]}."
+        yield Finding(False, text, int(those[0]))
+
+
+def _refinement(data: ReportData) -> Iterator[Finding]:
+    table = data.keyframes
+    before, after = table.baseline_labels == table.true_labels, ~table.wrong
+    mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
+    if mended or spoiled:
+        first = int(np.flatnonzero(before & ~after)[0]) if spoiled else None
+        yield Finding(mended >= spoiled, f"Label refinement mended {mended} keyframes and spoiled {spoiled}.", first)
+
+
+def _rooms(data: ReportData) -> Iterator[Finding]:
+    true, said = data.keyframes.true_rooms, data.keyframes.predicted_rooms
+    for rooms, others, verb in ((true, said, "was split into"), (said, true, "merges")):
+        counts: dict[str, Counter[str]] = {}
+        for room, other in zip(rooms, others, strict=True):
+            counts.setdefault(room, Counter())[other] += 1
+        for room, parts in counts.items():
+            large = [name for name, count in parts.most_common() if count >= _SUBSTANTIAL * parts.total()]
+            if len(large) > 1:
+                yield Finding(False, f"{room} {verb} {' and '.join(large)}.", rooms.index(room))
+
+
+def _loops(data: ReportData) -> Iterator[Finding]:
+    false = sorted((loop for loop in data.loops if not loop.true), key=lambda loop: -loop.weight)
+    if not data.loops:
+        yield Finding(False, "No loop was closed, so that the drift stays as it was.")
+    elif not false:
+        yield Finding(True, f"All {len(data.loops)} loop edges are true.")
+    else:
+        worst = false[0]
+        ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
+        yield Finding(
+            worst.weight <= 0.5,
+            f"{len(false)} of {len(data.loops)} loop edges are false; the heaviest has weight {worst.weight:.2f} and ties "
+            f"keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
+            worst.query,
+        )
+
+
+def _trajectory(data: ReportData) -> Iterator[Finding]:
+    table = data.keyframes
+    worst = int(np.argmax(table.optimised_errors))
+    better = np.mean(table.optimised_errors**2) <= np.mean(table.odometry_errors**2)
+    off, drift = table.optimised_errors[worst], table.odometry_errors[worst]
+    yield Finding(
+        bool(better),
+        f"Loop closing made the trajectory {'better' if better else 'WORSE'}; the farthest off is keyframe {worst} in "
+        f"{table.true_rooms[worst]}, {off:.2f} m (odometry {drift:.2f} m).",
+        worst,
+    )
+
+
+def _plans(data: ReportData) -> Iterator[Finding]:
+    driven = [path for path in data.paths if path.success is not None]
+    failed = [path for path in driven if not path.success]
+    for path in failed:
+        yield Finding(False, f"The plan from {path.start} to {path.goal} did not reach its room.")
+    if driven and not failed:
+        yield Finding(True, f"All {len(driven)} plans reached their room.")

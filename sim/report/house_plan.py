@@ -1,0 +1,40 @@
+"""The floor plans of a house, for drawing."""
+
+import numpy as np
+from jaxtyping import Float64
+from shapely.geometry import Polygon, box
+
+from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
+from worlds.house import House
+from worlds.parts import Part
+
+
+def floor_plans(house: House) -> tuple[FloorPlan, ...]:
+    """The plan of every storey, lowest first."""
+    return tuple(_plan(house, level) for level in range(len(house.storeys)))
+
+
+def _plan(house: House, level: int) -> FloorPlan:
+    storey, floor_m = house.spec.storeys[level], house.storeys[level].floor_m
+    # A wall that starts above the floor is the lintel of an opening, and one that ends low is a fence.
+    standing = [wall for wall in house.walls if wall.storey == level and wall.bottom_m <= floor_m]
+    high = [wall for wall in standing if wall.top_m >= house.storeys[level].ceiling_m]
+    return FloorPlan(
+        level,
+        floor_m,
+        rooms=tuple(PlannedRoom(room.id, room.label, np.array(room.polygon_m)) for room in storey.rooms),
+        walls=tuple(_outline(wall.footprint) for wall in high),
+        fences=tuple(_outline(wall.footprint) for wall in standing if wall not in high),
+        openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m])) for o in storey.openings),
+        furniture=tuple(_outline(piece.footprint) for piece in house.furniture if piece.storey == level),
+        treads=tuple(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
+    )
+
+
+def _outline(polygon: Polygon) -> Float64[np.ndarray, "corners 2"]:
+    return np.array(polygon.exterior.coords[:-1])
+
+
+def _tread(part: Part) -> Float64[np.ndarray, "corners 2"]:
+    (x, y, _), (w, d, _) = part.centre, part.size
+    return _outline(box(x - w / 2, y - d / 2, x + w / 2, y + d / 2))

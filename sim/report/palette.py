@@ -1,0 +1,31 @@
+"""One colour per room label, the same in every picture of a report."""
+
+from collections.abc import Iterable
+
+_USUAL = {
+    "kitchen": "#e8891c",
+    "dining room": "#c9485b",
+    "living room": "#3f9b4a",
+    "bedroom": "#6a5acd",
+    "children's room": "#e56db1",
+    "bathroom": "#1f9fc4",
+    "toilet": "#0e6f8f",
+    "corridor": "#8c7b6b",
+    "entrance hall": "#b8a13a",
+    "stairs": "#5d6673",
+    "office": "#2f6fd0",
+    "meeting room": "#9b4dca",
+    "open-plan office": "#63a0f4",
+    "garden": "#86b817",
+}
+_OTHERS = (
+    "#00a39a", "#a65628", "#d81b78", "#7a9a01", "#4b3f9e", "#ff6f4d", "#577590", "#b07aa1", "#2a7f3f", "#94672a", "#c14d9b",
+)  # fmt: skip
+
+
+def label_colours(labels: Iterable[str]) -> dict[str, str]:
+    """A colour `#rrggbb` for every label: the usual one where there is one, else the next of a fixed list."""
+    labels = tuple(dict.fromkeys(labels))
+    unusual = [label for label in labels if label not in _USUAL]
+    spare = {label: _OTHERS[i % len(_OTHERS)] for i, label in enumerate(unusual)}
+    return {label: _USUAL.get(label) or spare[label] for label in labels}

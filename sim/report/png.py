@@ -1,0 +1,48 @@
+"""Drawings as pictures, for places that show no SVG."""
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image, ImageColor, ImageDraw, ImageFont
+
+from sim.report.drawing import STYLES, Drawing, Mark
+
+_OVERSAMPLING = 3
+
+
+def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
+    """Paint a drawing on white. Dashes are drawn solid."""
+    painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
+    for mark in drawing.marks:
+        painter.paint(mark)
+    return np.asarray(painter.picture.reduce(_OVERSAMPLING))
+
+
+class _Painter:
+    def __init__(self, drawing: Drawing, scale: int) -> None:
+        self._scale, self._corner = scale, np.array([drawing.low[0], drawing.high[1]])
+        width, height = np.ceil((drawing.high - drawing.low) * scale / _OVERSAMPLING).astype(int) * _OVERSAMPLING
+        self.picture = Image.new("RGB", (int(width), int(height)), "white")
+
+    def paint(self, mark: Mark) -> None:
+        style = STYLES[mark.style]
+        # An "RGBA" draw on an "RGB" picture blends.
+        draw = ImageDraw.Draw(self.picture, "RGBA")
+        fill = _colour(style.fill if mark.kind == "line" else mark.colour or style.fill, style.fill_opacity * style.opacity)
+        stroke = _colour(mark.colour if mark.kind == "line" and mark.colour else style.stroke, style.opacity)
+        width = max(1, round(style.width / 100 * self._scale))
+        points = self._pixels(mark.points)
+        if mark.kind == "text":
+            draw.text(points[0], mark.text, fill, ImageFont.load_default(mark.size * self._scale), anchor="mm")
+        elif mark.kind == "line":
+            draw.line(points, stroke, width, joint="curve")
+        elif mark.kind == "dot":
+            draw.circle(points[0], style.radius * self._scale, fill, stroke, width if stroke else 0)
+        else:
+            draw.polygon(points, fill, stroke, width if stroke else 0)
+
+    def _pixels(self, points: Float[np.ndarray, "k 2"]) -> list[tuple[float, float]]:
+        return [(float(x), float(y)) for x, y in (points - self._corner) * [self._scale, -self._scale]]
+
+
+def _colour(name: str | None, opacity: float) -> tuple[int, ...] | None:
+    return None if name is None else (*ImageColor.getrgb(name)[:3], round(255 * opacity))

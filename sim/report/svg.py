@@ -1,0 +1,60 @@
+"""Drawings as SVG: small, crisp, printable."""
+
+from html import escape
+
+import numpy as np
+from jaxtyping import Float
+
+from sim.report.drawing import STYLES, Drawing, Mark, Style
+
+
+def to_svg(drawing: Drawing, *, standalone: bool = False) -> str:
+    """An `<svg>` element; a standalone one carries its styles and a size, the other is styled by the page it stands in."""
+    width, height = drawing.high - drawing.low
+    size = f' width="{width * 60:.0f}" height="{height * 60:.0f}"' if standalone else ""
+    style = f"<style>svg{{background:#fff;font-family:sans-serif}}{styles_css('svg')}</style>" if standalone else ""
+    body = "\n".join(map(_element, drawing.marks))
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(drawing.title)}"{size} '
+        f'viewBox="{drawing.low[0]:.2f} {-drawing.high[1]:.2f} {width:.2f} {height:.2f}">{style}\n{body}\n</svg>'
+    )
+
+
+def styles_css(scope: str) -> str:
+    """The rules for all styles, below the selector `scope`; lengths are user units, which are metres."""
+    return "".join(f"{scope} .{name}{{{_declarations(style)}}}" for name, style in STYLES.items())
+
+
+def _declarations(style: Style) -> str:
+    rules = [f"fill:{style.fill or 'none'}"]
+    if style.fill_opacity != 1:
+        rules.append(f"fill-opacity:{style.fill_opacity}")
+    if style.stroke:
+        rules.append(f"stroke:{style.stroke};stroke-width:{style.width / 100:g};stroke-linejoin:round;stroke-linecap:round")
+    if style.dash:
+        rules.append(f"stroke-dasharray:{style.dash[0] / 100:g} {style.dash[1] / 100:g};stroke-linecap:butt")
+    if style.opacity != 1:
+        rules.append(f"opacity:{style.opacity}")
+    return ";".join(rules)
+
+
+def _element(mark: Mark) -> str:
+    attributes = f'class="{mark.style}"'
+    if mark.colour:
+        attributes += f' style="{"stroke" if mark.kind == "line" else "fill"}:{mark.colour}"'
+    if mark.keyframe is not None:
+        attributes += f' data-k="{mark.keyframe}"'
+    x, y = mark.points[0] * [1, -1]
+    if mark.kind == "text":
+        place = f'x="{x:.3f}" y="{y + 0.35 * mark.size:.3f}" font-size="{mark.size:.3f}" text-anchor="middle"'
+        return f"<text {place} {attributes}>{escape(mark.text)}</text>"
+    if mark.kind == "dot":
+        shape = f'circle cx="{x:.3f}" cy="{y:.3f}" r="{STYLES[mark.style].radius}"'
+    else:
+        shape = f'path d="M{_coordinates(mark.points)}{"Z" if mark.kind == "polygon" else ""}"'
+    title = f"><title>{escape(mark.text)}</title></{shape.split()[0]}>" if mark.text else "/>"
+    return f"<{shape} {attributes}{title}"
+
+
+def _coordinates(points: Float[np.ndarray, "k 2"]) -> str:
+    return "L".join(f"{x:.3f} {-y:.3f}" for x, y in points)
