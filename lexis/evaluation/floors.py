@@ -1,0 +1,21 @@
+"""Whether the floors are the true ones."""
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+Floors = Int[np.ndarray, "n"]
+
+
+def floor_accuracy(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> float | None:
+    """Share of the keyframes truly off the stairs that have the right floor; None without such keyframes.
+
+    Both count from 0 for the lowest floor; a keyframe that is wrongly held to be on stairs (-1) counts as wrong.
+    """
+    return float(np.mean(predicted[~on_stairs] == truth[~on_stairs])) if np.any(~on_stairs) else None
+
+
+def floor_count_error(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> int | None:
+    """Predicted minus true number of floors that were walked on; None without keyframes."""
+    if not len(truth):
+        return None
+    return len(np.unique(predicted[predicted >= 0])) - len(np.unique(truth[~on_stairs]))

@@ -1,0 +1,79 @@
+"""Whether loop edges are true, and how many of the revisits they found (definitions in CONTRACT.md)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+
+from lexis.evaluation.relative import separation
+from lexis.se3 import between, rotation_angle
+from lexis.types import Poses
+
+TRUE_M, TRUE_RAD = 0.5, 0.2
+"""Largest error of a true edge's relative pose."""
+REVISIT_M, REVISIT_RAD, REVISIT_S = 1.0, 0.5, 10.0
+"""A revisit is this close to an earlier keyframe, at least so long before."""
+
+
+@dataclass(frozen=True)
+class LoopScores:
+    """`loops` of result.json."""
+
+    proposed: int
+    """Pairs given to verification."""
+    verified: int
+    """Edges that it accepted."""
+    true: int
+    false: int
+    precision: float | None
+    """True edges over all; None without an edge."""
+    recall: float | None
+    """Of the true revisits, the share that got at least one true edge; None without a revisit."""
+
+
+def score_loops(
+    proposed: int,
+    query: Int[np.ndarray, "m"],
+    match: Int[np.ndarray, "m"],
+    T_match_query: Float64[np.ndarray, "m 4 4"],
+    T_W_B: Poses,
+    stamps: Float64[np.ndarray, "n"],
+) -> LoopScores:
+    """All figures.
+
+    Args:
+        proposed: number of candidate pairs.
+        query: later keyframe of every edge.
+        match: earlier keyframe.
+        T_match_query: the edge's relative pose.
+        T_W_B: true poses of all keyframes.
+        stamps: of all keyframes [s].
+    """
+    is_true = true_edges(query, match, T_match_query, T_W_B)
+    revisits = true_revisits(T_W_B, stamps)
+    found = np.isin(revisits, query[is_true])
+    return LoopScores(
+        proposed=proposed,
+        verified=len(query),
+        true=int(is_true.sum()),
+        false=int((~is_true).sum()),
+        precision=float(is_true.mean()) if len(query) else None,
+        recall=float(found.mean()) if len(revisits) else None,
+    )
+
+
+def true_edges(
+    query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
+) -> Bool[np.ndarray, "m"]:
+    """Which edges' relative poses are within 0.5 m and 0.2 rad of the truth."""
+    error = between(between(T_W_B[match], T_W_B[query]), T_match_query)
+    return np.asarray((np.linalg.norm(error[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(error) <= TRUE_RAD))
+
+
+def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
+    """Keyframes truly within 1 m and 0.5 rad of one at least 10 s earlier."""
+    later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
+    near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
+    later, earlier = later[near], earlier[near]
+    _, angle = separation(T_W_B, later, earlier)
+    return np.unique(later[angle <= REVISIT_RAD])

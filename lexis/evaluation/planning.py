@@ -1,0 +1,23 @@
+"""Success weighted by path length (Anderson et al., 2018, "On evaluation of embodied navigation agents")."""
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+
+def success_rate(success: Bool[np.ndarray, "n"]) -> float | None:
+    """Share of the queries that succeeded; None without a query."""
+    return float(success.mean()) if len(success) else None
+
+
+def spl(
+    success: Bool[np.ndarray, "n"], shortest_m: Float64[np.ndarray, "n"], travelled_m: Float64[np.ndarray, "n"]
+) -> float | None:
+    """Mean over queries of success * shortest / max(travelled, shortest); None without a query.
+
+    A query that begins at its goal (both lengths 0) is worth its success.
+    """
+    if not len(success):
+        return None
+    longest = np.maximum(travelled_m, shortest_m)
+    efficiency = np.divide(shortest_m, longest, out=np.ones_like(longest), where=longest > 0)
+    return float(np.mean(success * efficiency))

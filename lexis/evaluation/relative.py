@@ -1,0 +1,15 @@
+"""Distances and angles between poses: what loops and place recognition are judged by."""
+
+import numpy as np
+from jaxtyping import Float64, Int
+
+from lexis.se3 import between, rotation_angle
+from lexis.types import Poses
+
+
+def separation(
+    T_W_B: Poses, first: Int[np.ndarray, "m"], second: Int[np.ndarray, "m"]
+) -> tuple[Float64[np.ndarray, "m"], Float64[np.ndarray, "m"]]:
+    """Distance [m] and angle of rotation [rad] between two selections of poses."""
+    relative = between(T_W_B[first], T_W_B[second])
+    return np.linalg.norm(relative[:, :3, 3], axis=1), rotation_angle(relative)

@@ -1,0 +1,144 @@
+"""Metrics: exact small cases, agreement with independent implementations, None where there is nothing to measure."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.spatial.transform import Rotation
+from sklearn.metrics import adjusted_rand_score, v_measure_score
+
+from lexis.evaluation.floors import floor_accuracy, floor_count_error
+from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
+from lexis.evaluation.loops import score_loops, true_revisits
+from lexis.evaluation.place_recognition import Counts, count_matches
+from lexis.evaluation.planning import spl, success_rate
+from lexis.evaluation.rooms import score_rooms
+
+NOBODY = np.zeros(0, int)
+partition_pairs = st.integers(1, 40).flatmap(
+    lambda n: st.tuples(*[arrays(np.int64, n, elements=st.integers(0, 5)) for _ in range(2)])
+)
+
+
+def test_label_accuracy_counts_keyframes():
+    predicted, truth = np.array([0, 0, 1, 2]), np.array([0, 1, 1, 1])
+    assert accuracy(predicted, truth) == 0.5
+    assert accuracy_per_room(predicted, truth, ["a", "b", "c"]) == {"a": 1.0, "b": pytest.approx(1 / 3)}
+
+
+def test_graded_accuracy_takes_either_side_of_an_open_boundary():
+    predicted, truth = np.array([0, 1, 2]), np.array([0, 0, 0])
+    strict = np.eye(3, dtype=bool)[truth]
+    open_boundary = strict | [[False, False, False], [False, True, False], [False, False, False]]
+    assert graded_accuracy(predicted, strict) == accuracy(predicted, truth) == pytest.approx(1 / 3)
+    assert graded_accuracy(predicted, open_boundary) == pytest.approx(2 / 3)
+
+
+@given(partition_pairs)
+def test_pair_and_entropy_indices_are_scikit_learns(pair):
+    predicted, truth = pair
+    scores = score_rooms(predicted, truth)
+    assert scores.ari == pytest.approx(adjusted_rand_score(truth, predicted), abs=1e-9)
+    assert scores.v_measure == pytest.approx(v_measure_score(truth, predicted), abs=1e-9)
+
+
+@given(partition_pairs, st.permutations(range(6)))
+def test_room_figures_do_not_depend_on_ids_and_swapping_sides_swaps_the_figures(pair, names):
+    predicted, truth = pair
+    scores = score_rooms(predicted, truth)
+    assert score_rooms(np.array(names)[predicted], truth) == scores
+    back = score_rooms(truth, predicted)
+    assert (back.precision, back.recall, back.splits, back.merges) == (
+        scores.recall,
+        scores.precision,
+        scores.merges,
+        scores.splits,
+    )
+    assert back.pq == pytest.approx(scores.pq) and back.count_error == -scores.count_error
+    assert back.hydra_recall == pytest.approx(scores.hydra_precision)
+
+
+@given(arrays(np.int64, st.integers(1, 30), elements=st.integers(0, 5)))
+def test_the_truth_itself_is_perfect(truth):
+    scores = score_rooms(truth, truth)
+    perfect = (
+        scores.pq,
+        scores.precision,
+        scores.recall,
+        scores.hydra_precision,
+        scores.hydra_recall,
+        scores.ari,
+        scores.v_measure,
+    )
+    assert perfect == pytest.approx((1.0,) * 7)
+    assert (scores.splits, scores.merges, scores.count_error) == (0, 0, 0)
+
+
+def test_a_room_cut_in_two_is_one_split():
+    """Over-segmentation is perfect precision by Hydra's definition; one to one it is not."""
+    scores = score_rooms(np.repeat([0, 1, 2], [6, 4, 10]), np.repeat([0, 1], 10))
+    assert (scores.splits, scores.merges, scores.count_error) == (1, 0, 1)
+    assert scores.hydra_precision == 1.0 and scores.precision == pytest.approx(2 / 3)
+    assert scores.pq == pytest.approx((0.6 + 1.0) / 2.5)
+
+
+def test_two_rooms_in_one_cluster_are_one_merge():
+    scores = score_rooms(np.zeros(20, int), np.repeat([0, 1], 10))
+    assert (scores.splits, scores.merges, scores.count_error, scores.pq) == (0, 1, -1, 0.0)
+
+
+def test_floors_are_judged_off_the_stairs():
+    predicted, truth = np.array([0, 0, -1, -1, 1, 1]), np.array([0, 0, 0, 1, 1, 0])
+    stairs = np.array([False, False, False, True, False, False])
+    assert floor_accuracy(predicted, truth, stairs) == pytest.approx(3 / 5)
+    assert floor_count_error(predicted, truth, stairs) == 0
+
+
+def pose(x=0.0, yaw=0.0):
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_euler("z", yaw).as_matrix()
+    T[0, 3] = x
+    return T
+
+
+def test_loops_are_true_within_half_a_metre_and_a_fifth_of_a_radian():
+    truth = np.stack([pose(), pose(5.0), pose(0.4), pose(0.4, 0.6)])
+    stamps = np.array([0.0, 5.0, 20.0, 30.0])
+    edges = [(2, 0, pose(0.4 + 0.49)), (2, 0, pose(0.4 + 0.51)), (2, 0, pose(0.4, 0.19)), (2, 0, pose(0.4, 0.21))]
+    query, match, relative = (np.array(column) for column in zip(*edges, strict=True))
+    scores = score_loops(7, query, match, relative, truth, stamps)
+    assert (scores.proposed, scores.verified, scores.true, scores.false) == (7, 4, 2, 2)
+    assert scores.precision == 0.5 and scores.recall == 1.0
+    assert true_revisits(truth, stamps).tolist() == [2]
+    assert score_loops(7, query[1:2], match[1:2], relative[1:2], truth, stamps).recall == 0.0
+
+
+def test_a_revisit_lies_ten_seconds_back():
+    truth = np.stack([pose(), pose(0.5)])
+    assert true_revisits(truth, np.array([0.0, 9.9])).tolist() == []
+    assert true_revisits(truth, np.array([0.0, 10.0])).tolist() == [1]
+
+
+def test_place_recognition_asks_for_n_right_matches():
+    truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
+    candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
+    assert [count_matches(candidates, truth, n) for n in (1, 3, 5)] == [Counts(1, 1), Counts(1, 1), Counts(0, 2)]
+
+
+def test_spl_weighs_success_by_the_shortest_path():
+    success = np.array([True, True, False, True])
+    assert spl(success, np.array([2.0, 3.0, 1.0, 0.0]), np.array([4.0, 2.9, 1.0, 0.0])) == pytest.approx(
+        (0.5 + 1 + 0 + 1) / 4
+    )
+    assert success_rate(success) == 0.75
+
+
+def test_what_cannot_be_measured_is_none():
+    nothing, nowhere = np.zeros(0, bool), np.zeros(0)
+    assert accuracy(NOBODY, NOBODY) is None and graded_accuracy(NOBODY, np.zeros((0, 3), bool)) is None
+    assert set(vars(score_rooms(NOBODY, NOBODY)).values()) == {None}
+    assert floor_accuracy(NOBODY, NOBODY, nothing) is None and floor_count_error(NOBODY, NOBODY, nothing) is None
+    assert spl(nothing, nowhere, nowhere) is None and success_rate(nothing) is None
+    scores = score_loops(0, NOBODY, NOBODY, np.zeros((0, 4, 4)), np.zeros((0, 4, 4)), nowhere)
+    assert scores.precision is None and scores.recall is None
