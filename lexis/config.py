@@ -72,6 +72,8 @@ class LandmarkConfig:
 class LabelConfig:
     """Label refinement and stairs (paper, Sec. III-B)."""
 
+    refine: bool = True
+    """Whether neighbours vote and height finds the stairs; without, every keyframe keeps its image's label."""
     neighbours: int = 5
     """C: the nearest keyframes that vote (paper: 3 to 7)."""
     every: int = 9

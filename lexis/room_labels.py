@@ -42,9 +42,11 @@ def label_keyframes(
         similarities: of every keyframe with every room prompt, in the order of the keyframes.
         positions: of the keyframes in W, consecutive ones neighbours on the path [m].
         room_names: the vocabulary.
-        config: C, K, and what counts as a climb.
+        config: whether to refine, C, K, and what counts as a climb.
     """
     baseline = similarities.argmax(axis=1)
+    if not config.refine:
+        return RoomLabels(baseline, baseline)
     if config.stairs_name not in room_names or len(room_names) == 1:
         return RoomLabels(baseline, _replay(baseline, similarities, positions, np.arange(len(positions)), config))
     stairs = room_names.index(config.stairs_name)

@@ -123,3 +123,9 @@ def test_a_map_of_few_keyframes_has_labels(n, names):
 def test_keyframes_at_one_place_vote_too():
     scores = np.eye(3)[[0, 0, 0, 1]]
     assert propagate(np.array([0, 0, 0, 1]), scores, np.zeros((4, 3)), 2).tolist() == [0, 0, 0, 0]
+
+
+def test_without_refinement_every_keyframe_keeps_its_images_label(rng):
+    scores, positions = rng.normal(size=(30, 3)), walk(rng, 30)
+    labels = label_keyframes(scores, positions, NAMES, LabelConfig(refine=False))
+    np.testing.assert_array_equal(labels.refined, labels.baseline)

@@ -1,0 +1,120 @@
+"""Paths from room to room over the graph (paper, Sec. IV, planning application)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+
+from lexis.config import PlannerConfig
+from lexis.errors import PlanError
+from lexis.room_names import find_rooms, instance_names
+from lexis.types import LexisMap, RoomInstance
+
+MAX_STEP_M = 3.0
+"""Consecutive keyframes farther apart than this are a break in the record: nobody saw what lies between [m]."""
+MIN_LOOP_WEIGHT = 0.5
+"""Loop edges that the robust kernel trusts less join nothing."""
+EVIDENCE_NEIGHBOURS = 5
+"""Keyframes whose images tell together how deep inside its room a keyframe is."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A path over the graph."""
+
+    keyframes: tuple[int, ...]
+    """Ids from start to goal, both included."""
+    length_m: float
+    """Sum of the straight lines between them [m]."""
+
+
+def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
+    """The shortest path between two rooms, named by label ("office") or as an instance ("office 2").
+
+    It begins and ends at the keyframes that are most certainly inside: of a label's instances the one with most keyframes,
+    in it the keyframe around which the images tell the room from the others most clearly.
+
+    Raises:
+        PlanError: there is no such room in the map, or no way between the two.
+    """
+    first, last = room_keyframe(map, start), room_keyframe(map, goal)
+    graph = adjacency(map, config or PlannerConfig())
+    (distances,), (before,) = dijkstra(graph, indices=np.array([first]), return_predecessors=True)
+    if not np.isfinite(distances[last]):
+        raise PlanError(f"no way from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
+    path = [last]
+    while path[-1] != first:
+        path.append(int(before[path[-1]]))
+    return Plan(tuple(reversed(path)), float(distances[last]))
+
+
+def room_keyframe(map: LexisMap, name: str) -> int:
+    """The keyframe that is most certainly inside the room of that name. Raises PlanError for an unknown one."""
+    rooms = find_rooms(map.rooms, name)
+    if not rooms:
+        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
+    room = max(rooms, key=lambda r: (len(r.keyframes), -r.id))
+    members = np.array(room.keyframes)
+    return int(members[_evidence(map, room)[members].argmax()])
+
+
+def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
+    """Lengths [m] of the ways between keyframes that a robot may take.
+
+    These are the paper's: consecutive keyframes, and keyframes of one room; and trusted loop edges. Where nobody walked, a
+    way is no longer than `shortcut_m`, lest it cut through furniture or a wall.
+    """
+    positions = map.T_W_B[:, :3, 3]
+    walked = np.stack([np.arange(len(positions) - 1), np.arange(1, len(positions))], axis=1)
+    ways = np.concatenate([
+        _no_longer(walked, positions, MAX_STEP_M),
+        _no_longer(_trusted_loops(map), positions, config.shortcut_m),
+        _within_rooms(map, positions, config.shortcut_m),
+    ])  # fmt: skip
+    ways = np.unique(np.sort(ways, axis=1), axis=0)
+    # A hair more than zero, since a sparse graph takes a zero for no way at all.
+    lengths = np.maximum(_lengths(ways, positions), 1e-9)
+    both = np.concatenate([ways, ways[:, ::-1]])
+    return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
+
+
+def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:
+    room_of = np.full(len(positions), -1)
+    for room in map.rooms:
+        room_of[list(room.keyframes)] = room.id
+    pairs = cKDTree(positions).query_pairs(shortcut_m, output_type="ndarray")
+    return np.asarray(pairs[room_of[pairs[:, 0]] == room_of[pairs[:, 1]]])
+
+
+def _trusted_loops(map: LexisMap) -> Int[np.ndarray, "m 2"]:
+    pairs = np.array([(loop.query, loop.match) for loop in map.loops], int).reshape(-1, 2)
+    return np.asarray(pairs[map.loop_weights >= MIN_LOOP_WEIGHT])
+
+
+def _no_longer(
+    pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"], metres: float
+) -> Int[np.ndarray, "k 2"]:
+    return np.asarray(pairs[_lengths(pairs, positions) <= metres])
+
+
+def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m"]:
+    return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
+
+
+def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
+    """How clearly the images around every keyframe tell the room from the others: it fades towards the room's edge.
+
+    The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room.
+    """
+    label = map.room_names.index(room.label)
+    others = np.delete(map.similarities, label, axis=1).max(axis=1, initial=-1.0)
+    margin = map.similarities[:, label] - others
+    outside = np.ones(len(margin), bool)
+    outside[list(room.keyframes)] = False
+    margin[outside] = np.minimum(margin[outside], 0.0)
+    positions = map.T_W_B[:, :3, 3]
+    nearest = cKDTree(positions).query(positions, k=np.arange(1, min(EVIDENCE_NEIGHBOURS, len(positions)) + 1))[1]
+    return np.asarray(margin[np.asarray(nearest)].mean(axis=1), np.float64)

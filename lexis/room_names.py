@@ -1,0 +1,24 @@
+"""Names of room instances: "office 1" and "office 2" where there are several, "kitchen" where there is one."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+from lexis.types import RoomInstance
+
+
+def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
+    """One unique name per room, in order; rooms of a label are numbered from 1 by their first keyframes."""
+    total = Counter(room.label for room in rooms)
+    seen: Counter[str] = Counter()
+    names = []
+    for room in rooms:
+        seen[room.label] += 1
+        names.append(room.label if total[room.label] == 1 else f"{room.label} {seen[room.label]}")
+    return tuple(names)
+
+
+def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
+    """The room of that name, or all rooms of that label; none where nothing has it. Case and outer blanks do not matter."""
+    wanted = name.strip().lower()
+    exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)
+    return exact or tuple(room for room in rooms if room.label.lower() == wanted)

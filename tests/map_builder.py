@@ -1,0 +1,72 @@
+"""A small map to test with: rooms along a walk, as LEXIS would hand it over."""
+
+import numpy as np
+
+from lexis.types import Camera, Features, Intrinsics, Keyframe, Landmarks, LexisMap, LoopEdge, RoomInstance
+
+CAMERA = Camera(Intrinsics(480, 360, 200.0, 200.0, 239.5, 179.5), np.eye(4))
+
+
+def random_pose(rng, position):
+    """A pose at a position, turned at random about z."""
+    yaw = rng.uniform(-np.pi, np.pi)
+    pose = np.eye(4)
+    pose[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    pose[:3, 3] = position
+    return pose
+
+
+def covariance(rng):
+    """Some symmetric positive definite 6 x 6."""
+    root = rng.normal(0.0, 0.01, (6, 6))
+    return root @ root.T + 1e-4 * np.eye(6)
+
+
+def keyframe(rng, i, pose):
+    """A keyframe with a few features, two thirds of them landmarks; every fifth has none."""
+    n = 0 if i % 5 == 4 else int(rng.integers(1, 8))
+    features = Features(rng.uniform(0, 360, (n, 2)).astype(np.float32), rng.integers(0, 256, (n, 61), dtype=np.uint8))
+    ids = np.arange(0, n, 2)
+    embedding = rng.normal(size=16).astype(np.float32)
+    embedding /= np.linalg.norm(embedding)
+    landmarks = Landmarks(rng.normal(size=(len(ids), 3)), ids)
+    return Keyframe(i, 5 * i, 0.5 * i, pose, covariance(rng), embedding, features, landmarks)
+
+
+def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=()):
+    """A map of keyframes at positions (n, 3) with labels (n,) and rooms, a list of (label, keyframes)."""
+    positions = np.asarray(positions, float)
+    poses = np.stack([random_pose(rng, p) for p in positions])
+    similarities = rng.uniform(0.0, 0.1, (len(labels), len(room_names)))
+    similarities[np.arange(len(labels)), labels] += 0.5
+    instances = tuple(
+        RoomInstance(i, label, tuple(members), positions[list(members)].mean(axis=0), 0)
+        for i, (label, members) in enumerate(rooms)
+    )
+    return LexisMap(
+        camera=CAMERA,
+        room_names=tuple(room_names),
+        keyframes=tuple(keyframe(rng, i, pose) for i, pose in enumerate(poses)),
+        T_W_B=poses,
+        similarities=similarities,
+        baseline_labels=np.array(labels),
+        labels=np.array(labels),
+        floors=np.zeros(len(labels), int),
+        rooms=instances,
+        loops=tuple(LoopEdge(q, m, random_pose(rng, (0.1, 0, 0)), covariance(rng), 20) for q, m in loops),
+        loop_weights=np.array(weights, float),
+        candidates=tuple((q, (m,)) for q, m in loops),
+        stage_seconds={"encode": 1.5},
+    )
+
+
+def corridor_with_offices(rng, **changes):
+    """A corridor along x with two offices off it; 40 keyframes, half a metre apart."""
+    x = np.concatenate([np.arange(0, 5, 0.5), np.full(5, 5.0), np.full(5, 5.2), np.arange(5.2, 10, 0.5), np.full(10, 10.0)])
+    y = np.concatenate(
+        [np.zeros(10), np.arange(0.5, 3, 0.5), np.arange(2.5, 0, -0.5), np.zeros(10), np.arange(0.5, 5.5, 0.5)]
+    )
+    positions = np.stack([x, y, np.zeros(40)], axis=1)
+    labels = np.repeat([0, 1, 0, 1], [10, 10, 10, 10])
+    members = [("corridor", [*range(10), *range(20, 30)]), ("office", range(10, 20)), ("office", range(30, 40))]
+    return build_map(positions, labels, members, ("corridor", "office", "kitchen"), rng, **changes)

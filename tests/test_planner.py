@@ -1,0 +1,89 @@
+"""Plans: truly shortest, over ways that a robot may take, ending inside the room."""
+
+from dataclasses import replace
+
+import networkx as nx
+import numpy as np
+import pytest
+from map_builder import build_map, corridor_with_offices
+
+from lexis.config import PlannerConfig
+from lexis.errors import PlanError
+from lexis.planner import adjacency, plan, room_keyframe
+from lexis.room_names import instance_names
+
+
+def test_a_plan_goes_from_room_to_room_over_ways_of_the_graph(rng):
+    lexis_map = corridor_with_offices(rng)
+    result = plan(lexis_map, "office 1", "office 2")
+    graph = adjacency(lexis_map, PlannerConfig())
+    assert lexis_map.rooms[1].keyframes.count(result.keyframes[0]) == 1
+    assert lexis_map.rooms[2].keyframes.count(result.keyframes[-1]) == 1
+    steps = [graph[a, b] for a, b in zip(result.keyframes, result.keyframes[1:], strict=False)]
+    assert min(steps) > 0 and sum(steps) == pytest.approx(result.length_m)
+
+
+def test_no_path_is_shorter(rng):
+    """Dijkstra by another implementation, over ways found by comparing all pairs."""
+    lexis_map = corridor_with_offices(rng, loops=[(12, 17), (39, 0), (25, 8)], weights=[1.0, 1.0, 0.1])
+    positions = lexis_map.T_W_B[:, :3, 3]
+    graph = nx.Graph()
+    for a in range(40):
+        for b in range(a):
+            length = np.linalg.norm(positions[a] - positions[b])
+            same_room = any(a in room.keyframes and b in room.keyframes for room in lexis_map.rooms)
+            if a - b == 1 or (length <= 0.6 and (same_room or (a, b) == (17, 12))):
+                graph.add_edge(a, b, weight=length)
+    result = plan(lexis_map, "corridor", "office 2")
+    assert result.length_m == pytest.approx(nx.dijkstra_path_length(graph, result.keyframes[0], result.keyframes[-1]))
+
+
+def test_back_is_as_long_as_there(rng):
+    lexis_map = corridor_with_offices(rng)
+    there, back = plan(lexis_map, "office 1", "corridor"), plan(lexis_map, "corridor", "office 1")
+    assert back.length_m == pytest.approx(there.length_m) and back.keyframes == there.keyframes[::-1]
+
+
+def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
+    """Two rooms' paths run 0.4 m apart; the door is at the far end."""
+    x = np.arange(0, 5, 0.5)
+    positions = np.concatenate([np.stack([x, 0 * x, 0 * x], 1), np.stack([x[::-1], 0 * x + 0.4, 0 * x], 1)])
+    rooms = [("office", range(10)), ("kitchen", range(10, 20))]
+    lexis_map = build_map(positions, np.repeat([0, 1], 10), rooms, ("office", "kitchen"), rng)
+    assert adjacency(lexis_map, PlannerConfig())[0, 19] == 0.0
+    assert adjacency(replace(lexis_map, rooms=()), PlannerConfig())[9, 10] > 0.0
+
+
+def test_the_goal_lies_deep_in_the_room_with_most_support(rng):
+    lexis_map = corridor_with_offices(rng)
+    similarities = lexis_map.similarities.copy()
+    similarities[30, 1] = 0.99  # looks most like an office, on the office's doorstep
+    similarities[34:38, 1] = 0.95
+    lexis_map = replace(
+        lexis_map,
+        similarities=similarities,
+        rooms=(*lexis_map.rooms[:1], _without_last(lexis_map.rooms[1]), lexis_map.rooms[2]),
+    )
+    assert room_keyframe(lexis_map, "office") in range(34, 38)
+
+
+def _without_last(room):
+    return replace(room, keyframes=room.keyframes[:-1])
+
+
+def test_rooms_go_by_label_or_number(rng):
+    lexis_map = corridor_with_offices(rng)
+    assert instance_names(lexis_map.rooms) == ("corridor", "office 1", "office 2")
+    assert room_keyframe(lexis_map, " Office 1 ") in range(10, 20)
+    same = plan(lexis_map, "office 1", "office 1")
+    assert len(same.keyframes) == 1 and same.length_m == 0.0
+
+
+def test_unknown_rooms_and_missing_ways_are_named(rng):
+    lexis_map = corridor_with_offices(rng)
+    with pytest.raises(PlanError, match=r"no room 'garage'.*corridor, office 1, office 2"):
+        plan(lexis_map, "garage", "office")
+    torn = lexis_map.T_W_B.copy()
+    torn[30:, 0, 3] += 100.0
+    with pytest.raises(PlanError, match="no way from corridor to office 2"):
+        plan(replace(lexis_map, T_W_B=torn), "corridor", "office 2")
