@@ -1,7 +1,7 @@
 """Simulated visual-inertial odometry: the estimate of the pose drifts in position and yaw, not in roll and pitch.
 
-The error is a random walk over the way travelled, plus a scale error and a yaw bias that stay the same through a run; gravity
-holds roll and pitch near the truth. Turning counts as way, so that the estimate drifts on the spot too.
+The error is a random walk over the way travelled, plus a scale error and a yaw bias that stay the same through a run;
+gravity holds roll and pitch near the truth. Turning counts as way, so that the estimate drifts on the spot too.
 """
 
 import math

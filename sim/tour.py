@@ -19,14 +19,16 @@ from worlds.labels import STAIRS
 from worlds.truth import room_at
 from worlds.walkable import Walkable
 
-_COMFORT_M = 0.8
-"""A stop keeps this far from obstacles where the room allows."""
+_COMFORT_M = 0.45
+"""A stop keeps this far from obstacles where the room allows, and twice this is as good as it gets."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 1.2
 _SCATTER_M = 0.25
 """The second lap passes its stops this near to those of the first, not through them."""
 _GLANCE_EVERY_M = 4.0
+_ROUNDED = 0.92
+"""Share of a way's length that is left when its corners are cut."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class Tour:
 
 
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
-    """Plan a collision-free tour that ends where it began. Raises `SimError` where there is no room to walk in."""
+    """Plan a collision-free tour that ends where it began. Raises `SimError` where there is no room for it."""
     config = config or TourConfig()
     stops = _Stops.of(house, walkable)
     first_lap, base = _first_lap(house, stops, rng)
@@ -108,23 +110,26 @@ class _Stops:
                 own = _stops_in(walkable, room.id)
                 of_room[room.id] = list(range(len(nodes), len(nodes) + len(own)))
                 nodes += own
-        if not nodes:
-            raise SimError(f"house {house.spec.name!r}: no room that a body of radius {walkable.radius_m:g} m can walk in")
+        if len(nodes) < 2:
+            raise SimError(
+                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} places in it; "
+                "a tour needs two at least"
+            )
         return _Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
 
 
 def _stops_in(walkable: Walkable, room: str) -> list[int]:
-    """Well separated free places of a room: the most central first, then each as far as can be from those before."""
+    """Free places of a room that together show it: the most central first, then each far from those before it."""
     inside = walkable.nodes_in(room)
     inside = inside[walkable.connected[inside]]
+    count = min(_MAX_STOPS, 1 + round(len(inside) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
     clearance = walkable.clearance[inside]
-    inside = inside[clearance >= min(_COMFORT_M, 0.8 * clearance.max())]
-    points = walkable.nodes[inside, :2]
-    count = min(_MAX_STOPS, 1 + round(len(walkable.nodes_in(room)) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
-    chosen = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
+    inside = inside[roomy := clearance >= min(_COMFORT_M, 0.8 * clearance.max())]
+    points, comfort = walkable.nodes[inside, :2], np.minimum(clearance[roomy], 2 * _COMFORT_M)
+    chosen = [int(np.argmax(comfort - np.linalg.norm(points - points.mean(axis=0), axis=1)))]
     nearest = np.linalg.norm(points - points[chosen[0]], axis=1)
     while len(chosen) < count and nearest.max() > _STOP_SPACING_M:
-        chosen.append(int(np.argmax(nearest)))
+        chosen.append(int(np.argmax(nearest + comfort)))
         nearest = np.minimum(nearest, np.linalg.norm(points - points[chosen[-1]], axis=1))
     return [int(inside[k]) for k in chosen]
 
@@ -186,18 +191,18 @@ def _short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequen
 
 def _second_lap(stops: _Stops, first_lap: Sequence[int], base: Sequence[int], length_m: float | None) -> list[int]:
     """The stops to visit again, in the same order: all of the lowest storey, or as many as the wished length allows."""
-    if length_m is None:
+    if length_m is None or len(base) == 1:
         return list(base)
     again: list[int] = []
-    left = length_m - float(stops.between[first_lap[:-1], first_lap[1:]].sum())
+    left = length_m / _ROUNDED - float(stops.between[first_lap[:-1], first_lap[1:]].sum())
     here = first_lap[-1]
     for stop in cycle(base):
         left -= float(stops.between[here, stop])
         if left < stops.between[stop, base[0]]:
-            return again
+            break
         again.append(stop)
         here = stop
-    raise AssertionError("a cycle does not end")
+    return again
 
 
 def _scatter(walkable: Walkable, node: int, rng: np.random.Generator) -> int:
