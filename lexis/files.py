@@ -25,6 +25,8 @@ def replaced_file(path: Path) -> Iterator[Path]:
         yield beside
         beside.chmod(0o644)
         beside.replace(path)
+    except OSError as error:
+        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a place with room for it") from None
     finally:
         beside.unlink(missing_ok=True)
 
@@ -48,6 +50,8 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
         if path.exists():
             shutil.rmtree(path)
         beside.rename(path)
+    except OSError as error:
+        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a place with room for it") from None
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 

@@ -1,0 +1,34 @@
+"""A camera as JSON: intrinsics and its place on the body."""
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from lexis.types import Camera, Intrinsics
+
+Row = tuple[float, float, float, float]
+
+
+class CameraData(BaseModel):
+    """A pinhole [px] and T_B_C, row by row [m]."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    T_B_C: tuple[Row, Row, Row, Row]
+
+    @staticmethod
+    def of(camera: Camera) -> "CameraData":
+        """The data of a camera."""
+        rows = [tuple(float(value) for value in row) for row in camera.T_B_C]
+        return CameraData.model_validate({**vars(camera.intrinsics), "T_B_C": rows})
+
+    def camera(self) -> Camera:
+        """The camera of the data; `lexis.inputs.check_camera` says whether it is usable."""
+        values = self.model_dump()
+        T_B_C = np.array(values.pop("T_B_C"), float)
+        return Camera(Intrinsics(**values), T_B_C)

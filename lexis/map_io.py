@@ -1,0 +1,129 @@
+"""A map as a folder: `map.json` for what is few and named, `arrays.npz` for the numbers. Nothing is ever unpickled."""
+
+import json
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from jaxtyping import Shaped
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from lexis.camera_io import CameraData
+from lexis.errors import MapError
+from lexis.files import replaced_folder
+from lexis.inputs import check_camera, check_room_names
+from lexis.map_arrays import LAYOUT, Arrays, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
+from lexis.types import LexisMap, RoomInstance
+
+JSON_FILE = "map.json"
+ARRAY_FILE = "arrays.npz"
+MAX_JSON_BYTES = 16_000_000
+MAX_ARRAY_BYTES = 8_000_000_000
+
+_STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+_Name = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class _Room(BaseModel):
+    model_config = _STRICT
+
+    label: _Name
+    floor: int | None
+
+
+class _Map(BaseModel):
+    model_config = _STRICT
+
+    schema_version: Literal[1] = Field(alias="schema")
+    camera: CameraData
+    room_names: tuple[_Name, ...] = Field(min_length=1, max_length=1000)
+    rooms: tuple[_Room, ...] = Field(max_length=100_000)
+    stage_seconds: dict[str, float] = Field(max_length=100)
+
+
+def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
+    """Write the map to a folder, which appears whole or not at all; an earlier map there is replaced.
+
+    Without `features`, key points and landmarks are left out: smaller, but no later walk can close loops with it.
+    Raises LexisError where the folder cannot be written, or holds something that is no map.
+    """
+    header = _Map(
+        schema=1,
+        camera=CameraData.of(map.camera),
+        room_names=map.room_names,
+        rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
+        stage_seconds=map.stage_seconds,
+    )
+    with replaced_folder(directory, JSON_FILE) as folder:
+        text = json.dumps(header.model_dump(mode="json", by_alias=True), indent=1)
+        (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
+        np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
+
+
+def load_map(directory: Path) -> LexisMap:
+    """Read a map that `save_map` has written. Raises MapError for anything else."""
+    header = _read_header(directory / JSON_FILE)
+    arrays = _read_arrays(directory / ARRAY_FILE)
+    camera = header.camera.camera()
+    try:
+        check_camera(camera)
+        check_room_names(header.room_names)
+        check(arrays, len(header.rooms), len(header.room_names))
+    except ValueError as error:
+        raise MapError(f"{directory}: {error}") from None
+    return LexisMap(
+        camera=camera,
+        room_names=header.room_names,
+        keyframes=unpack_keyframes(arrays),
+        T_W_B=arrays["T_W_B"],
+        similarities=arrays["similarities"],
+        baseline_labels=arrays["baseline_labels"],
+        labels=arrays["labels"],
+        floors=arrays["floors"],
+        rooms=_rooms(directory, header, arrays),
+        loops=unpack_loops(arrays),
+        loop_weights=arrays["loop_weight"],
+        candidates=unpack_candidates(arrays),
+        stage_seconds=header.stage_seconds,
+    )
+
+
+def _rooms(directory: Path, header: _Map, arrays: Arrays) -> tuple[RoomInstance, ...]:
+    rooms = []
+    for i, room in enumerate(header.rooms):
+        members = np.flatnonzero(arrays["room_of"] == i)
+        if not len(members) or room.label not in header.room_names:
+            raise MapError(f"{directory}: rooms[{i}] has no keyframe, or a label that is not among room_names")
+        rooms.append(RoomInstance(i, room.label, tuple(members.tolist()), arrays["room_mean"][i], room.floor))
+    return tuple(rooms)
+
+
+def _read_header(path: Path) -> _Map:
+    try:
+        if path.stat().st_size > MAX_JSON_BYTES:
+            raise MapError(f"{path}: larger than {MAX_JSON_BYTES // 1_000_000} MB; not a map")
+        return _Map.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise MapError(f"{path}: no map there: {error.strerror}; valid: a folder written by 'lexis run'") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise MapError(f"{path}: {'.'.join(map(str, first['loc'])) or 'map'}: {first['msg']}") from None
+
+
+def _read_arrays(path: Path) -> dict[str, Shaped[np.ndarray, "..."]]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > MAX_ARRAY_BYTES:
+            raise MapError(f"{path}: unpacks to {size} bytes; valid: up to {MAX_ARRAY_BYTES}")
+        with np.load(path, allow_pickle=False) as arrays:
+            missing = sorted(set(LAYOUT) - set(arrays.files))
+            if missing:
+                raise MapError(f"{path}: lacks the arrays {', '.join(missing)}")
+            return {name: arrays[name] for name in LAYOUT}
+    except MapError:
+        raise
+    except (OSError, ValueError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error) as error:
+        raise MapError(f"{path}: no arrays of a map: {type(error).__name__}; valid: as written by 'lexis run'") from None
