@@ -15,7 +15,7 @@ class FeatureExtractor:
 
     def __init__(self, config: LandmarkConfig) -> None:
         """Create the detector."""
-        self._akaze = cv2.AKAZE_create(threshold=config.akaze_threshold, max_points=config.max_features)
+        self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 
     def extract(self, image: Image) -> Features:
         """Key points of an RGB image; none is a valid answer (a bare wall)."""
@@ -58,6 +58,6 @@ def _two_nearest(
     mask = None if allowed is None else np.ascontiguousarray(allowed, dtype=np.uint8)
     if len(train) == 1:  # OpenCV asks for at least as many rows as neighbours
         train = np.repeat(train, 2, axis=0)
-        mask = np.pad(mask, ((0, 0), (0, 1))) if mask is not None else np.tile(np.uint8([1, 0]), (len(queries), 1))
+        mask = np.pad(mask, ((0, 0), (0, 1))) if mask is not None else np.tile(np.array([1, 0], np.uint8), (len(queries), 1))
     distances, ids = cv2.batchDistance(queries, train, cv2.CV_32S, normType=cv2.NORM_HAMMING, K=2, mask=mask)
     return distances, ids.astype(np.intp)

@@ -43,4 +43,4 @@ def _old_enough(query: Keyframe, graph: PoseGraph, config: PlaceRecognitionConfi
     stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
     seconds = query.stamp - stamps
     metres = graph.path_m[query.id] - graph.path_m
-    return (seconds >= config.min_gap_s) & (metres >= config.min_gap_m) & (stamps < query.stamp)
+    return np.asarray((seconds >= config.min_gap_s) & (metres >= config.min_gap_m) & (stamps < query.stamp))

@@ -9,7 +9,7 @@ from lexis.types import Intrinsics
 def project(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics) -> Float64[np.ndarray, "*batch 2"]:
     """Pixels of points in C; points behind the camera are mirrored through it, so check ``z > 0`` as well."""
     focal, centre = _calibration(intrinsics)
-    return points[..., :2] / points[..., 2:] * focal + centre
+    return np.asarray(points[..., :2] / points[..., 2:] * focal + centre)
 
 
 def project_jacobian(

@@ -17,14 +17,16 @@ def inverse(T_a_b: Transforms) -> Transforms:
     return result
 
 
-def between(T_a_b: Transforms, T_a_c: Transforms) -> Float64[np.ndarray, "*out 4 4"]:
+def between(
+    T_a_b: Float64[np.ndarray, "*first 4 4"], T_a_c: Float64[np.ndarray, "*second 4 4"]
+) -> Float64[np.ndarray, "*out 4 4"]:
     """``T_b_c``: the second pose seen from the first. Leading axes broadcast."""
-    return inverse(T_a_b) @ T_a_c
+    return np.asarray(inverse(T_a_b) @ T_a_c)
 
 
 def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """Points of frame b in frame a."""
-    return points @ T_a_b[:3, :3].T + T_a_b[:3, 3]
+    return np.asarray(points @ T_a_b[:3, :3].T + T_a_b[:3, 3])
 
 
 def skew(vectors: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3 3"]:
@@ -59,14 +61,14 @@ def compose_covariance(
 ) -> Float64[np.ndarray, "6 6"]:
     """Covariance of ``T_first @ T_second`` to first order, both perturbed independently on the right [rad², m²]."""
     Ad = adjoint(inverse(T_second))
-    return Ad @ first @ Ad.T + second
+    return np.asarray(Ad @ first @ Ad.T + second)
 
 
 def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
     """Angle of the rotation, in [0, pi] [rad]."""
     R = T[..., :3, :3]
     axis = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1)
-    return np.arctan2(np.linalg.norm(axis, axis=-1), np.trace(R, axis1=-2, axis2=-1) - 1.0)
+    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=-1), np.trace(R, axis1=-2, axis2=-1) - 1.0))
 
 
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
@@ -75,4 +77,5 @@ def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch
     orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
     homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)
     finite = np.isfinite(T).all(axis=(-1, -2))
-    return np.asarray(finite & orthonormal & homogeneous & (np.linalg.det(R) > 0))
+    right_handed = np.einsum("...i,...i", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0
+    return np.asarray(finite & orthonormal & homogeneous & right_handed)

@@ -16,6 +16,8 @@ from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 
 _GRID = 6
 """Cells along each side of the image when the spread of inliers is measured."""
+_RANSAC = {"min_iterations": 100, "max_iterations": 5000}
+"""Bounds the time spent on a hopeless candidate; 5000 draws still find a pose that one match in eight agrees with."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,7 @@ def _solve_pnp(
         "height": intrinsics.height,
         "params": [intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy],
     }
-    ransac = {"max_reproj_error": config.max_reprojection_px, "seed": config.seed}
+    ransac = {"max_reproj_error": config.max_reprojection_px, "seed": config.seed, **_RANSAC}
     solution, _ = poselib.estimate_absolute_pose(pixels, points, camera, ransac)
     T_C_match = np.eye(4)
     T_C_match[:3, :3], T_C_match[:3, 3] = solution.R, solution.t
