@@ -13,6 +13,8 @@ from pathlib import Path
 from sim.errors import GraphicsError
 from sim.gl_probe import PROBES
 
+_PROBE_TIMEOUT_S = 20.0
+
 DISABLED = "disabled"
 """What ``MUJOCO_GL`` is set to where nothing renders: physics and geometry still work."""
 
@@ -42,7 +44,12 @@ def _works(backend: str) -> bool:
     """Try a back end in a child process, which a broken driver may crash or hang."""
     probe = Path(__file__).with_name("gl_probe.py")
     try:
-        return subprocess.run([sys.executable, "-I", "-S", probe, backend], capture_output=True, timeout=20).returncode == 0
+        return (
+            subprocess.run(
+                [sys.executable, "-I", "-S", probe, backend], capture_output=True, timeout=_PROBE_TIMEOUT_S
+            ).returncode
+            == 0
+        )
     except subprocess.TimeoutExpired:
         return False
 

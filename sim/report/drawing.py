@@ -16,7 +16,7 @@ class Mark:
     style: str
     """A key of `STYLES`; in SVG also the class."""
     points: Float[np.ndarray, "k 2"]
-    """One point for dots and texts."""
+    """One point for dots and texts; a text begins there."""
     colour: str | None = None
     """In place of the style's: the fill of polygons, dots and texts, the stroke of lines; `#rrggbb`."""
     text: str = ""
@@ -45,31 +45,31 @@ class Style:
 
 STYLES: dict[str, Style] = {
     "room": Style(fill="#cccccc", fill_opacity=0.24),
-    "furniture": Style(fill="#7a828c", fill_opacity=0.13, stroke="#7a828c", width=0.8),
     "tread": Style(stroke="#8a929c", width=0.9),
-    "wall": Style(fill="#2b3138"),
+    "furniture": Style(fill="#7a828c", fill_opacity=0.13, stroke="#7a828c", width=0.8),
     "fence": Style(fill="#9aa2ab"),
+    "wall": Style(fill="#2b3138"),
     "door": Style(stroke="#8a929c", width=1.2),
-    "cased": Style(stroke="#59626c", width=2.2, dash=(12, 7)),
-    "open": Style(stroke="#8a929c", width=2.2, dash=(4, 9)),
+    "cased": Style(stroke="#59626c", width=2.2, dash=(12.0, 7.0)),
+    "open": Style(stroke="#8a929c", width=2.2, dash=(4.0, 9.0)),
+    "scale": Style(stroke="#59626c", width=3.0),
+    "odometry": Style(stroke="#c77700", width=2.5, dash=(14.0, 8.0)),
+    "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),
+    "optimised": Style(stroke="#1f6feb", width=2.5),
+    "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.6),
+    "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
     "name": Style(fill="#3a4149"),
-    "scale": Style(stroke="#59626c", width=3),
-    "true": Style(stroke="#2b3138", width=2.6, opacity=0.55),
-    "odometry": Style(stroke="#c77700", width=3, dash=(16, 9)),
-    "optimised": Style(stroke="#1f6feb", width=3),
-    "path": Style(stroke="#8b3fd1", width=5, opacity=0.75),
-    "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.55),
-    "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14, 8)),
-    "heading": Style(stroke="#2b3138", width=1.6),
-    "right": Style(fill="#ffffff", stroke="#ffffff", width=2, radius=0.11),
-    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=5, radius=0.14),
+    "heading": Style(stroke="#2b3138", width=2.2),
+    "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
+    "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
+    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
-"""Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
+"""Painted in this order. Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Marks, in the order they are painted, and the part of the plan to show."""
+    """Marks and the part of the plan to show. They are painted by style, in the order of `STYLES`."""
 
     marks: Sequence[Mark]
     low: Float[np.ndarray, "2"]
@@ -77,6 +77,15 @@ class Drawing:
     high: Float[np.ndarray, "2"]
     title: str = field(default="plan", kw_only=True)
 
-    def with_marks(self, more: Sequence[Mark]) -> "Drawing":
-        """The same drawing with marks painted on top."""
-        return Drawing([*self.marks, *more], self.low, self.high, title=self.title)
+    @property
+    def layers(self) -> list[Mark]:
+        """The marks in the order they are painted."""
+        order = {style: i for i, style in enumerate(STYLES)}
+        return sorted(self.marks, key=lambda mark: order[mark.style])
+
+    def with_marks(self, more: Sequence[Mark], reach_m: float = 1.5) -> "Drawing":
+        """The drawing with more marks, widened for them by at most `reach_m`."""
+        points = np.concatenate([mark.points for mark in more]) if more else np.array([self.low, self.high])
+        low = np.minimum(self.low, np.maximum(points.min(axis=0), self.low - reach_m))
+        high = np.maximum(self.high, np.minimum(points.max(axis=0), self.high + reach_m))
+        return Drawing([*self.marks, *more], low, high, title=self.title)

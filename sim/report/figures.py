@@ -27,6 +27,7 @@ class Figure:
 
 
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
+_SIGNED = "{:+d}"
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "labels": {
@@ -46,11 +47,11 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "v_measure": Definition("V-measure", _SCORE, "harmonic mean of homogeneity and completeness"),
         "splits": Definition("splits", _COUNT, "true rooms that were cut into several"),
         "merges": Definition("merges", _COUNT, "predicted rooms that cover several true ones"),
-        "count_error": Definition("count error", "{:+d}", "predicted minus true number of rooms"),
+        "count_error": Definition("count error", _SIGNED, "predicted minus true number of rooms"),
     },
     "floors": {
         "accuracy": Definition("floor accuracy", _SHARE, "keyframes on the right floor"),
-        "count_error": Definition("count error", "{:+d}", "predicted minus true number of floors"),
+        "count_error": Definition("count error", _SIGNED, "predicted minus true number of floors"),
     },
     "loops": {
         "proposed": Definition("proposed", _COUNT, "candidate pairs handed to geometric verification"),
@@ -96,14 +97,14 @@ SECTIONS: dict[str, dict[str, Definition]] = {
 
 
 def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
-    """The single figures of a section; ones without a definition are shown by their key, absent ones left out."""
+    """The numbers of a section; ones without a definition are shown by their key, absent ones left out."""
     known, values = SECTIONS[section], result.get(section) or {}
     keys = [*(key for key in known if key in values), *(key for key in values if key not in known)]
     rows = ((known.get(key, Definition(key.replace("_", " "), "{}")), values[key]) for key in keys)
     return [
         Figure(definition.name, shown(value, definition.form), definition.meaning)
         for definition, value in rows
-        if not isinstance(value, Mapping | list | tuple)
+        if not isinstance(value, Mapping | list | tuple | str)
     ]
 
 
@@ -116,6 +117,8 @@ def shown(value: object, form: str) -> str:
     """A value in its form; a dash for a figure that the run cannot have."""
     if value is None:
         return MISSING
+    if value == 0 and form == _SIGNED:
+        return "0"
     if form == "{}" and isinstance(value, float):
         form = "{:.4g}"
     return form.format(value)

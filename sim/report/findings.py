@@ -1,7 +1,7 @@
 """The few sentences that a reader wants first: what went wrong, where, and how badly."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,16 +48,27 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
         yield Finding(mended >= spoiled, f"Label refinement mended {mended} keyframes and spoiled {spoiled}.", first)
 
 
-def _rooms(data: ReportData) -> Iterator[Finding]:
+def _rooms(data: ReportData, most: int = 3) -> Iterator[Finding]:
     true, said = data.keyframes.true_rooms, data.keyframes.predicted_rooms
-    for rooms, others, verb in ((true, said, "was split into"), (said, true, "merges")):
-        counts: dict[str, Counter[str]] = {}
-        for room, other in zip(rooms, others, strict=True):
-            counts.setdefault(room, Counter())[other] += 1
-        for room, parts in counts.items():
-            large = [name for name, count in parts.most_common() if count >= _SUBSTANTIAL * parts.total()]
-            if len(large) > 1:
-                yield Finding(False, f"{room} {verb} {' and '.join(large)}.", rooms.index(room))
+    for rooms, others, verb in ((true, said, "true rooms were split"), (said, true, "predicted rooms merge several")):
+        torn = _torn(rooms, others)
+        if torn:
+            examples = [f"{room} = {' + '.join(parts)}" for room, parts in list(torn.items())[:most]]
+            more = f" and {len(torn) - most} more" if len(torn) > most else ""
+            text = f"{len(torn)} of {len(set(rooms))} {verb}: {', '.join(examples)}{more}."
+            yield Finding(False, text, rooms.index(next(iter(torn))))
+
+
+def _torn(rooms: Sequence[str], others: Sequence[str]) -> dict[str, list[str]]:
+    """The rooms of which several others hold a substantial share each, with these others, the largest first."""
+    counts: dict[str, Counter[str]] = {}
+    for room, other in zip(rooms, others, strict=True):
+        counts.setdefault(room, Counter())[other] += 1
+    large = {
+        room: [name for name, count in parts.most_common() if count >= _SUBSTANTIAL * parts.total()]
+        for room, parts in counts.items()
+    }
+    return {room: names for room, names in large.items() if len(names) > 1}
 
 
 def _loops(data: ReportData) -> Iterator[Finding]:

@@ -1,10 +1,14 @@
-"""The floor plans of a house, for drawing."""
+"""The floor plans of a house, as data and as a picture."""
 
+import cv2
 import numpy as np
 from jaxtyping import Float64
 from shapely.geometry import Polygon, box
 
 from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
+from sim.report.palette import label_colours
+from sim.report.plan import plan_drawing
+from sim.report.png import to_image
 from worlds.house import House
 from worlds.parts import Part
 
@@ -12,6 +16,17 @@ from worlds.parts import Part
 def floor_plans(house: House) -> tuple[FloorPlan, ...]:
     """The plan of every storey, lowest first."""
     return tuple(_plan(house, level) for level in range(len(house.storeys)))
+
+
+def plan_png(house: House) -> bytes:
+    """A picture of the plans of all storeys, side by side from the lowest up, as a PNG file."""
+    plans = floor_plans(house)
+    colours = label_colours(room.label for plan in plans for room in plan.rooms)
+    pictures = [to_image(plan_drawing(plan, colours)) for plan in plans]
+    height = max(len(picture) for picture in pictures)
+    padded = [np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures]
+    _, png = cv2.imencode(".png", np.hstack(padded)[..., ::-1])
+    return png.tobytes()
 
 
 def _plan(house: House, level: int) -> FloorPlan:

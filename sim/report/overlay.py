@@ -12,7 +12,7 @@ _HEADING_M = 0.28
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:
-    """Everything of the run that belongs to a storey, in the order it is painted."""
+    """Everything of the run that belongs to a storey."""
     table = data.keyframes
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
@@ -48,10 +48,9 @@ def storey_of(heights: Float[np.ndarray, "k"], floors_m: list[float]) -> Int[np.
 
 
 def _loops(data: ReportData, level: int) -> Iterator[Mark]:
-    """True edges first, so that the false ones lie on top."""
     table = data.keyframes
     positions = table.optimised_poses[:, :2, 3]
-    for loop in sorted(data.loops, key=lambda loop: not loop.true):
+    for loop in data.loops:
         if level in table.storeys[[loop.query, loop.match]]:
             style, kind = ("loop-true", "true") if loop.true else ("loop-false", "FALSE")
             text = f"{kind} loop edge, keyframe {loop.query} to {loop.match}, weight {loop.weight:.2f}"
@@ -59,10 +58,9 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
-    """At the optimised pose, in the predicted label's colour; wrong ones last, so that they lie on top."""
+    """At the optimised pose, in the predicted label's colour."""
     table, wrong = data.keyframes, data.keyframes.wrong
-    here = np.flatnonzero(table.storeys == level)
-    for k in here[np.argsort(wrong[here], kind="stable")]:
+    for k in np.flatnonzero(table.storeys == level):
         pose = table.optimised_poses[k]
         colour = colours[data.label_names[table.predicted_labels[k]]]
         yield Mark("line", "heading", pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0]), colour)

@@ -1,24 +1,23 @@
 """`write_report`: one HTML file that shows a run and needs no network."""
 
 import json
-import os
-import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from sim.errors import SimError
+from lexis.files import replaced_file
 from sim.report.confusion import confusion
 from sim.report.data import ReportData, SampleFrame
+from sim.report.drawing import Drawing
 from sim.report.figures import SECTIONS, figure, figures, shown
 from sim.report.findings import findings
+from sim.report.inline_image import data_uri
 from sim.report.overlay import describe, run_marks
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
-from sim.report.samples import data_uri
 from sim.report.svg import styles_css, to_svg
 from sim.report.timeline import LEFT, WIDTH, positions, timeline_svg
 
@@ -29,6 +28,9 @@ _ENVIRONMENT = jinja2.Environment(
     lstrip_blocks=True,
     undefined=jinja2.StrictUndefined,
 )
+
+_LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
+"""Metres of plan across the page: fewer would be coarse, more would be small."""
 
 _HEADLINES = (
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
@@ -50,16 +52,10 @@ class Headline:
 
 
 def write_report(path: Path, data: ReportData) -> None:
-    """Write the report beside `path` and rename it into place. Raises `SimError` where that is not possible."""
+    """Write the report as one file, whole or not at all. Raises LexisError where it cannot be written."""
     page = render_report(data)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, suffix=".html", delete=False) as file:
-            file.write(page)
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, path)
-    except OSError as error:
-        raise SimError(f"{path}: the report cannot be written there: {error.strerror}") from None
+    with replaced_file(path) as beside:
+        beside.write_text(page, encoding="utf-8")
 
 
 def render_report(data: ReportData) -> str:
@@ -72,7 +68,7 @@ def render_report(data: ReportData) -> str:
         result=result,
         headlines=_headlines(result),
         findings=findings(data),
-        plans=[(drawing.title, to_svg(drawing)) for drawing in drawings],
+        plans=[(drawing.title, share, to_svg(drawing)) for drawing, share in zip(drawings, _widths(drawings), strict=True)],
         plan_css=styles_css("figure svg"),
         colours={name: colours[name] for name in _present(data)},
         timeline=timeline_svg(data, colours),
@@ -97,6 +93,13 @@ def _headlines(result: Mapping[str, Any]) -> list[Headline]:
     ]
 
 
+def _widths(drawings: Sequence[Drawing]) -> list[float]:
+    """The share of the page that each plan takes [%]: all at one scale, side by side unless that is too small to read."""
+    widths = [float(drawing.high[0] - drawing.low[0]) for drawing in drawings]
+    metres = max(sum(widths), _LEAST_PAGE_M) if sum(widths) <= _MOST_PAGE_M else max(*widths, _LEAST_PAGE_M)
+    return [97 * width / metres for width in widths]
+
+
 def _present(data: ReportData) -> list[str]:
     """The labels that occur in the plan or in the keyframes."""
     table = data.keyframes
@@ -106,20 +109,20 @@ def _present(data: ReportData) -> list[str]:
 
 
 def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Cards of the frames that the encoder alone had right, and of those that it had wrong."""
     cards = [_sample(data, sample) for sample in data.samples]
-    return [card for card in cards if not card["wrong"]], [card for card in cards if card["wrong"]]
+    return [card for card in cards if card["seen"] == card["true"]], [card for card in cards if card["seen"] != card["true"]]
 
 
 def _sample(data: ReportData, sample: SampleFrame) -> dict[str, Any]:
-    table, k = data.keyframes, sample.keyframe
+    table, names, k = data.keyframes, data.label_names, sample.keyframe
     return {
         "keyframe": k,
         "uri": data_uri(sample.image),
-        "wrong": bool(table.wrong[k]),
-        "true": data.label_names[table.true_labels[k]],
-        "said": data.label_names[table.predicted_labels[k]],
-        "baseline": data.label_names[table.baseline_labels[k]],
-        "scores": sample.scores[:3],
+        "true": names[table.true_labels[k]],
+        "seen": names[table.baseline_labels[k]],
+        "refined": names[table.predicted_labels[k]],
+        "scores": sample.scores,
     }
 
 

@@ -12,7 +12,7 @@ _OVERSAMPLING = 3
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
     """Paint a drawing on white. Dashes are drawn solid."""
     painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
-    for mark in drawing.marks:
+    for mark in drawing.layers:
         painter.paint(mark)
     return np.asarray(painter.picture.reduce(_OVERSAMPLING))
 
@@ -32,7 +32,7 @@ class _Painter:
         width = max(1, round(style.width / 100 * self._scale))
         points = self._pixels(mark.points)
         if mark.kind == "text":
-            draw.text(points[0], mark.text, fill, ImageFont.load_default(mark.size * self._scale), anchor="mm")
+            draw.text(points[0], mark.text, fill, ImageFont.load_default(mark.size * self._scale), anchor="lm")
         elif mark.kind == "line":
             draw.line(points, stroke, width, joint="curve")
         elif mark.kind == "dot":

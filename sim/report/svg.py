@@ -8,15 +8,13 @@ from jaxtyping import Float
 from sim.report.drawing import STYLES, Drawing, Mark, Style
 
 
-def to_svg(drawing: Drawing, *, standalone: bool = False) -> str:
-    """An `<svg>` element; a standalone one carries its styles and a size, the other is styled by the page it stands in."""
+def to_svg(drawing: Drawing) -> str:
+    """An `<svg>` element, styled by `styles_css` in the page it stands in."""
     width, height = drawing.high - drawing.low
-    size = f' width="{width * 60:.0f}" height="{height * 60:.0f}"' if standalone else ""
-    style = f"<style>svg{{background:#fff;font-family:sans-serif}}{styles_css('svg')}</style>" if standalone else ""
-    body = "\n".join(map(_element, drawing.marks))
+    body = "\n".join(map(_element, drawing.layers))
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(drawing.title)}"{size} '
-        f'viewBox="{drawing.low[0]:.2f} {-drawing.high[1]:.2f} {width:.2f} {height:.2f}">{style}\n{body}\n</svg>'
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(drawing.title)}" '
+        f'viewBox="{drawing.low[0]:.2f} {-drawing.high[1]:.2f} {width:.2f} {height:.2f}">\n{body}\n</svg>'
     )
 
 
@@ -46,7 +44,7 @@ def _element(mark: Mark) -> str:
         attributes += f' data-k="{mark.keyframe}"'
     x, y = mark.points[0] * [1, -1]
     if mark.kind == "text":
-        place = f'x="{x:.3f}" y="{y + 0.35 * mark.size:.3f}" font-size="{mark.size:.3f}" text-anchor="middle"'
+        place = f'x="{x:.3f}" y="{y + 0.35 * mark.size:.3f}" font-size="{mark.size:.3f}"'
         return f"<text {place} {attributes}>{escape(mark.text)}</text>"
     if mark.kind == "dot":
         shape = f'circle cx="{x:.3f}" cy="{y:.3f}" r="{STYLES[mark.style].radius}"'

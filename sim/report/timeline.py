@@ -27,6 +27,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
     body += _loop_ticks(data)
+    body += _time_axis(data)
     body.append(f'<line id="cursor" y1="0" y2="{_HEIGHT - 18}" x1="-9" x2="-9"/>')
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" id="timeline" role="img" aria-label="labels and errors over time" '
@@ -86,11 +87,15 @@ def _loop_ticks(data: ReportData) -> Iterator[str]:
         style, y = ("tick-true", _LOOPS_TOP) if loop.true else ("tick-false", _LOOPS_TOP + 11)
         title = f"<title>keyframe {loop.query} to {loop.match}, weight {loop.weight:.2f}</title>"
         yield f'<rect class="{style}" x="{x[loop.query] - 1:.1f}" y="{y}" width="2" height="10">{title}</rect>'
-    stamps = data.keyframes.stamps
-    for fraction in np.linspace(0, 1, 6):
-        at = LEFT + fraction * (WIDTH - LEFT - 6)
-        seconds = stamps[0] + fraction * (stamps[-1] - stamps[0])
-        yield f'<text class="tick" x="{at:.1f}" y="{_HEIGHT - 4:.0f}" text-anchor="middle">{seconds:.0f} s</text>'
+
+
+def _time_axis(data: ReportData) -> Iterator[str]:
+    """Times since the first keyframe."""
+    stamps, x = data.keyframes.stamps, positions(data.keyframes.stamps)
+    step = _nice_ceiling((stamps[-1] - stamps[0]) / 8 + 1e-9)
+    for seconds in np.arange(0, stamps[-1] - stamps[0], step):
+        at = np.interp(stamps[0] + seconds, stamps, x)
+        yield f'<text class="tick" x="{at:.1f}" y="{_HEIGHT - 4:.0f}" text-anchor="middle">{seconds:g} s</text>'
 
 
 def _row_name(name: str, y: float) -> str:
@@ -102,6 +107,6 @@ def _points(x: Float[np.ndarray, "n"], y: Float[np.ndarray, "n"]) -> str:
 
 
 def _nice_ceiling(value: float) -> float:
-    """The next of 1, 2, 5 times a power of ten."""
+    """The next round number."""
     power = 10.0 ** np.floor(np.log10(value))
-    return float(next(power * step for step in (1, 2, 5, 10) if power * step >= value - 1e-12))
+    return float(next(power * step for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if power * step >= value - 1e-12))

@@ -1,0 +1,20 @@
+"""How pictures get into the page."""
+
+import base64
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+
+_WIDTH_PX = 320
+_JPEG_QUALITY = 82
+
+
+def data_uri(image: UInt8[np.ndarray, "h w 3"]) -> str:
+    """An RGB image as a `data:` address of a JPEG, at most 320 px wide."""
+    height, width = image.shape[:2]
+    if width > _WIDTH_PX:
+        size = _WIDTH_PX, round(height * _WIDTH_PX / width)
+        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    _, jpeg = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
+    return "data:image/jpeg;base64," + base64.b64encode(jpeg.tobytes()).decode()

@@ -1,0 +1,169 @@
+"""The report: complete, self-contained, true to its data, and never half-written."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from lexis.errors import LexisError
+from sim.errors import SimError
+from sim.report import ReportData, render_report, write_report
+from sim.report.confusion import confusion
+from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
+from sim.report.findings import findings
+from sim.report.overlay import storey_of
+
+NAMES = ("kitchen", "office", "library")
+VOID = {"meta", "link", "img", "input", "br", "hr"}
+
+
+def square(x: float, y: float, side: float = 4.0) -> np.ndarray:
+    return np.array([[x, y], [x + side, y], [x + side, y + side], [x, y + side]])
+
+
+def example(
+    rng: np.random.Generator, n: int = 40, wrong: int = 5, rooms: tuple[str, str] = ("kitchen 1", "office 1")
+) -> ReportData:
+    """A walk from a kitchen through an office beside it, on each of two storeys."""
+    poses = np.tile(np.eye(4), (n, 1, 1))
+    storeys = (np.arange(n) * 2) // n
+    poses[:, 0, 3] = np.linspace(1, 7, n)
+    poses[:, 1, 3] = 2
+    poses[:, 2, 3] = 3.0 * storeys + 1.2
+    true = (poses[:, 0, 3] > 4).astype(int)
+    predicted = true.copy()
+    predicted[rng.choice(n, wrong, replace=False)] = 2
+    drifted = poses.copy()
+    drifted[:, :2, 3] += np.cumsum(rng.normal(0, 0.05, (n, 2)), axis=0)
+    drifted[0] = poses[0]
+    table = KeyframeTable(
+        np.arange(n) * 0.5, poses, drifted, poses, storeys, true, true, predicted,
+        tuple(rooms[i] for i in true), tuple(f"{NAMES[i]} 1" for i in predicted),
+    )  # fmt: skip
+    plans = tuple(
+        FloorPlan(
+            level,
+            3.0 * level,
+            (PlannedRoom(rooms[0], "kitchen", square(0, 0)), PlannedRoom(rooms[1], "office", square(4, 0))),
+            openings=(PlannedOpening("open", np.array([[4.0, 1.0], [4.0, 3.0]])),),
+        )
+        for level in (0, 1)
+    )
+    sample = SampleFrame(3, rng.integers(0, 255, (36, 48, 3), dtype=np.uint8), (("kitchen", 0.3), ("office", 0.2)))
+    result = {"seed": 7, "preset": "home", "labels": {"accuracy": 1 - wrong / n}, "loops": {"precision": None}}
+    path = PlanPath("kitchen", "office", poses[:, :3, 3], True)
+    return ReportData(result, NAMES, plans, table, (LoopMark(30, 2, True, 0.9),), (sample,), (path,))
+
+
+class Page(HTMLParser):
+    """Collects the elements of a page and sees that they are closed in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self._open: list[str] = []
+        self.feed(text)
+        assert self._open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def having(self, name: str, value: str) -> list[dict[str, str | None]]:
+        return [attrs for _, attrs in self.elements if attrs.get(name) == value]
+
+
+def test_needs_no_network(rng):
+    page = Page(render_report(example(rng)))
+    addresses = [attrs[name] for _, attrs in page.elements for name in ("src", "href", "xlink:href") if name in attrs]
+    assert addresses
+    assert all(address.startswith("data:") for address in addresses)
+    assert not {tag for tag, _ in page.elements} & {"link", "iframe", "object"}
+
+
+def test_every_keyframe_is_one_dot_and_every_wrong_one_is_ringed(rng):
+    data = example(rng, n=60, wrong=7)
+    page = Page(render_report(data))
+    dots = page.having("class", "right") + page.having("class", "wrong")
+    assert sorted(int(dot["data-k"]) for dot in dots) == list(range(60))
+    assert {int(dot["data-k"]) for dot in page.having("class", "wrong")} == set(np.flatnonzero(data.keyframes.wrong))
+
+
+def test_names_cannot_break_the_page(rng):
+    text = render_report(example(rng, rooms=("</script><script>alert(1)</script>", 'a"b&c')))
+    assert "<script>alert" not in text
+    Page(text)
+
+
+def test_long_runs_stay_under_five_megabytes(rng):
+    data = example(rng, n=3000, wrong=1000)
+    frame = rng.integers(0, 255, (480, 640, 3), dtype=np.uint8)
+    samples = tuple(SampleFrame(k, frame, (("kitchen", 0.3),)) for k in range(16))
+    loops = tuple(LoopMark(k, k - 50, k % 9 != 0, 1.0) for k in range(50, 3000, 3))
+    assert len(render_report(replace(data, samples=samples, loops=loops)).encode()) < 5_000_000
+
+
+def test_a_single_keyframe_makes_a_report(rng):
+    table = example(rng).keyframes
+    one = KeyframeTable(*(getattr(table, name)[:1] for name in table.__dataclass_fields__))
+    Page(render_report(ReportData({}, NAMES, example(rng).plans, one)))
+
+
+def test_written_whole_or_not_at_all(rng, tmp_path):
+    write_report(tmp_path / "report.html", example(rng))
+    assert (tmp_path / "report.html").read_text() == render_report(example(np.random.default_rng(20_240_731)))
+    (tmp_path / "taken").mkdir()
+    with pytest.raises(LexisError, match="is a folder"):
+        write_report(tmp_path / "taken", example(rng))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "taken"]
+
+
+def test_confusion_counts_every_keyframe_once(rng):
+    data = example(rng, n=200, wrong=60)
+    matrix = confusion(data.keyframes, NAMES)
+    assert matrix.counts.sum() == 200
+    assert np.trace(matrix.counts) == 140
+    assert matrix.rows == ("kitchen", "office")
+    assert matrix.columns == NAMES
+    hits = np.array(matrix.recalls) * matrix.counts.sum(axis=1)
+    assert hits.sum() == pytest.approx(140)
+
+
+def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
+    data = example(rng, wrong=0)
+    assert all(finding.good for finding in findings(data))
+    faulty = replace(
+        example(rng, wrong=8),
+        loops=(LoopMark(30, 2, True, 0.9), LoopMark(35, 1, False, 0.8), LoopMark(20, 3, False, 0.1)),
+        paths=(PlanPath("kitchen", "library", np.zeros((2, 3)), False),),
+    )
+    bad = " ".join(finding.text for finding in findings(faulty) if not finding.good)
+    for fault in (
+        "taken for library",
+        "2 of 3 loop edges are false",
+        "weight 0.80",
+        "keyframe 35 to 1",
+        "from kitchen to library",
+    ):
+        assert fault in bad
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [({"loops": (LoopMark(40, 0, True, 1.0),)}, "keyframes in"), ({"label_names": ("kitchen",)}, "true_labels must lie in")],
+)
+def test_data_that_does_not_fit_is_refused(rng, change, problem):
+    with pytest.raises(SimError, match=problem):
+        replace(example(rng), **change)
+
+
+def test_storey_is_the_highest_floor_below():
+    assert storey_of(np.array([-0.1, 0.0, 1.2, 2.99, 3.0, 9.0]), [0.0, 3.0]).tolist() == [0, 0, 0, 0, 1, 1]

@@ -1,0 +1,64 @@
+"""Figures of result.json: each has a definition, and what is absent is a dash, never a zero."""
+
+import io
+
+import pytest
+from rich.console import Console
+
+from sim.report.figures import MISSING, SECTIONS, figures, shown
+from sim.report.table import result_table
+
+CONTRACT = {
+    "labels": ["accuracy", "accuracy_baseline", "accuracy_graded"],
+    "rooms": [
+        "pq",
+        "precision",
+        "recall",
+        "hydra_precision",
+        "hydra_recall",
+        "ari",
+        "v_measure",
+        "splits",
+        "merges",
+        "count_error",
+    ],
+    "floors": ["accuracy", "count_error"],
+    "loops": ["proposed", "verified", "true", "false", "precision", "recall"],
+    "trajectory": ["ate_odometry_m", "ate_m"],
+    "planning": ["queries", "success", "spl", "collisions"],
+    "run": ["path_m", "duration_s", "frames", "keyframes"],
+    "house": ["rooms", "floors", "area_m2", "openness"],
+    "time": ["house_s", "scene_s", "render_s", "slam_s", "realtime_factor"],
+}
+
+
+def test_every_figure_of_the_contract_is_defined():
+    assert {section: list(known) for section, known in SECTIONS.items()} == CONTRACT
+
+
+@pytest.mark.parametrize(
+    ("value", "form", "text"),
+    [
+        (0.5, "{:.1%}", "50.0%"),
+        (None, "{:.1%}", MISSING),
+        (0, "{:+d}", "0"),
+        (-2, "{:+d}", "-2"),
+        (0.123456, "{}", "0.1235"),
+    ],
+)
+def test_forms(value, form, text):
+    assert shown(value, form) == text
+
+
+def test_unknown_figures_are_shown_by_their_key_and_groups_are_left_out():
+    rows = figures({"trajectory": {"rpe_8m_m": 0.1, "ate_m": None, "segments": {"a": 1}}}, "trajectory")
+    assert [(row.name, row.value) for row in rows] == [("ATE, optimised", MISSING), ("rpe 8m m", "0.1")]
+
+
+def test_the_table_holds_every_figure():
+    console = Console(width=140, record=True, file=io.StringIO())
+    console.print(result_table({"preset": "home", "seed": 3, "labels": {"accuracy": 0.75}, "loops": {"precision": None}}))
+    text = console.export_text()
+    assert "house home, seed 3: ? encoder" in text
+    assert "75.0%" in text
+    assert MISSING in text
