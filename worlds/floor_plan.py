@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
@@ -23,6 +24,7 @@ from worlds.spec import HouseSpec, OpeningKind, OpeningSpec, RoomSpec, StoreySpe
 Rectangle = tuple[float, float, float, float]
 _STAIRS_LENGTH_M = 3.4
 _DOOR_M = 0.95
+_MIN_ROOM_M = 1.9
 _CORNER_MARGIN_M = 0.15
 _WEIGHTS = {
     "living room": 1.6, "open-plan office": 2.2, "meeting room": 1.3, "classroom": 1.8, "library": 1.5, "garage": 1.4,
@@ -112,15 +114,19 @@ def _share(labels: Sequence[str], width: float, hall_end: float, rng: np.random.
     if not labels:
         return []
     weights = np.array([_WEIGHTS.get(label, 1.0) for label in labels]) * rng.uniform(0.85, 1.15, len(labels))
-    cuts = np.round(np.concatenate([[0.0], np.cumsum(weights / weights.sum()) * width]), 2)
+    cuts = _divide(width, weights)
     # The last room has to reach back to the hall past the stairs; the others make way.
     if (limit := hall_end - 1.4) < cuts[-2]:
-        cuts[:-1] = np.round(cuts[:-1] * limit / cuts[-2], 2)
-    if np.min(np.diff(cuts)) < 1.4:
-        raise WorldsError(
-            f"{len(labels)} rooms ({', '.join(labels)}) do not fit in a band of {width:.2f} m; at most {int(width // 2)}"
-        )
+        cuts = np.append(_divide(limit, weights[:-1]), width)
+    if np.min(np.diff(cuts)) < _MIN_ROOM_M - 0.02:
+        raise WorldsError(f"{len(labels)} rooms ({', '.join(labels)}) do not fit in a band of {width:.2f} m; make it wider")
     return [(label, float(x0), float(x1)) for label, x0, x1 in zip(labels, cuts[:-1], cuts[1:], strict=True)]
+
+
+def _divide(length: float, weights: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n+1"]:
+    """Cut `length` [m] so that each part has the least width of a room, and what is left by weight; to the centimetre."""
+    parts = _MIN_ROOM_M + (length - len(weights) * _MIN_ROOM_M) * weights / weights.sum()
+    return np.round(np.concatenate([[0.0], np.cumsum(parts)]), 2)
 
 
 def _name(rooms: Sequence[tuple[str, Rectangle]], level: int) -> list[tuple[str, str, Rectangle]]:

@@ -8,6 +8,7 @@ from worlds.errors import WorldsError
 from worlds.floor_plan import BandSizes, Sampler, StoreyPlan, lay_out, sample_sizes
 from worlds.spec import HouseSpec
 
+MAX_ROOMS_ASKED = 40
 _OPEN_PLAN = (("kitchen", "dining room"), ("dining room", "living room"))
 
 
@@ -22,11 +23,27 @@ def sample_house(preset: str, seed: int) -> HouseSpec:
     return lay_out(f"{preset}-{seed}", seed, plans, sizes, layout_rng)
 
 
+def sample_from_rooms(labels: Sequence[str], seed: int) -> HouseSpec:
+    """A one-storey house with a corridor and a room for each of `labels`. Raises `WorldsError` for lists that cannot be."""
+    unknown = [label for label in labels if label not in _INDOOR_POOL]
+    if unknown:
+        raise WorldsError(f"no room can be a {unknown[0]!r}; valid: {', '.join(_INDOOR_POOL)}")
+    if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
+        raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
+    rng = np.random.default_rng(seed)
+    order = _shuffled(tuple(labels), rng)
+    half = (len(order) + 1) // 2
+    width = max(6.0, 4.2 * half)
+    return lay_out(
+        f"rooms-{seed}", seed, [StoreyPlan(order[:half], order[half:])], sample_sizes(rng, (width, width + 1.0)), rng
+    )
+
+
 def _home(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
     living = ("kitchen", "dining room", "living room")
     ground = StoreyPlan(_either_way(living, rng), open_pairs=_OPEN_PLAN, garden="garden")
     upper = StoreyPlan(_shuffled(("bedroom", "bathroom", str(rng.choice(["children's room", "office", "bedroom"]))), rng))
-    return (ground, upper), sample_sizes(rng, (9.6, 11.2))
+    return (ground, upper), sample_sizes(rng, (10.8, 12.4))
 
 
 def _ori(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
@@ -39,7 +56,7 @@ def _ori(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
 
 def _uh2_apartment(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
     ground = StoreyPlan(_either_way(("dining room", "living room"), rng), open_pairs=_OPEN_PLAN)
-    return (ground, StoreyPlan(("bedroom",)), StoreyPlan(("bathroom",))), sample_sizes(rng, (6.2, 7.2), (3.4, 4.0))
+    return (ground, StoreyPlan(("bedroom",)), StoreyPlan(("bathroom",))), sample_sizes(rng, (7.6, 8.6), (3.4, 4.0))
 
 
 def _uh2_office(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:

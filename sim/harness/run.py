@@ -39,6 +39,11 @@ class Run:
         return np.array([keyframe.observation_index for keyframe in self.map.keyframes], int)
 
     @property
+    def stamps(self) -> Float64[np.ndarray, "n"]:
+        """Of keyframes [s]."""
+        return np.array([keyframe.stamp for keyframe in self.map.keyframes])
+
+    @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """T_W_B of keyframes."""
         return self.session.tour.T_W_B[self.observed]

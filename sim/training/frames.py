@@ -25,7 +25,7 @@ IMAGE_SIZE = (128, 96)
 PRESET_SHARE = {"home": 0.5, "random": 0.3, "ori": 0.08, "uh2-apt": 0.06, "uh2-office": 0.06}
 OBJECT_KINDS = tuple(sorted(CATALOGUE))
 _SUPERSAMPLING = 2
-_SPACING_M = 0.6
+_SPACING_M = 1.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ def _draw_houses(houses: int, seed: int) -> list[tuple[str, int]]:
 
 
 def frames_of_house(house_of: tuple[str, int]) -> Frames:
-    """Render a tour through one house, (preset, seed), every 0.6 m, looking a little to the sides at random."""
+    """Render a tour through one house, (preset, seed), every 1.2 m, looking a little to the sides at random."""
     preset, seed = house_of
     rng = np.random.default_rng([seed, 2])
     house = build_house(sample_house(preset, seed))

@@ -85,7 +85,7 @@ def train(
 ) -> Towers:
     """Train on `frames`, report accuracy on `tuning` after every epoch; resume from `checkpoint` where it exists."""
     torch.manual_seed(config.seed)
-    towers = Towers()
+    towers = Towers().to(memory_format=torch.channels_last)  # convolutions on a CPU are a third faster
     optimiser = torch.optim.AdamW(towers.parameters(), lr=config.learning_rate, weight_decay=config.weight_decay)
     steps = len(frames.rooms) // config.batch
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, config.learning_rate, total_steps=config.epochs * steps)
@@ -170,7 +170,7 @@ def _augmented(images: Float[Tensor, "b 3 h w"], rng: np.random.Generator) -> Fl
     moved = nn.functional.grid_sample(images, grid, align_corners=False, padding_mode="reflection")
     gain = torch.from_numpy(rng.uniform(0.85, 1.15, (n, 3, 1, 1)).astype(np.float32))
     offset = torch.from_numpy(rng.normal(0.0, 0.15, (n, 1, 1, 1)).astype(np.float32))
-    return moved * gain + offset
+    return (moved * gain + offset).contiguous(memory_format=torch.channels_last)
 
 
 def _room_weights(rooms: Int[np.ndarray, "n"]) -> Float[Tensor, "labels"]:

@@ -1,0 +1,86 @@
+"""A run as the report's plain data."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from lexis.evaluation.loops import true_edges
+from lexis.evaluation.trajectory import align
+from lexis.room_names import instance_names
+from sim.camera import CameraRenderer
+from sim.harness.planning import Trial
+from sim.harness.run import Run
+from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
+from sim.report.house_plan import floor_plans
+
+_SAMPLES = 6
+_SCORES = 3
+_MAX_PATHS = 12
+
+
+def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) -> ReportData:
+    """What `sim.report.write_report` shows of a run."""
+    return ReportData(
+        result,
+        run.map.room_names,
+        floor_plans(run.house),
+        _keyframes(run),
+        _loops(run),
+        _samples(run),
+        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in trials if len(t.path))[:_MAX_PATHS],
+    )
+
+
+def _keyframes(run: Run) -> KeyframeTable:
+    truth, estimate = run.true_poses, run.map.T_W_B
+    names = {}
+    for name, room in zip(instance_names(run.map.rooms), run.map.rooms, strict=True):
+        names |= dict.fromkeys(room.keyframes, name)
+    return KeyframeTable(
+        run.stamps,
+        truth,
+        run.odometry_poses,
+        align(estimate[:, :3, 3], truth[:, :3, 3]) @ estimate,
+        run.true_storeys,
+        run.true_labels,
+        run.map.baseline_labels,
+        run.map.labels,
+        tuple(run.house.rooms[room].id for room in run.true_rooms),
+        tuple(names[k] for k in range(len(truth))),
+    )
+
+
+def _loops(run: Run) -> tuple[LoopMark, ...]:
+    edges = run.map.loops
+    if not edges:
+        return ()
+    query, match = (np.array([getattr(edge, end) for edge in edges]) for end in ("query", "match"))
+    is_true = true_edges(query, match, np.array([edge.T_match_query for edge in edges]), run.true_poses)
+    marks = zip(query, match, is_true, run.map.loop_weights, strict=True)
+    return tuple(LoopMark(int(q), int(m), bool(true), float(weight)) for q, m, true, weight in marks)
+
+
+def _samples(run: Run) -> tuple[SampleFrame, ...]:
+    """The frames that LEXIS was most sure of, half of them right and half of them wrong, rendered once more."""
+    ranked = np.sort(run.map.similarities, axis=1)
+    margin = ranked[:, -1] - ranked[:, -2] if ranked.shape[1] > 1 else ranked[:, -1]
+    wrong = run.map.baseline_labels != run.true_labels
+    chosen = [*_surest(margin, ~wrong, run.true_rooms), *_surest(margin, wrong, run.true_rooms)]
+    with CameraRenderer(run.session.scene, run.session.camera) as renderer:
+        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), _scores(run, k)) for k in chosen)
+
+
+def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:
+    """Keyframes with the largest margin, one per room, in the order of time."""
+    best: dict[int, int] = {}
+    for k in np.argsort(-margin):
+        if eligible[k]:
+            best.setdefault(int(rooms[k]), int(k))
+    return sorted(list(best.values())[:_SAMPLES])
+
+
+def _scores(run: Run, keyframe: int) -> tuple[tuple[str, float], ...]:
+    similarities = run.map.similarities[keyframe]
+    return tuple((run.map.room_names[k], float(similarities[k])) for k in np.argsort(-similarities)[:_SCORES])
