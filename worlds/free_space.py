@@ -147,7 +147,9 @@ def _rooms(
     for k, room in enumerate(house.rooms):
         if room.floor_m <= floor < room.ceiling_m:
             x0, y0, x1, y1 = room.polygon.bounds
-            i, j = slice(*np.searchsorted(x, (x0, x1))), slice(*np.searchsorted(y, (y0, y1)))
-            inside = shapely.contains_xy(room.polygon, x[i, None], y[None, j])
+            i = slice(np.searchsorted(x, x0), np.searchsorted(x, x1, side="right"))
+            j = slice(np.searchsorted(y, y0), np.searchsorted(y, y1, side="right"))
+            # With the boundary, because a door may lie right on a line of the grid.
+            inside = shapely.intersects_xy(room.polygon, x[i, None], y[None, j])
             index[i, j][inside] = k
     return index

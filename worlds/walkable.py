@@ -132,8 +132,10 @@ class Walkable:
 
     def snap(self, point: Float64[np.ndarray, "3"], within_m: float = 0.5) -> int:
         """The node nearest to a point. Raises `UnreachableError` where none is within `within_m`."""
+        if not np.isfinite(point).all():
+            raise UnreachableError(f"nowhere to stand at {point.tolist()}; coordinates must be finite")
         distance, node = self._tree.query(point)
-        if not distance <= within_m:
+        if distance > within_m:
             place = ", ".join(f"{coordinate:.2f}" for coordinate in point)
             raise UnreachableError(
                 f"nowhere to stand within {within_m:g} m of ({place}) m; the nearest free place is {distance:.2f} m away"
