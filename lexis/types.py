@@ -152,4 +152,4 @@ class LexisMap:
 
     def label_of(self, keyframe: int) -> str:
         """The room name of a keyframe."""
-        return self.room_names[self.labels[keyframe]]
+        return self.room_names[int(self.labels[keyframe])]

@@ -30,7 +30,7 @@ from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
 from worlds.validation import validate
 
-_Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
 DEMO = RunConfig()
 _ENCODERS = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip"
 

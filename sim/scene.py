@@ -148,7 +148,7 @@ class _Atlas:
         offset = margin + rng.random(extent.shape) * (1.0 - 2 * margin - extent * fits)
         row, column = np.divmod(patches, _ATLAS_PATCHES)
         corner = np.stack([column, _ATLAS_PATCHES - 1 - row], axis=-1)[:, None]
-        return (corner + offset + uv_m * fits) / _ATLAS_PATCHES
+        return np.asarray((corner + offset + uv_m * fits) / _ATLAS_PATCHES)
 
 
 def _add_material(spec: "mujoco.MjSpec", name: str, image: UInt8[np.ndarray, "h w 3"]) -> None:

@@ -28,7 +28,7 @@ class QuadMesh:
         """Unit normals; from the diagonals, so that a quad with two equal corners still has one."""
         c = self.corners
         normal = np.cross(c[:, 2] - c[:, 0], c[:, 3] - c[:, 1])
-        return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def _placed(template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part]) -> Fl
     cos, sin = np.cos(yaw)[:, None, None], np.sin(yaw)[:, None, None]
     x, y, z = np.moveaxis(local, -1, 0)
     turned = np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
-    return (turned + centre[:, None, None]).reshape(-1, 4, 3)
+    return np.asarray(turned + centre[:, None, None]).reshape(-1, 4, 3)
 
 
 def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 2"]:
@@ -86,7 +86,7 @@ def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 
     u = np.einsum("qij,qj->qi", relative, along)
     v = np.linalg.norm(relative - u[..., None] * along[:, None], axis=2)
     uv = np.stack([u, v], axis=-1)
-    return uv - uv.min(axis=1, keepdims=True)
+    return np.asarray(uv - uv.min(axis=1, keepdims=True))
 
 
 def _unit_box() -> Float64[np.ndarray, "6 4 3"]:

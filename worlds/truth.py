@@ -48,7 +48,7 @@ def ambiguity_at(
             sides = [index_of[house.room_by_id[name].id] for name in boundary.rooms if name is not None]
             near = (storey == level) & (shapely.distance(xy, gap) <= band_m) & np.isin(owner, sides)
             allowed[np.ix_(near, sides)] = True
-    return allowed
+    return np.asarray(allowed)
 
 
 def openness(house: House) -> float:

@@ -35,7 +35,7 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
 
 def _keyframes(run: Run) -> KeyframeTable:
     truth, estimate = run.true_poses, run.map.T_W_B
-    names = {}
+    names: dict[int, str] = {}
     for name, room in zip(instance_names(run.map.rooms), run.map.rooms, strict=True):
         names |= dict.fromkeys(room.keyframes, name)
     return KeyframeTable(

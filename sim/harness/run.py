@@ -46,12 +46,12 @@ class Run:
     @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """T_W_B of keyframes."""
-        return self.session.tour.T_W_B[self.observed]
+        return np.asarray(self.session.tour.T_W_B[self.observed])
 
     @property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
         """T_O_B of keyframes."""
-        return self.session.odometry.T_O_B[self.observed]
+        return np.asarray(self.session.odometry.T_O_B[self.observed])
 
     @property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
