@@ -67,7 +67,9 @@ def texture(
         raise WorldsError(f"unknown material {pattern!r}; valid: {', '.join(PATTERNS)}")
     (height, width), (width_m, height_m) = shape, metres
     if min(height, width) < 1 or height * width > MAX_PIXELS or not min(width_m, height_m) > 0.0:
-        raise WorldsError(f"cannot paint {height} x {width} px over {height_m} x {width_m} m; sizes must be positive and sane")
+        raise WorldsError(
+            f"cannot paint {height} x {width} px over {height_m} x {width_m} m; sizes must be positive and sane"
+        )
     shade = PATTERNS[pattern](Surface(height, width, height_m, width_m), rng)
     planes = shade if shade.ndim == 3 else (shade, shade, shade)
     # Saturating conversion plane by plane is several times faster than arithmetic on interleaved pixels.

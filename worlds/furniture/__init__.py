@@ -2,7 +2,9 @@
 
 To add a kind, write one function in the module of its theme (or a new module, named in `catalogue._THEMES`)::
 
-    @furniture("piano", width=(1.35, 1.5), depth=(0.55, 0.65), height=(1.05, 1.25), rooms={"living room": 0.2}, clearance=0.7)
+    @furniture(
+        "piano", width=(1.35, 1.5), depth=(0.55, 0.65), height=(1.05, 1.25), rooms={"living room": 0.2}, clearance=0.7
+    )
     def piano(s: Size, rng: Generator) -> Parts:
         black = pick(rng, DARK_WOODS)
         return (

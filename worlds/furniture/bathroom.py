@@ -10,7 +10,15 @@ from worlds.furniture.shapes import about, ball, box, cylinder, fronts, inset, l
 _WATER = (0.6, 0.8, 0.88)
 
 
-@furniture("bathtub", width=(1.6, 1.75), depth=(0.7, 0.8), height=(0.75, 0.85), rooms={"bathroom": (1, 1)}, place=AgainstWall(corner=True), clearance=0.5)
+@furniture(
+    "bathtub",
+    width=(1.6, 1.75),
+    depth=(0.7, 0.8),
+    height=(0.75, 0.85),
+    rooms={"bathroom": (1, 1)},
+    place=AgainstWall(corner=True),
+    clearance=0.5,
+)
 def bathtub(s: Size, rng: Generator) -> Parts:
     """A rim round the water, and a tap."""
     rim, white = 0.56, pick(rng, WHITES)
@@ -26,11 +34,23 @@ def bathtub(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("shower", width=(0.8, 1.0), depth=(0.8, 1.0), height=(1.95, 2.1), rooms={"bathroom": 0.6}, place=AgainstWall(corner=True), clearance=0.5)
+@furniture(
+    "shower",
+    width=(0.8, 1.0),
+    depth=(0.8, 1.0),
+    height=(1.95, 2.1),
+    rooms={"bathroom": 0.6},
+    place=AgainstWall(corner=True),
+    clearance=0.5,
+)
 def shower(s: Size, rng: Generator) -> Parts:
     """A tray between framed glass, with a shower head."""
     frame = pick(rng, (CHROME, BLACK))
-    posts = [box(x, y, s.z, frame, "metal") for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right)) for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))]
+    posts = [
+        box(x, y, s.z, frame, "metal")
+        for x in ((s.left, s.left + 0.03), (s.right - 0.03, s.right))
+        for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))
+    ]
     return (
         box(s.x, s.y, (0.0, 0.12), WHITE, "ceramic"),
         *posts,
@@ -43,11 +63,20 @@ def shower(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("toilet bowl", width=(0.37, 0.42), depth=(0.62, 0.7), height=(0.78, 0.86), rooms={"bathroom": (1, 1), "toilet": (1, 1)}, clearance=0.45)
+@furniture(
+    "toilet bowl",
+    width=(0.37, 0.42),
+    depth=(0.62, 0.7),
+    height=(0.78, 0.86),
+    rooms={"bathroom": (1, 1), "toilet": (1, 1)},
+    clearance=0.45,
+)
 def toilet_bowl(s: Size, rng: Generator) -> Parts:
     """Cistern, bowl, seat and raised or closed lid."""
     lid = pick(rng, (WHITE, WHITE, BLACK, WOODS[0]))
-    seat = (box(inset(s.x, 0.02), (s.back + 0.2, s.back + 0.25), (0.44, s.height - 0.02), lid),) if rng.random() < 0.4 else ()
+    seat = (
+        (box(inset(s.x, 0.02), (s.back + 0.2, s.back + 0.25), (0.44, s.height - 0.02), lid),) if rng.random() < 0.4 else ()
+    )
     return (
         box(s.x, (s.back, s.back + 0.2), (0.38, s.height - 0.03), WHITE, "ceramic"),
         box(s.x, (s.back, s.back + 0.21), (s.height - 0.03, s.height), WHITE, "ceramic"),
@@ -59,7 +88,14 @@ def toilet_bowl(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("washbasin", width=(0.5, 0.7), depth=(0.42, 0.5), height=(0.98, 1.04), rooms={"bathroom": (1, 2), "laboratory": 0.3}, clearance=0.55)
+@furniture(
+    "washbasin",
+    width=(0.5, 0.7),
+    depth=(0.42, 0.5),
+    height=(0.98, 1.04),
+    rooms={"bathroom": (1, 2), "laboratory": 0.3},
+    clearance=0.55,
+)
 def washbasin(s: Size, rng: Generator) -> Parts:
     """A basin on a cabinet, with tap and soap."""
     front, top = pick(rng, FRONTS), 0.85
@@ -74,7 +110,9 @@ def washbasin(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("hand basin", width=(0.36, 0.45), depth=(0.26, 0.32), height=(0.94, 0.98), rooms={"toilet": (1, 1)}, clearance=0.3)
+@furniture(
+    "hand basin", width=(0.36, 0.45), depth=(0.26, 0.32), height=(0.94, 0.98), rooms={"toilet": (1, 1)}, clearance=0.3
+)
 def hand_basin(s: Size, rng: Generator) -> Parts:
     """A small basin on a pedestal."""
     return (
@@ -87,9 +125,13 @@ def hand_basin(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "bathroom mirror", width=(0.45, 0.65), depth=(0.03, 0.05), height=(0.6, 0.8),
-    rooms={"bathroom": (1, 1), "toilet": (1, 1)}, place=OnWall((1.12, 1.2), above=("washbasin", "hand basin")),
-)  # fmt: skip
+    "bathroom mirror",
+    width=(0.45, 0.65),
+    depth=(0.03, 0.05),
+    height=(0.6, 0.8),
+    rooms={"bathroom": (1, 1), "toilet": (1, 1)},
+    place=OnWall((1.12, 1.2), above=("washbasin", "hand basin")),
+)
 def bathroom_mirror(s: Size, rng: Generator) -> Parts:
     """A framed mirror with a light over it."""
     frame = pick(rng, (CHROME, BLACK, *WOODS))
@@ -100,23 +142,52 @@ def bathroom_mirror(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("towel rail", width=(0.5, 0.7), depth=(0.08, 0.12), height=(0.8, 1.0), rooms={"bathroom": (1, 2), "toilet": 0.5, "laundry room": 0.4, "gym": 0.5}, place=OnWall((0.75, 0.95)))
+@furniture(
+    "towel rail",
+    width=(0.5, 0.7),
+    depth=(0.08, 0.12),
+    height=(0.8, 1.0),
+    rooms={"bathroom": (1, 2), "toilet": 0.5, "laundry room": 0.4, "gym": 0.5},
+    place=OnWall((0.75, 0.95)),
+)
 def towel_rail(s: Size, rng: Generator) -> Parts:
     """Towels on a warm rail."""
-    rails = [box(s.x, (s.back, s.back + 0.04), (z, z + 0.03), CHROME, "metal") for z in (0.0, 0.45 * s.height, s.height - 0.03)]
+    rails = [
+        box(s.x, (s.back, s.back + 0.04), (z, z + 0.03), CHROME, "metal") for z in (0.0, 0.45 * s.height, s.height - 0.03)
+    ]
     towels = [
-        box(inset(s.x, rng.uniform(0.03, 0.12)), s.y, (z, s.height * f), pick(rng, (*LINEN, *BRIGHT)), "fabric") for z, f in ((0.1, 0.48), (0.55 * s.height, 1.0))
+        box(inset(s.x, rng.uniform(0.03, 0.12)), s.y, (z, s.height * f), pick(rng, (*LINEN, *BRIGHT)), "fabric")
+        for z, f in ((0.1, 0.48), (0.55 * s.height, 1.0))
     ]
     return (*rails, *towels)
 
 
-@furniture("bath mat", width=(0.6, 0.8), depth=(0.4, 0.5), height=(0.015, 0.02), rooms={"bathroom": (1, 1), "toilet": 0.5}, place=OnFloor("centre"), solid=False)
+@furniture(
+    "bath mat",
+    width=(0.6, 0.8),
+    depth=(0.4, 0.5),
+    height=(0.015, 0.02),
+    rooms={"bathroom": (1, 1), "toilet": 0.5},
+    place=OnFloor("centre"),
+    solid=False,
+)
 def bath_mat(s: Size, rng: Generator) -> Parts:
     """Shaggy."""
-    return (box(s.x, s.y, (0.0, 0.014), pick(rng, (*LINEN, *BRIGHT)), "carpet"), box(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, s.height), pick(rng, LINEN), "carpet"))
+    return (
+        box(s.x, s.y, (0.0, 0.014), pick(rng, (*LINEN, *BRIGHT)), "carpet"),
+        box(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, s.height), pick(rng, LINEN), "carpet"),
+    )
 
 
-@furniture("bathroom cabinet", width=(0.35, 0.5), depth=(0.3, 0.36), height=(1.5, 1.8), rooms={"bathroom": 0.6}, place=AgainstWall(corner=True), clearance=0.4)
+@furniture(
+    "bathroom cabinet",
+    width=(0.35, 0.5),
+    depth=(0.3, 0.36),
+    height=(1.5, 1.8),
+    rooms={"bathroom": 0.6},
+    place=AgainstWall(corner=True),
+    clearance=0.4,
+)
 def bathroom_cabinet(s: Size, rng: Generator) -> Parts:
     """Towels on open shelves over a door."""
     front = pick(rng, FRONTS)
@@ -127,23 +198,54 @@ def bathroom_cabinet(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("toilet paper", width=(0.13, 0.15), depth=(0.11, 0.13), height=(0.13, 0.16), rooms={"bathroom": (1, 1), "toilet": (1, 1)}, place=OnWall((0.7, 0.8)))
+@furniture(
+    "toilet paper",
+    width=(0.13, 0.15),
+    depth=(0.11, 0.13),
+    height=(0.13, 0.16),
+    rooms={"bathroom": (1, 1), "toilet": (1, 1)},
+    place=OnWall((0.7, 0.8)),
+)
 def toilet_paper(s: Size, rng: Generator) -> Parts:
     """A roll under a lid."""
-    return (box(s.x, s.y, (s.height - 0.02, s.height), CHROME, "metal"), box(inset(s.x, 0.01), inset(s.y, 0.005), (0.0, s.height - 0.03), WHITE, "fabric"))
+    return (
+        box(s.x, s.y, (s.height - 0.02, s.height), CHROME, "metal"),
+        box(inset(s.x, 0.01), inset(s.y, 0.005), (0.0, s.height - 0.03), WHITE, "fabric"),
+    )
 
 
-@furniture("toilet brush", width=(0.1, 0.12), depth=(0.1, 0.12), height=(0.38, 0.45), rooms={"bathroom": 0.7, "toilet": (1, 1)}, place=AgainstWall(beside=("toilet bowl",)), solid=False)
+@furniture(
+    "toilet brush",
+    width=(0.1, 0.12),
+    depth=(0.1, 0.12),
+    height=(0.38, 0.45),
+    rooms={"bathroom": 0.7, "toilet": (1, 1)},
+    place=AgainstWall(beside=("toilet bowl",)),
+    solid=False,
+)
 def toilet_brush(s: Size, rng: Generator) -> Parts:
     """In its holder."""
-    return (cylinder(s.x, s.y, (0.0, 0.18), pick(rng, (WHITE, STEEL, BLACK)), "ceramic"), cylinder(about(0.0, 0.02), about(0.0, 0.02), (0.18, s.height), CHROME))
+    return (
+        cylinder(s.x, s.y, (0.0, 0.18), pick(rng, (WHITE, STEEL, BLACK)), "ceramic"),
+        cylinder(about(0.0, 0.02), about(0.0, 0.02), (0.18, s.height), CHROME),
+    )
 
 
-@furniture("wall cabinet", width=(0.5, 0.7), depth=(0.16, 0.2), height=(0.55, 0.7), rooms={"bathroom": 0.6, "toilet": 0.5, "laundry room": 0.8}, place=OnWall((1.35, 1.5)))
+@furniture(
+    "wall cabinet",
+    width=(0.5, 0.7),
+    depth=(0.16, 0.2),
+    height=(0.55, 0.7),
+    rooms={"bathroom": 0.6, "toilet": 0.5, "laundry room": 0.8},
+    place=OnWall((1.35, 1.5)),
+)
 def wall_cabinet(s: Size, rng: Generator) -> Parts:
     """Two doors over bottles on a ledge."""
     front = pick(rng, (WHITE, *FRONTS))
-    bottles = [cylinder(inset(x, 0.02), about(0.0, 0.06), (0.02, 0.02 + rng.uniform(0.1, 0.16)), pick(rng, BRIGHT), "label") for x in split(inset(s.x, 0.03), 6)]
+    bottles = [
+        cylinder(inset(x, 0.02), about(0.0, 0.06), (0.02, 0.02 + rng.uniform(0.1, 0.16)), pick(rng, BRIGHT), "label")
+        for x in split(inset(s.x, 0.03), 6)
+    ]
     return (
         box(s.x, (s.back, s.front - 0.025), (0.22, s.height), front),
         *fronts(s.x, (0.22, s.height), s.front - 0.005, 2, 1, front, CHROME),
@@ -152,7 +254,14 @@ def wall_cabinet(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("rubber duck", width=(0.1, 0.13), depth=(0.1, 0.12), height=(0.1, 0.12), rooms={"bathroom": 0.4}, place=OnTop(("laundry basket", "bathroom stool")))
+@furniture(
+    "rubber duck",
+    width=(0.1, 0.13),
+    depth=(0.1, 0.12),
+    height=(0.1, 0.12),
+    rooms={"bathroom": 0.4},
+    place=OnTop(("laundry basket", "bathroom stool")),
+)
 def rubber_duck(s: Size, rng: Generator) -> Parts:
     """Yellow, of course."""
     h = s.height
@@ -167,4 +276,8 @@ def rubber_duck(s: Size, rng: Generator) -> Parts:
 def bathroom_stool(s: Size, rng: Generator) -> Parts:
     """With a folded towel."""
     wood = pick(rng, WOODS)
-    return (*legs(s, s.height - 0.08, 0.04, wood), box(s.x, s.y, (s.height - 0.1, s.height - 0.06), wood, "wood"), box(inset(s.x, 0.03), inset(s.y, 0.04), (s.height - 0.06, s.height), pick(rng, LINEN), "fabric"))
+    return (
+        *legs(s, s.height - 0.08, 0.04, wood),
+        box(s.x, s.y, (s.height - 0.1, s.height - 0.06), wood, "wood"),
+        box(inset(s.x, 0.03), inset(s.y, 0.04), (s.height - 0.06, s.height), pick(rng, LINEN), "fabric"),
+    )

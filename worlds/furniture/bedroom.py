@@ -15,7 +15,10 @@ def _bedding(s: Size, rng: Generator, low: float, pillows: int) -> Parts:
         box(inset(s.x, 0.03), (s.back + 0.06, s.front - 0.03), (low, low + 0.22), sheet, "fabric"),
         box(inset(s.x, 0.015), (s.back + 0.65, s.front - 0.015), (low + 0.05, low + 0.27), cover, "fabric"),
         box(inset(s.x, 0.012), (s.back + 0.6, s.back + 0.85), (low + 0.2, low + 0.3), sheet, "fabric"),
-        *(box(inset(x, 0.05), (s.back + 0.1, s.back + 0.5), (low + 0.22, low + 0.35), WHITE, "fabric") for x in split(inset(s.x, 0.04), pillows)),
+        *(
+            box(inset(x, 0.05), (s.back + 0.1, s.back + 0.5), (low + 0.22, low + 0.35), WHITE, "fabric")
+            for x in split(inset(s.x, 0.04), pillows)
+        ),
     )
 
 
@@ -33,7 +36,13 @@ def double_bed(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "single bed", width=(0.9, 1.0), depth=(1.9, 2.0), height=(0.75, 0.9), rooms={"children's room": (1, 1)}, place=AgainstWall(corner=True), clearance=0.3
+    "single bed",
+    width=(0.9, 1.0),
+    depth=(1.9, 2.0),
+    height=(0.75, 0.9),
+    rooms={"children's room": (1, 1)},
+    place=AgainstWall(corner=True),
+    clearance=0.3,
 )
 def single_bed(s: Size, rng: Generator) -> Parts:
     """A painted frame with a coloured cover."""
@@ -47,7 +56,13 @@ def single_bed(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "bunk bed", width=(0.9, 1.0), depth=(1.95, 2.05), height=(1.6, 1.75), rooms={"children's room": 0.4}, place=AgainstWall(corner=True), clearance=0.4
+    "bunk bed",
+    width=(0.9, 1.0),
+    depth=(1.95, 2.05),
+    height=(1.6, 1.75),
+    rooms={"children's room": 0.4},
+    place=AgainstWall(corner=True),
+    clearance=0.4,
 )
 def bunk_bed(s: Size, rng: Generator) -> Parts:
     """Two berths and a ladder."""
@@ -66,30 +81,64 @@ def bunk_bed(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "nightstand", width=(0.4, 0.5), depth=(0.36, 0.42), height=(0.5, 0.6),
-    rooms={"bedroom": (2, 2), "children's room": 0.4}, place=AgainstWall(beside=("double bed", "single bed")),
-)  # fmt: skip
+    "nightstand",
+    width=(0.4, 0.5),
+    depth=(0.36, 0.42),
+    height=(0.5, 0.6),
+    rooms={"bedroom": (2, 2), "children's room": 0.4},
+    place=AgainstWall(beside=("double bed", "single bed")),
+)
 def nightstand(s: Size, rng: Generator) -> Parts:
     """Two drawers."""
     wood = pick(rng, (*WOODS, WHITE))
     return (box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"), *fronts(s.x, s.z, s.front - 0.005, 1, 2, wood, BLACK))
 
 
-@furniture("wardrobe", width=(1.2, 2.0), depth=(0.56, 0.62), height=(1.95, 2.2), rooms={"bedroom": (1, 1), "children's room": 0.8, "entrance hall": 0.3}, place=AgainstWall(corner=True), clearance=0.6)
+@furniture(
+    "wardrobe",
+    width=(1.2, 2.0),
+    depth=(0.56, 0.62),
+    height=(1.95, 2.2),
+    rooms={"bedroom": (1, 1), "children's room": 0.8, "entrance hall": 0.3},
+    place=AgainstWall(corner=True),
+    clearance=0.6,
+)
 def wardrobe(s: Size, rng: Generator) -> Parts:
     """Two to four doors; sometimes one is a mirror."""
     wood = pick(rng, (*WOODS, WHITE, *FRONTS[1:4]))
     columns = max(2, round(s.width / 0.5))
     doors = fronts(s.x, (0.08, s.height - 0.04), s.front - 0.005, columns, 1, wood, STEEL)
-    glass = () if rng.random() < 0.6 else (box(inset(split(s.x, columns)[0], 0.04), (s.front - 0.012, s.front - 0.003), (0.2, s.height - 0.15), GLASS, "glass"),)
+    glass = (
+        ()
+        if rng.random() < 0.6
+        else (
+            box(
+                inset(split(s.x, columns)[0], 0.04),
+                (s.front - 0.012, s.front - 0.003),
+                (0.2, s.height - 0.15),
+                GLASS,
+                "glass",
+            ),
+        )
+    )
     return (box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"), *doors, *glass)
 
 
-@furniture("dresser", width=(0.9, 1.3), depth=(0.42, 0.5), height=(0.8, 1.0), rooms={"bedroom": 0.8, "children's room": 0.5}, clearance=0.5)
+@furniture(
+    "dresser",
+    width=(0.9, 1.3),
+    depth=(0.42, 0.5),
+    height=(0.8, 1.0),
+    rooms={"bedroom": 0.8, "children's room": 0.5},
+    clearance=0.5,
+)
 def dresser(s: Size, rng: Generator) -> Parts:
     """A chest of drawers."""
     wood = pick(rng, (*WOODS, WHITE))
-    return (box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"), *fronts(s.x, (0.05, s.height - 0.03), s.front - 0.005, 2, 4, wood, BLACK))
+    return (
+        box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"),
+        *fronts(s.x, (0.05, s.height - 0.03), s.front - 0.005, 2, 4, wood, BLACK),
+    )
 
 
 @furniture("vanity", width=(0.9, 1.1), depth=(0.42, 0.48), height=(1.4, 1.5), rooms={"bedroom": 0.3}, clearance=0.6)
@@ -103,23 +152,54 @@ def vanity(s: Size, rng: Generator) -> Parts:
         *fronts(s.x, (0.61, 0.75), s.front - 0.005, 3, 1, wood, BLACK),
         box(inset(s.x, 0.18), (s.back, s.back + 0.03), (0.76, s.height), wood, "wood"),
         box(inset(s.x, 0.21), (s.back + 0.03, s.back + 0.035), (0.8, s.height - 0.03), GLASS, "glass"),
-        *(cylinder(about(x, 0.05), about(0.05, 0.05), (0.76, 0.86), pick(rng, BRIGHT), "label") for x in (s.left + 0.1, s.left + 0.2, s.right - 0.12)),
+        *(
+            cylinder(about(x, 0.05), about(0.05, 0.05), (0.76, 0.86), pick(rng, BRIGHT), "label")
+            for x in (s.left + 0.1, s.left + 0.2, s.right - 0.12)
+        ),
     )
 
 
-@furniture("bed bench", width=(1.0, 1.3), depth=(0.36, 0.42), height=(0.42, 0.48), rooms={"bedroom": 0.35}, place=Around(("double bed",), "front", gap_m=0.05))
+@furniture(
+    "bed bench",
+    width=(1.0, 1.3),
+    depth=(0.36, 0.42),
+    height=(0.42, 0.48),
+    rooms={"bedroom": 0.35},
+    place=Around(("double bed",), "front", gap_m=0.05),
+)
 def bed_bench(s: Size, rng: Generator) -> Parts:
     """Upholstered, at the foot of the bed."""
-    return (box(s.x, s.y, (s.height - 0.14, s.height), pick(rng, UPHOLSTERY), "fabric"), *legs(s, s.height - 0.14, 0.05, pick(rng, WOODS)))
+    return (
+        box(s.x, s.y, (s.height - 0.14, s.height), pick(rng, UPHOLSTERY), "fabric"),
+        *legs(s, s.height - 0.14, 0.05, pick(rng, WOODS)),
+    )
 
 
-@furniture("alarm clock", width=(0.12, 0.16), depth=(0.07, 0.09), height=(0.09, 0.12), rooms={"bedroom": 0.6, "children's room": 0.5}, place=OnTop(("nightstand",), "front"))
+@furniture(
+    "alarm clock",
+    width=(0.12, 0.16),
+    depth=(0.07, 0.09),
+    height=(0.09, 0.12),
+    rooms={"bedroom": 0.6, "children's room": 0.5},
+    place=OnTop(("nightstand",), "front"),
+)
 def alarm_clock(s: Size, rng: Generator) -> Parts:
     """With a lit face."""
-    return (box(s.x, (s.back, s.front - 0.01), s.z, pick(rng, (BLACK, *BRIGHT))), box(inset(s.x, 0.015), (s.front - 0.01, s.front), inset(s.z, 0.02), (0.5, 0.5, 0.5), "screen"))
+    return (
+        box(s.x, (s.back, s.front - 0.01), s.z, pick(rng, (BLACK, *BRIGHT))),
+        box(inset(s.x, 0.015), (s.front - 0.01, s.front), inset(s.z, 0.02), (0.5, 0.5, 0.5), "screen"),
+    )
 
 
-@furniture("cot", width=(0.7, 0.8), depth=(1.2, 1.35), height=(0.9, 1.0), rooms={"children's room": 0.25}, place=AgainstWall(corner=True), clearance=0.4)
+@furniture(
+    "cot",
+    width=(0.7, 0.8),
+    depth=(1.2, 1.35),
+    height=(0.9, 1.0),
+    rooms={"children's room": 0.25},
+    place=AgainstWall(corner=True),
+    clearance=0.4,
+)
 def cot(s: Size, rng: Generator) -> Parts:
     """Bars round a small mattress."""
     frame = pick(rng, (WHITE, *WOODS))
@@ -130,7 +210,10 @@ def cot(s: Size, rng: Generator) -> Parts:
     ]
     return (
         *legs(s, s.height, 0.05, frame, margin=0.0),
-        *(box(x, s.y, (s.height - 0.05, s.height), frame, "wood") for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))),
+        *(
+            box(x, s.y, (s.height - 0.05, s.height), frame, "wood")
+            for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))
+        ),
         *(box(s.x, y, (0.3, s.height), frame, "wood") for y in ((s.back, s.back + 0.03), (s.front - 0.03, s.front))),
         box(inset(s.x, 0.03), inset(s.y, 0.03), (0.35, 0.47), pick(rng, LINEN), "fabric"),
         box(inset(s.x, 0.12), (s.back + 0.06, s.back + 0.3), (0.47, 0.54), WHITE, "fabric"),
@@ -143,14 +226,25 @@ def _steps(low: float, high: float, count: int) -> list[float]:
 
 
 @furniture(
-    "toy shelf", width=(0.9, 1.3), depth=(0.32, 0.4), height=(0.7, 1.0), rooms={"children's room": (1, 1), "classroom": 0.3}, clearance=0.5
+    "toy shelf",
+    width=(0.9, 1.3),
+    depth=(0.32, 0.4),
+    height=(0.7, 1.0),
+    rooms={"children's room": (1, 1), "classroom": 0.3},
+    clearance=0.5,
 )
 def toy_shelf(s: Size, rng: Generator) -> Parts:
     """Open compartments with bright bins."""
     rows, columns = 2, 3
     step = (s.height - 0.03) / rows
     bins = [
-        box(inset(x, 0.03), (s.back + 0.03, s.front - 0.02), (row * step + 0.03, row * step + 0.03 + step * rng.uniform(0.4, 0.8)), pick(rng, BRIGHT), "label")
+        box(
+            inset(x, 0.03),
+            (s.back + 0.03, s.front - 0.02),
+            (row * step + 0.03, row * step + 0.03 + step * rng.uniform(0.4, 0.8)),
+            pick(rng, BRIGHT),
+            "label",
+        )
         for row in range(rows)
         for x in split(inset(s.x, 0.03), columns)
     ]
@@ -158,9 +252,14 @@ def toy_shelf(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "teddy bear", width=(0.28, 0.4), depth=(0.25, 0.3), height=(0.35, 0.5),
-    rooms={"children's room": 1.6}, place=OnFloor(), solid=False,
-)  # fmt: skip
+    "teddy bear",
+    width=(0.28, 0.4),
+    depth=(0.25, 0.3),
+    height=(0.35, 0.5),
+    rooms={"children's room": 1.6},
+    place=OnFloor(),
+    solid=False,
+)
 def teddy_bear(s: Size, rng: Generator) -> Parts:
     """Sitting: body, head, ears, paws."""
     fur: Colour = pick(rng, ((0.62, 0.42, 0.24), (0.8, 0.7, 0.55), (0.9, 0.6, 0.7)))
@@ -169,13 +268,22 @@ def teddy_bear(s: Size, rng: Generator) -> Parts:
         ball(inset(s.x, 0.06), inset(s.y, 0.04), (0.0, 0.6 * h), fur, "fabric"),
         ball(about(0.0, 0.55 * s.width), about(0.02, 0.2), (0.52 * h, 0.96 * h), fur, "fabric"),
         *(ball(about(x, 0.08), about(0.02, 0.05), (0.84 * h, h), fur, "fabric") for x in (-0.07, 0.07)),
-        *(ball(about(x, 0.1), (s.front - 0.16, s.front), (0.0, 0.1), fur, "fabric") for x in (s.left + 0.05, s.right - 0.05)),
+        *(
+            ball(about(x, 0.1), (s.front - 0.16, s.front), (0.0, 0.1), fur, "fabric")
+            for x in (s.left + 0.05, s.right - 0.05)
+        ),
         box(about(0.0, 0.05), about(0.115, 0.01), about(0.7 * h, 0.03), BLACK),
     )
 
 
 @furniture(
-    "toy blocks", width=(0.4, 0.6), depth=(0.4, 0.6), height=(0.16, 0.3), rooms={"children's room": 1.2}, place=OnFloor(), solid=False
+    "toy blocks",
+    width=(0.4, 0.6),
+    depth=(0.4, 0.6),
+    height=(0.16, 0.3),
+    rooms={"children's room": 1.2},
+    place=OnFloor(),
+    solid=False,
 )
 def toy_blocks(s: Size, rng: Generator) -> Parts:
     """A tower and blocks round it."""
@@ -183,27 +291,52 @@ def toy_blocks(s: Size, rng: Generator) -> Parts:
     tower = [box(about(0.0, side), about(0.0, side), (i * side, (i + 1) * side), pick(rng, BRIGHT)) for i in range(3)]
     loose = [
         box(about(x, 0.07), about(y, 0.07), (0.0, 0.07), pick(rng, BRIGHT), "label")
-        for x, y in zip(rng.uniform(s.left + 0.04, s.right - 0.04, 6), rng.uniform(s.back + 0.04, s.front - 0.04, 6), strict=True)
+        for x, y in zip(
+            rng.uniform(s.left + 0.04, s.right - 0.04, 6), rng.uniform(s.back + 0.04, s.front - 0.04, 6), strict=True
+        )
     ]
     return (*tower, *loose)
 
 
-@furniture("ball", width=(0.2, 0.28), depth=(0.2, 0.28), height=(0.2, 0.28), rooms={"children's room": 0.8, "garden": 0.7, "gym": 1.0}, place=OnFloor(), solid=False)
+@furniture(
+    "ball",
+    width=(0.2, 0.28),
+    depth=(0.2, 0.28),
+    height=(0.2, 0.28),
+    rooms={"children's room": 0.8, "garden": 0.7, "gym": 1.0},
+    place=OnFloor(),
+    solid=False,
+)
 def toy_ball(s: Size, rng: Generator) -> Parts:
     """Two-coloured."""
     d = min(s)
     first, second = pick(rng, BRIGHT), pick(rng, (WHITE, *BRIGHT))
-    return (ball(about(0.0, d), about(0.0, d), (0.0, d), first, "label"), cylinder(about(0.0, 0.98 * d), about(0.0, 0.98 * d), about(d / 2, 0.06), second))
+    return (
+        ball(about(0.0, d), about(0.0, d), (0.0, d), first, "label"),
+        cylinder(about(0.0, 0.98 * d), about(0.0, 0.98 * d), about(d / 2, 0.06), second),
+    )
 
 
-@furniture("play tent", width=(0.9, 1.1), depth=(0.9, 1.1), height=(1.3, 1.5), rooms={"children's room": 0.35}, place=AgainstWall(corner=True))
+@furniture(
+    "play tent",
+    width=(0.9, 1.1),
+    depth=(0.9, 1.1),
+    height=(1.3, 1.5),
+    rooms={"children's room": 0.35},
+    place=AgainstWall(corner=True),
+)
 def play_tent(s: Size, rng: Generator) -> Parts:
     """A tepee."""
     cloth = pick(rng, (*BRIGHT, *LINEN))
-    return (cone(s.x, s.y, s.z, cloth, "fabric"), box(about(0.0, 0.3), (0.25 * s.depth, s.front), (0.0, 0.03), pick(rng, BRIGHT), "fabric"))
+    return (
+        cone(s.x, s.y, s.z, cloth, "fabric"),
+        box(about(0.0, 0.3), (0.25 * s.depth, s.front), (0.0, 0.03), pick(rng, BRIGHT), "fabric"),
+    )
 
 
-@furniture("small desk", width=(0.9, 1.1), depth=(0.5, 0.6), height=(0.6, 0.7), rooms={"children's room": 0.7}, clearance=0.7)
+@furniture(
+    "small desk", width=(0.9, 1.1), depth=(0.5, 0.6), height=(0.6, 0.7), rooms={"children's room": 0.7}, clearance=0.7
+)
 def small_desk(s: Size, rng: Generator) -> Parts:
     """A child's desk with drawings on it."""
     frame = pick(rng, (WHITE, *WOODS))
@@ -214,7 +347,14 @@ def small_desk(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("small chair", width=(0.34, 0.4), depth=(0.34, 0.4), height=(0.6, 0.7), rooms={"children's room": (1, 1)}, place=Around(("small desk",), "front"))
+@furniture(
+    "small chair",
+    width=(0.34, 0.4),
+    depth=(0.34, 0.4),
+    height=(0.6, 0.7),
+    rooms={"children's room": (1, 1)},
+    place=Around(("small desk",), "front"),
+)
 def small_chair(s: Size, rng: Generator) -> Parts:
     """Bright and low."""
     paint = pick(rng, BRIGHT)
@@ -226,22 +366,53 @@ def small_chair(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "letters", width=(0.9, 1.5), depth=(0.02, 0.03), height=(0.25, 0.35), rooms={"children's room": 0.8, "classroom": 0.6}, place=OnWall((1.4, 1.7))
+    "letters",
+    width=(0.9, 1.5),
+    depth=(0.02, 0.03),
+    height=(0.25, 0.35),
+    rooms={"children's room": 0.8, "classroom": 0.6},
+    place=OnWall((1.4, 1.7)),
 )
 def letters(s: Size, rng: Generator) -> Parts:
     """A garland of coloured flags."""
-    flags = [box(inset(x, 0.01), s.y, (s.height * rng.uniform(0.0, 0.4), s.height - 0.02), pick(rng, BRIGHT), "label") for x in split(s.x, 7, 0.02)]
+    flags = [
+        box(inset(x, 0.01), s.y, (s.height * rng.uniform(0.0, 0.4), s.height - 0.02), pick(rng, BRIGHT), "label")
+        for x in split(s.x, 7, 0.02)
+    ]
     return (box(s.x, s.y, (s.height - 0.02, s.height), WHITE), *flags)
 
 
-@furniture("crayons", width=(0.14, 0.2), depth=(0.1, 0.14), height=(0.12, 0.16), rooms={"children's room": 0.8, "classroom": 0.4}, place=OnTop(("small desk", "toy shelf", "school desk")))
+@furniture(
+    "crayons",
+    width=(0.14, 0.2),
+    depth=(0.1, 0.14),
+    height=(0.12, 0.16),
+    rooms={"children's room": 0.8, "classroom": 0.4},
+    place=OnTop(("small desk", "toy shelf", "school desk")),
+)
 def crayons(s: Size, rng: Generator) -> Parts:
     """Pencils in a cup."""
-    pencils = [box(about(x, 0.012), about(0.0, 0.012), (0.05, s.height), pick(rng, BRIGHT)) for x in (-0.03, -0.01, 0.01, 0.03)]
+    pencils = [
+        box(about(x, 0.012), about(0.0, 0.012), (0.05, s.height), pick(rng, BRIGHT)) for x in (-0.03, -0.01, 0.01, 0.03)
+    ]
     return (cylinder(about(0.0, 0.09), about(0.0, 0.09), (0.0, 0.09), pick(rng, BRIGHT), "label"), *pencils)
 
 
-@furniture("wall shelf", width=(0.7, 1.1), depth=(0.18, 0.24), height=(0.3, 0.36), rooms={"children's room": 0.7, "bedroom": 0.5, "living room": 0.5, "office": 0.5, "storage room": 0.5, "laundry room": 0.5}, place=OnWall((1.35, 1.7)))
+@furniture(
+    "wall shelf",
+    width=(0.7, 1.1),
+    depth=(0.18, 0.24),
+    height=(0.3, 0.36),
+    rooms={
+        "children's room": 0.7,
+        "bedroom": 0.5,
+        "living room": 0.5,
+        "office": 0.5,
+        "storage room": 0.5,
+        "laundry room": 0.5,
+    },
+    place=OnWall((1.35, 1.7)),
+)
 def wall_shelf(s: Size, rng: Generator) -> Parts:
     """A board on the wall with books and boxes."""
     return (

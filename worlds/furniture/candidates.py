@@ -60,12 +60,16 @@ class Piece:
         return self.pose.rectangle(self.size.width, self.size.depth)
 
 
-def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def candidates(
+    plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     """Poses for a piece of `kind` and `size`, best first; `host` is the piece that it stands at, on or under."""
     return _BY_PLACE[type(kind.place)](plan, kind.place, size, host, placed, rng)
 
 
-def _against_wall(plan: RoomPlan, place: AgainstWall, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _against_wall(
+    plan: RoomPlan, place: AgainstWall, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     scored: list[tuple[float, Pose]] = []
     half = size.width / 2
     for index, run in enumerate(plan.runs):
@@ -84,7 +88,9 @@ def _against_wall(plan: RoomPlan, place: AgainstWall, size: Size, host: Piece | 
     return _best_first(scored)
 
 
-def _on_floor(plan: RoomPlan, place: OnFloor, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _on_floor(
+    plan: RoomPlan, place: OnFloor, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     low, high = plan.corners.min(axis=0), plan.corners.max(axis=0)
     middle, spread = (low + high) / 2, high - low
     # A long piece in the middle of a room lies along the room.
@@ -99,7 +105,9 @@ def _on_floor(plan: RoomPlan, place: OnFloor, size: Size, host: Piece | None, pl
     return [Pose((float(x), float(y)), _AXES[int(turn) % 4]) for (x, y), turn in zip(points, turns, strict=True)]
 
 
-def _around(plan: RoomPlan, place: Around, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _around(
+    plan: RoomPlan, place: Around, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     if host is None:
         return []
     (tx, ty), (nx, ny) = host.pose.along, host.pose.inward
@@ -114,19 +122,28 @@ def _around(plan: RoomPlan, place: Around, size: Size, host: Piece | None, place
     return [Pose(host.pose.moved(x, y), along) for x, y, along in spots]
 
 
-def _on_top(plan: RoomPlan, place: OnTop, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _on_top(
+    plan: RoomPlan, place: OnTop, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     if host is None:
         return []
     room_x, room_y = (host.size.width - size.width) / 2 - 0.01, (host.size.depth - size.depth) / 2 - 0.01
     if min(room_x, room_y) < 0.0:
         return []
     xs = rng.uniform(-room_x, room_x, 8)
-    ys = {"back": np.full(8, -room_y), "middle": np.zeros(8), "front": np.full(8, room_y), "anywhere": rng.uniform(-room_y, room_y, 8)}[place.at]
+    ys = {
+        "back": np.full(8, -room_y),
+        "middle": np.zeros(8),
+        "front": np.full(8, room_y),
+        "anywhere": rng.uniform(-room_y, room_y, 8),
+    }[place.at]
     top = host.pose.z + host.size.height
     return [Pose(host.pose.moved(float(x), float(y)), host.pose.along, top) for x, y in zip(xs, ys, strict=True)]
 
 
-def _on_wall(plan: RoomPlan, place: OnWall, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _on_wall(
+    plan: RoomPlan, place: OnWall, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     z = min(float(rng.uniform(*place.height_m)), plan.height_m - size.height - 0.05)
     if place.above:
         if host is None or host.pose.run is None:
@@ -139,11 +156,16 @@ def _on_wall(plan: RoomPlan, place: OnWall, size: Size, host: Piece | None, plac
         for low, high in run.exterior if place.exterior else run.free:
             margin = size.width / 2 + 0.12
             if high - low > 2 * margin:
-                poses += [Pose(run.at(float(t), size.depth), run.along, z, index) for t in rng.uniform(low + margin, high - margin, 4)]
+                poses += [
+                    Pose(run.at(float(t), size.depth), run.along, z, index)
+                    for t in rng.uniform(low + margin, high - margin, 4)
+                ]
     return [poses[i] for i in rng.permutation(len(poses))]
 
 
-def _on_ceiling(plan: RoomPlan, place: OnCeiling, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator) -> list[Pose]:
+def _on_ceiling(
+    plan: RoomPlan, place: OnCeiling, size: Size, host: Piece | None, placed: Sequence[Piece], rng: Generator
+) -> list[Pose]:
     middle = _on_floor(plan, OnFloor("centre"), size, None, placed, rng)
     return [Pose(pose.xy, pose.along, plan.height_m - size.height) for pose in middle]
 

@@ -8,7 +8,7 @@ from worlds.errors import WorldsError
 from worlds.furniture.kinds import Kind
 from worlds.furniture.registry import KINDS
 
-_THEMES = ("kitchen", "dining", "living", "bedroom", "bathroom", "office")
+_THEMES = ("kitchen", "dining", "living", "bedroom", "bathroom", "office", "hall", "utility", "outdoor", "decor", "public")
 
 for _theme in _THEMES:
     import_module(f"worlds.furniture.{_theme}")

@@ -85,7 +85,9 @@ _WALLS: dict[str, _Choice] = {
     "kitchen": _Choice(("tile", "plaster", "plain"), ((0.94, 0.9, 0.78), (0.9, 0.86, 0.7), (0.95, 0.93, 0.9))),
     "dining room": _Choice(("wallpaper", "plaster"), ((0.8, 0.62, 0.5), (0.86, 0.8, 0.66), (0.62, 0.66, 0.56))),
     "living room": _Choice(("plaster", "wallpaper", "plain", "brick"), _WARM),
-    "bedroom": _Choice(("wallpaper", "plain"), ((0.78, 0.8, 0.88), (0.88, 0.8, 0.78), (0.82, 0.86, 0.8), (0.86, 0.82, 0.88))),
+    "bedroom": _Choice(
+        ("wallpaper", "plain"), ((0.78, 0.8, 0.88), (0.88, 0.8, 0.78), (0.82, 0.86, 0.8), (0.86, 0.82, 0.88))
+    ),
     "children's room": _Choice(("wallpaper",), _PASTEL),
     "bathroom": _Choice(("tile",), ((0.72, 0.88, 0.92), (0.92, 0.95, 0.95), (0.7, 0.86, 0.8))),
     "toilet": _Choice(("tile", "plain"), ((0.86, 0.92, 0.86), (0.9, 0.9, 0.84))),

@@ -137,7 +137,9 @@ class Kind:
     def __post_init__(self) -> None:
         unknown = sorted(set(self.rooms) - set(ROOM_LABELS))
         if unknown:
-            raise WorldsError(f"kind {self.name!r} names unknown rooms {', '.join(unknown)}; valid: {', '.join(ROOM_LABELS)}")
+            raise WorldsError(
+                f"kind {self.name!r} names unknown rooms {', '.join(unknown)}; valid: {', '.join(ROOM_LABELS)}"
+            )
         for axis, (low, high) in zip(("width", "depth", "height"), (self.width, self.depth, self.height), strict=True):
             if not 0.0 < low <= high:
                 raise WorldsError(f"kind {self.name!r}: {axis} {low} ... {high} m is not a range of positive lengths")

@@ -3,7 +3,21 @@
 from numpy.random import Generator
 
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, OnWall, Parts, Size
-from worlds.furniture.palette import BLACK, BRIGHT, CHROME, FRONTS, GLASS, METALS, RED, STEEL, STONES, WHITE, WHITES, WOODS, pick
+from worlds.furniture.palette import (
+    BLACK,
+    BRIGHT,
+    CHROME,
+    FRONTS,
+    GLASS,
+    METALS,
+    RED,
+    STEEL,
+    STONES,
+    WHITE,
+    WHITES,
+    WOODS,
+    pick,
+)
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, ball, box, cylinder, fronts, inset, legs, shelf_unit, split, stocked
 from worlds.parts import Part
@@ -22,18 +36,28 @@ def _base_cabinet(s: Size, rng: Generator, top: float, columns: int) -> Parts:
 
 
 @furniture(
-    "kitchen counter", width=(0.9, 1.8), depth=(0.6, 0.63), height=(0.9, 0.92),
-    rooms={"kitchen": (2, 3), "laboratory": 0.5}, place=AgainstWall(beside=_ROW), clearance=0.7,
-)  # fmt: skip
+    "kitchen counter",
+    width=(0.9, 1.8),
+    depth=(0.6, 0.63),
+    height=(0.9, 0.92),
+    rooms={"kitchen": (2, 3), "laboratory": 0.5},
+    place=AgainstWall(beside=_ROW),
+    clearance=0.7,
+)
 def kitchen_counter(s: Size, rng: Generator) -> Parts:
     """Cabinets under a worktop."""
     return _base_cabinet(s, rng, s.height, max(2, round(s.width / 0.5)))
 
 
 @furniture(
-    "kitchen sink", width=(0.9, 1.2), depth=(0.6, 0.63), height=(1.2, 1.25),
-    rooms={"kitchen": (1, 1), "laboratory": (1, 1)}, place=AgainstWall(beside=_ROW), clearance=0.7,
-)  # fmt: skip
+    "kitchen sink",
+    width=(0.9, 1.2),
+    depth=(0.6, 0.63),
+    height=(1.2, 1.25),
+    rooms={"kitchen": (1, 1), "laboratory": (1, 1)},
+    place=AgainstWall(beside=_ROW),
+    clearance=0.7,
+)
 def kitchen_sink(s: Size, rng: Generator) -> Parts:
     """A base cabinet with a steel basin and a swan-necked tap."""
     top = 0.9
@@ -50,9 +74,14 @@ def kitchen_sink(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "stove", width=(0.6, 0.75), depth=(0.6, 0.64), height=(0.9, 0.92),
-    rooms={"kitchen": (1, 1)}, place=AgainstWall(beside=_ROW), clearance=0.8,
-)  # fmt: skip
+    "stove",
+    width=(0.6, 0.75),
+    depth=(0.6, 0.64),
+    height=(0.9, 0.92),
+    rooms={"kitchen": (1, 1)},
+    place=AgainstWall(beside=_ROW),
+    clearance=0.8,
+)
 def stove(s: Size, rng: Generator) -> Parts:
     """An oven with a window, knobs and four rings."""
     body = pick(rng, (WHITE, STEEL, BLACK))
@@ -74,29 +103,47 @@ def stove(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "fridge", width=(0.6, 0.9), depth=(0.62, 0.7), height=(1.7, 2.0),
-    rooms={"kitchen": (1, 1), "pantry": 0.4, "garage": 0.15}, place=AgainstWall(beside=_ROW, corner=True), clearance=0.6,
-)  # fmt: skip
+    "fridge",
+    width=(0.6, 0.9),
+    depth=(0.62, 0.7),
+    height=(1.7, 2.0),
+    rooms={"kitchen": (1, 1), "pantry": 0.4, "garage": 0.15},
+    place=AgainstWall(beside=_ROW, corner=True),
+    clearance=0.6,
+)
 def fridge(s: Size, rng: Generator) -> Parts:
     """Fridge over freezer, with magnets and notes on the door."""
     body = pick(rng, (WHITE, WHITE, STEEL, (0.76, 0.2, 0.18), (0.6, 0.78, 0.74)))
     split_z = s.height * rng.uniform(0.3, 0.42)
     notes = [
         box(about(x, 0.1), (s.front - 0.014, s.front - 0.008), about(z, 0.13), pick(rng, BRIGHT), "label")
-        for x, z in zip(rng.uniform(s.left + 0.1, s.right - 0.15, 3), rng.uniform(split_z + 0.2, s.height - 0.15, 3), strict=True)
+        for x, z in zip(
+            rng.uniform(s.left + 0.1, s.right - 0.15, 3), rng.uniform(split_z + 0.2, s.height - 0.15, 3), strict=True
+        )
     ]
     return (
         box(s.x, (s.back, s.front - 0.05), s.z, body, "metal"),
-        *(box(inset(s.x, 0.005), (s.front - 0.045, s.front - 0.012), z, body, "metal") for z in ((0.05, split_z), (split_z + 0.015, s.height - 0.01))),
-        *(box((s.right - 0.08, s.right - 0.05), (s.front - 0.02, s.front), about(z, 0.3), METALS[1]) for z in (split_z - 0.2, split_z + 0.25)),
+        *(
+            box(inset(s.x, 0.005), (s.front - 0.045, s.front - 0.012), z, body, "metal")
+            for z in ((0.05, split_z), (split_z + 0.015, s.height - 0.01))
+        ),
+        *(
+            box((s.right - 0.08, s.right - 0.05), (s.front - 0.02, s.front), about(z, 0.3), METALS[1])
+            for z in (split_z - 0.2, split_z + 0.25)
+        ),
         *notes,
     )
 
 
 @furniture(
-    "dishwasher", width=(0.6, 0.6), depth=(0.6, 0.62), height=(0.88, 0.9),
-    rooms={"kitchen": 0.6}, place=AgainstWall(beside=_ROW), clearance=0.6,
-)  # fmt: skip
+    "dishwasher",
+    width=(0.6, 0.6),
+    depth=(0.6, 0.62),
+    height=(0.88, 0.9),
+    rooms={"kitchen": 0.6},
+    place=AgainstWall(beside=_ROW),
+    clearance=0.6,
+)
 def dishwasher(s: Size, rng: Generator) -> Parts:
     """A white or steel front with a display strip."""
     body = pick(rng, (WHITE, STEEL))
@@ -109,9 +156,13 @@ def dishwasher(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "upper cabinet", width=(0.8, 1.0), depth=(0.33, 0.36), height=(0.6, 0.75),
-    rooms={"kitchen": (1, 1), "laboratory": 0.5}, place=OnWall((1.42, 1.5), above=("kitchen counter", "kitchen sink", "dishwasher")),
-)  # fmt: skip
+    "upper cabinet",
+    width=(0.8, 1.0),
+    depth=(0.33, 0.36),
+    height=(0.6, 0.75),
+    rooms={"kitchen": (1, 1), "laboratory": 0.5},
+    place=OnWall((1.42, 1.5), above=("kitchen counter", "kitchen sink", "dishwasher")),
+)
 def upper_cabinet(s: Size, rng: Generator) -> Parts:
     """Wall cupboards; some have glass doors or open shelves with dishes."""
     front = pick(rng, FRONTS)
@@ -122,9 +173,13 @@ def upper_cabinet(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "cooker hood", width=(0.6, 0.7), depth=(0.4, 0.48), height=(0.6, 0.7),
-    rooms={"kitchen": (1, 1)}, place=OnWall((1.55, 1.65), above=("stove",)),
-)  # fmt: skip
+    "cooker hood",
+    width=(0.6, 0.7),
+    depth=(0.4, 0.48),
+    height=(0.6, 0.7),
+    rooms={"kitchen": (1, 1)},
+    place=OnWall((1.55, 1.65), above=("stove",)),
+)
 def cooker_hood(s: Size, rng: Generator) -> Parts:
     """A steel canopy and its flue."""
     steel = pick(rng, METALS)
@@ -136,8 +191,13 @@ def cooker_hood(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "kitchen island", width=(1.2, 1.8), depth=(0.7, 0.9), height=(0.9, 0.92), rooms={"kitchen": 0.3}, place=OnFloor("centre"),
-)  # fmt: skip
+    "kitchen island",
+    width=(1.2, 1.8),
+    depth=(0.7, 0.9),
+    height=(0.9, 0.92),
+    rooms={"kitchen": 0.3},
+    place=OnFloor("centre"),
+)
 def kitchen_island(s: Size, rng: Generator) -> Parts:
     """A free-standing worktop with drawers."""
     front = pick(rng, FRONTS)
@@ -149,9 +209,13 @@ def kitchen_island(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "bar stool", width=(0.36, 0.42), depth=(0.36, 0.42), height=(0.7, 0.85),
-    rooms={"kitchen": (2, 2), "lobby": 0.5}, place=Around(("kitchen island",)),
-)  # fmt: skip
+    "bar stool",
+    width=(0.36, 0.42),
+    depth=(0.36, 0.42),
+    height=(0.7, 0.85),
+    rooms={"kitchen": (2, 2), "lobby": 0.5},
+    place=Around(("kitchen island",)),
+)
 def bar_stool(s: Size, rng: Generator) -> Parts:
     """A round seat on a column."""
     return (
@@ -162,7 +226,12 @@ def bar_stool(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "microwave", width=(0.45, 0.52), depth=(0.34, 0.4), height=(0.26, 0.3), rooms={"kitchen": 0.4}, place=OnTop(("kitchen counter",), "back")
+    "microwave",
+    width=(0.45, 0.52),
+    depth=(0.34, 0.4),
+    height=(0.26, 0.3),
+    rooms={"kitchen": 0.4},
+    place=OnTop(("kitchen counter",), "back"),
 )
 def microwave(s: Size, rng: Generator) -> Parts:
     """Window on the left, buttons on the right."""
@@ -173,7 +242,14 @@ def microwave(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("kettle", width=(0.16, 0.2), depth=(0.14, 0.16), height=(0.22, 0.26), rooms={"kitchen": 0.5}, place=OnTop(("kitchen counter",)))
+@furniture(
+    "kettle",
+    width=(0.16, 0.2),
+    depth=(0.14, 0.16),
+    height=(0.22, 0.26),
+    rooms={"kitchen": 0.5},
+    place=OnTop(("kitchen counter",)),
+)
 def kettle(s: Size, rng: Generator) -> Parts:
     """A body, a knob and a handle."""
     body = pick(rng, (STEEL, RED, WHITE))
@@ -184,7 +260,14 @@ def kettle(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("toaster", width=(0.26, 0.32), depth=(0.16, 0.2), height=(0.18, 0.21), rooms={"kitchen": 0.5}, place=OnTop(("kitchen counter",), "back"))
+@furniture(
+    "toaster",
+    width=(0.26, 0.32),
+    depth=(0.16, 0.2),
+    height=(0.18, 0.21),
+    rooms={"kitchen": 0.5},
+    place=OnTop(("kitchen counter",), "back"),
+)
 def toaster(s: Size, rng: Generator) -> Parts:
     """Two slices of toast looking out."""
     slots = [box(inset(s.x, 0.05), about(y, 0.02), (s.height - 0.03, s.height), (0.7, 0.5, 0.25)) for y in (-0.04, 0.04)]
@@ -192,12 +275,23 @@ def toaster(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "dish rack", width=(0.4, 0.5), depth=(0.28, 0.34), height=(0.22, 0.26), rooms={"kitchen": 0.5}, place=OnTop(("kitchen counter",), "back")
+    "dish rack",
+    width=(0.4, 0.5),
+    depth=(0.28, 0.34),
+    height=(0.22, 0.26),
+    rooms={"kitchen": 0.5},
+    place=OnTop(("kitchen counter",), "back"),
 )
 def dish_rack(s: Size, rng: Generator) -> Parts:
     """Plates on edge in a wire tray."""
     plates = [
-        box(about(x, 0.02), inset(s.y, 0.04), (0.03, s.height - rng.uniform(0.0, 0.06)), pick(rng, (WHITE, *BRIGHT[:3])), "ceramic")
+        box(
+            about(x, 0.02),
+            inset(s.y, 0.04),
+            (0.03, s.height - rng.uniform(0.0, 0.06)),
+            pick(rng, (WHITE, *BRIGHT[:3])),
+            "ceramic",
+        )
         for x in _spaced(s.left + 0.06, s.right - 0.06, 6)
     ]
     return (box(s.x, s.y, (0.0, 0.04), STEEL, "metal"), *plates)
@@ -221,9 +315,13 @@ def pot(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "fruit bowl", width=(0.26, 0.32), depth=(0.26, 0.32), height=(0.14, 0.18),
-    rooms={"kitchen": 0.5, "dining room": 0.6}, place=OnTop(("kitchen counter", "kitchen island", "dining table", "sideboard")),
-)  # fmt: skip
+    "fruit bowl",
+    width=(0.26, 0.32),
+    depth=(0.26, 0.32),
+    height=(0.14, 0.18),
+    rooms={"kitchen": 0.5, "dining room": 0.6},
+    place=OnTop(("kitchen counter", "kitchen island", "dining table", "sideboard")),
+)
 def fruit_bowl(s: Size, rng: Generator) -> Parts:
     """Apples, oranges, lemons."""
     fruit = [
@@ -234,14 +332,22 @@ def fruit_bowl(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "bottles", width=(0.2, 0.34), depth=(0.08, 0.1), height=(0.24, 0.32),
-    rooms={"kitchen": 1.0, "dining room": 0.5, "pantry": 1.0}, place=OnTop(("kitchen counter", "sideboard", "dining table")),
-)  # fmt: skip
+    "bottles",
+    width=(0.2, 0.34),
+    depth=(0.08, 0.1),
+    height=(0.24, 0.32),
+    rooms={"kitchen": 1.0, "dining room": 0.5, "pantry": 1.0},
+    place=OnTop(("kitchen counter", "sideboard", "dining table")),
+)
 def bottles(s: Size, rng: Generator) -> Parts:
     """Three or four in a row."""
     parts: list[Part] = []
     for x in split(s.x, int(rng.integers(3, 5)), 0.015):
-        colour, middle, top = pick(rng, ((0.2, 0.4, 0.2), (0.4, 0.2, 0.1), GLASS, *BRIGHT[:3])), (x[0] + x[1]) / 2, s.height * rng.uniform(0.75, 1.0)
+        colour, middle, top = (
+            pick(rng, ((0.2, 0.4, 0.2), (0.4, 0.2, 0.1), GLASS, *BRIGHT[:3])),
+            (x[0] + x[1]) / 2,
+            s.height * rng.uniform(0.75, 1.0),
+        )
         radius = min(x[1] - x[0], s.depth)
         parts += [
             cylinder(about(middle, radius), about(0.0, radius), (0.0, 0.62 * top), colour, "label"),
@@ -251,7 +357,12 @@ def bottles(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "spice rack", width=(0.4, 0.6), depth=(0.1, 0.12), height=(0.35, 0.5), rooms={"kitchen": 0.6, "pantry": 0.5}, place=OnWall((1.3, 1.5))
+    "spice rack",
+    width=(0.4, 0.6),
+    depth=(0.1, 0.12),
+    height=(0.35, 0.5),
+    rooms={"kitchen": 0.6, "pantry": 0.5},
+    place=OnWall((1.3, 1.5)),
 )
 def spice_rack(s: Size, rng: Generator) -> Parts:
     """Two small shelves of jars."""
@@ -264,23 +375,38 @@ def spice_rack(s: Size, rng: Generator) -> Parts:
 def pan_rail(s: Size, rng: Generator) -> Parts:
     """Pans and ladles that hang from a rail."""
     hung = [
-        box(inset(x, 0.01), (s.back + 0.01, s.front), (s.height - rng.uniform(0.2, 0.95) * s.height, s.height - 0.02), pick(rng, (*METALS, RED)), "metal")
+        box(
+            inset(x, 0.01),
+            (s.back + 0.01, s.front),
+            (s.height - rng.uniform(0.2, 0.95) * s.height, s.height - 0.02),
+            pick(rng, (*METALS, RED)),
+            "metal",
+        )
         for x in split(s.x, 5, 0.05)
     ]
     return (box(s.x, (s.back, s.back + 0.03), (s.height - 0.03, s.height), STEEL, "metal"), *hung)
 
 
 @furniture(
-    "pantry shelf", width=(0.8, 1.4), depth=(0.32, 0.42), height=(1.7, 2.1),
-    rooms={"pantry": (2, 4), "kitchen": 0.35}, place=AgainstWall(beside=("pantry shelf",)), clearance=0.5,
-)  # fmt: skip
+    "pantry shelf",
+    width=(0.8, 1.4),
+    depth=(0.32, 0.42),
+    height=(1.7, 2.1),
+    rooms={"pantry": (2, 4), "kitchen": 0.35},
+    place=AgainstWall(beside=("pantry shelf",)),
+    clearance=0.5,
+)
 def pantry_shelf(s: Size, rng: Generator) -> Parts:
     """Shelves full of packets, tins and jars."""
     return (*shelf_unit(s, 5, pick(rng, WOODS)), *stocked(s, 5, ("food",), WHITE, rng, fill=0.95))
 
 
 @furniture(
-    "crate", width=(0.4, 0.55), depth=(0.3, 0.4), height=(0.25, 0.35), rooms={"pantry": (1, 2), "storage room": 0.7, "garage": 0.6}
+    "crate",
+    width=(0.4, 0.55),
+    depth=(0.3, 0.4),
+    height=(0.25, 0.35),
+    rooms={"pantry": (1, 2), "storage room": 0.7, "garage": 0.6},
 )
 def crate(s: Size, rng: Generator) -> Parts:
     """A slatted box of bottles or vegetables."""
@@ -290,9 +416,7 @@ def crate(s: Size, rng: Generator) -> Parts:
     return (*slats, *goods)
 
 
-@furniture(
-    "kitchen trolley", width=(0.5, 0.7), depth=(0.38, 0.45), height=(0.8, 0.88), rooms={"kitchen": 0.25}
-)
+@furniture("kitchen trolley", width=(0.5, 0.7), depth=(0.38, 0.45), height=(0.8, 0.88), rooms={"kitchen": 0.25})
 def kitchen_trolley(s: Size, rng: Generator) -> Parts:
     """Two shelves of goods under a board."""
     wood = pick(rng, WOODS)

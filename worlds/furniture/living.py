@@ -3,20 +3,41 @@
 from numpy.random import Generator
 
 from worlds.furniture.kinds import AgainstWall, Around, OnFloor, OnTop, Parts, Size
-from worlds.furniture.palette import BLACK, BRIGHT, DARK_WOODS, GREY, LAMP, LINEN, METALS, STONES, UPHOLSTERY, WHITE, WHITES, WOODS, pick
+from worlds.furniture.palette import (
+    BLACK,
+    BRIGHT,
+    DARK_WOODS,
+    GREY,
+    LAMP,
+    LINEN,
+    METALS,
+    STONES,
+    UPHOLSTERY,
+    WHITE,
+    WHITES,
+    WOODS,
+    pick,
+)
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, box, cone, cylinder, fronts, inset, legs, shelf_unit, split, stocked
 
 
 @furniture(
-    "sofa", width=(1.7, 2.3), depth=(0.85, 0.95), height=(0.78, 0.9),
-    rooms={"living room": (1, 2), "lobby": (1, 2), "office": 0.12, "library": 0.3}, clearance=0.9,
-)  # fmt: skip
+    "sofa",
+    width=(1.7, 2.3),
+    depth=(0.85, 0.95),
+    height=(0.78, 0.9),
+    rooms={"living room": (1, 2), "lobby": (1, 2), "office": 0.12, "library": 0.3},
+    clearance=0.9,
+)
 def sofa(s: Size, rng: Generator) -> Parts:
     """Seat and back cushions between arm rests, with throw pillows."""
     cloth, arm = pick(rng, UPHOLSTERY), rng.uniform(0.14, 0.22)
     seats = split(inset(s.x, arm), 3 if s.width > 2.0 else 2, 0.015)
-    pillows = [box((x[0] + 0.05, x[0] + 0.42), (s.back + 0.27, s.back + 0.4), (0.45, 0.78), pick(rng, (*BRIGHT, *LINEN)), "fabric") for x in seats[:2]]
+    pillows = [
+        box((x[0] + 0.05, x[0] + 0.42), (s.back + 0.27, s.back + 0.4), (0.45, 0.78), pick(rng, (*BRIGHT, *LINEN)), "fabric")
+        for x in seats[:2]
+    ]
     return (
         box(s.x, s.y, (0.06, 0.3), cloth, "fabric"),
         box(s.x, (s.back, s.back + 0.2), (0.3, s.height), cloth, "fabric"),
@@ -29,9 +50,14 @@ def sofa(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "armchair", width=(0.75, 0.9), depth=(0.78, 0.9), height=(0.8, 1.0),
-    rooms={"living room": (1, 2), "lobby": (1, 3), "library": (1, 2), "bedroom": 0.2}, place=AgainstWall(corner=True), clearance=0.5,
-)  # fmt: skip
+    "armchair",
+    width=(0.75, 0.9),
+    depth=(0.78, 0.9),
+    height=(0.8, 1.0),
+    rooms={"living room": (1, 2), "lobby": (1, 3), "library": (1, 2), "bedroom": 0.2},
+    place=AgainstWall(corner=True),
+    clearance=0.5,
+)
 def armchair(s: Size, rng: Generator) -> Parts:
     """A sofa for one."""
     cloth = pick(rng, UPHOLSTERY)
@@ -46,9 +72,13 @@ def armchair(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "coffee table", width=(0.9, 1.2), depth=(0.5, 0.65), height=(0.38, 0.45),
-    rooms={"living room": (1, 1), "lobby": (1, 1)}, place=Around(("sofa",), "front", gap_m=0.32),
-)  # fmt: skip
+    "coffee table",
+    width=(0.9, 1.2),
+    depth=(0.5, 0.65),
+    height=(0.38, 0.45),
+    rooms={"living room": (1, 1), "lobby": (1, 1)},
+    place=Around(("sofa",), "front", gap_m=0.32),
+)
 def coffee_table(s: Size, rng: Generator) -> Parts:
     """A low table with a shelf for magazines."""
     wood = pick(rng, WOODS)
@@ -64,7 +94,12 @@ def coffee_table(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "tv stand", width=(1.2, 1.7), depth=(0.36, 0.44), height=(0.42, 0.55), rooms={"living room": (1, 1), "bedroom": 0.15}, clearance=0.8
+    "tv stand",
+    width=(1.2, 1.7),
+    depth=(0.36, 0.44),
+    height=(0.42, 0.55),
+    rooms={"living room": (1, 1), "bedroom": 0.15},
+    clearance=0.8,
 )
 def tv_stand(s: Size, rng: Generator) -> Parts:
     """Drawers and a shelf for the players."""
@@ -76,7 +111,14 @@ def tv_stand(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("television", width=(1.0, 1.19), depth=(0.16, 0.2), height=(0.62, 0.72), rooms={"living room": (1, 1), "bedroom": (1, 1)}, place=OnTop(("tv stand",), "middle"))
+@furniture(
+    "television",
+    width=(1.0, 1.19),
+    depth=(0.16, 0.2),
+    height=(0.62, 0.72),
+    rooms={"living room": (1, 1), "bedroom": (1, 1)},
+    place=OnTop(("tv stand",), "middle"),
+)
 def television(s: Size, rng: Generator) -> Parts:
     """A flat screen on a foot."""
     return (
@@ -88,20 +130,39 @@ def television(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "bookshelf", width=(0.8, 1.3), depth=(0.28, 0.36), height=(1.7, 2.1),
-    rooms={"living room": (1, 1), "library": (4, 8), "office": (1, 1), "bedroom": 0.15, "children's room": 0.4, "classroom": 0.5, "lobby": 0.2},
-    place=AgainstWall(beside=("bookshelf",)), clearance=0.5,
-)  # fmt: skip
+    "bookshelf",
+    width=(0.8, 1.3),
+    depth=(0.28, 0.36),
+    height=(1.7, 2.1),
+    rooms={
+        "living room": (1, 1),
+        "library": (4, 8),
+        "office": (1, 1),
+        "bedroom": 0.15,
+        "children's room": 0.4,
+        "classroom": 0.5,
+        "lobby": 0.2,
+    },
+    place=AgainstWall(beside=("bookshelf",)),
+    clearance=0.5,
+)
 def bookshelf(s: Size, rng: Generator) -> Parts:
     """Five shelves of books with a few ornaments."""
-    return (*shelf_unit(s, 5, pick(rng, (*WOODS, WHITE))), *stocked(s, 5, ("books", "books", "books", "books", "ceramic"), (0.8, 0.78, 0.74), rng, fill=0.92))
+    return (
+        *shelf_unit(s, 5, pick(rng, (*WOODS, WHITE))),
+        *stocked(s, 5, ("books", "books", "books", "books", "ceramic"), (0.8, 0.78, 0.74), rng, fill=0.92),
+    )
 
 
 @furniture(
-    "rug", width=(1.6, 2.4), depth=(1.1, 1.6), height=(0.012, 0.016),
+    "rug",
+    width=(1.6, 2.4),
+    depth=(1.1, 1.6),
+    height=(0.012, 0.016),
     rooms={"living room": (1, 1), "bedroom": 0.7, "children's room": 0.8, "dining room": 0.3, "library": 0.6, "office": 0.1},
-    place=OnFloor("centre"), solid=False,
-)  # fmt: skip
+    place=OnFloor("centre"),
+    solid=False,
+)
 def rug(s: Size, rng: Generator) -> Parts:
     """A border, a field and a medallion."""
     rim, field = pick(rng, UPHOLSTERY), pick(rng, (*LINEN, *UPHOLSTERY))
@@ -113,9 +174,13 @@ def rug(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "floor lamp", width=(0.35, 0.45), depth=(0.35, 0.45), height=(1.5, 1.8),
-    rooms={"living room": (1, 1), "bedroom": 0.2, "library": 0.5, "lobby": 0.4, "office": 0.2}, place=AgainstWall(corner=True),
-)  # fmt: skip
+    "floor lamp",
+    width=(0.35, 0.45),
+    depth=(0.35, 0.45),
+    height=(1.5, 1.8),
+    rooms={"living room": (1, 1), "bedroom": 0.2, "library": 0.5, "lobby": 0.4, "office": 0.2},
+    place=AgainstWall(corner=True),
+)
 def floor_lamp(s: Size, rng: Generator) -> Parts:
     """A shade on a pole."""
     pole = pick(rng, METALS)
@@ -126,12 +191,22 @@ def floor_lamp(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("fireplace", width=(1.1, 1.4), depth=(0.32, 0.4), height=(1.1, 1.25), rooms={"living room": 0.3, "library": 0.2}, clearance=0.8)
+@furniture(
+    "fireplace",
+    width=(1.1, 1.4),
+    depth=(0.32, 0.4),
+    height=(1.1, 1.25),
+    rooms={"living room": 0.3, "library": 0.2},
+    clearance=0.8,
+)
 def fireplace(s: Size, rng: Generator) -> Parts:
     """A brick surround with logs, fire and a mantelpiece."""
     brick = pick(rng, ((0.6, 0.32, 0.25), *STONES))
     return (
-        *(box(x, (s.back, s.front - 0.04), (0.0, s.height - 0.06), brick, "brick") for x in ((s.left + 0.04, s.left + 0.3), (s.right - 0.3, s.right - 0.04))),
+        *(
+            box(x, (s.back, s.front - 0.04), (0.0, s.height - 0.06), brick, "brick")
+            for x in ((s.left + 0.04, s.left + 0.3), (s.right - 0.3, s.right - 0.04))
+        ),
         box(inset(s.x, 0.3), (s.back, s.front - 0.04), (0.72, s.height - 0.06), brick, "brick"),
         box(inset(s.x, 0.3), (s.back, s.back + 0.06), (0.0, 0.72), BLACK),
         *(cylinder(about(x, 0.12), about(0.0, 0.12), (0.0, 0.15), WOODS[2], "wood") for x in (-0.12, 0.0, 0.12)),
@@ -147,13 +222,22 @@ def piano(s: Size, rng: Generator) -> Parts:
     return (
         box(s.x, (s.back, s.back + 0.32), s.z, black, "wood"),
         box(s.x, (s.back + 0.3, s.front), (0.6, 0.72), black, "wood"),
-        *(box(x, (s.front - 0.08, s.front), (0.0, 0.6), black, "wood") for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))),
+        *(
+            box(x, (s.front - 0.08, s.front), (0.0, 0.6), black, "wood")
+            for x in ((s.left, s.left + 0.06), (s.right - 0.06, s.right))
+        ),
         box(inset(s.x, 0.08), (s.front - 0.18, s.front - 0.02), (0.72, 0.735), WHITE, "keyboard"),
         box(about(0.0, 0.5), (s.back + 0.32, s.back + 0.35), (0.78, s.height - 0.02), WHITE, "scribble"),
     )
 
 
-@furniture("side table", width=(0.4, 0.5), depth=(0.4, 0.5), height=(0.5, 0.6), rooms={"living room": 0.6, "lobby": 0.5, "library": 0.4})
+@furniture(
+    "side table",
+    width=(0.4, 0.5),
+    depth=(0.4, 0.5),
+    height=(0.5, 0.6),
+    rooms={"living room": 0.6, "lobby": 0.5, "library": 0.4},
+)
 def side_table(s: Size, rng: Generator) -> Parts:
     """A round top on a tripod."""
     wood = pick(rng, WOODS)
@@ -165,10 +249,13 @@ def side_table(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "table lamp", width=(0.24, 0.3), depth=(0.24, 0.3), height=(0.38, 0.5),
+    "table lamp",
+    width=(0.24, 0.3),
+    depth=(0.24, 0.3),
+    height=(0.38, 0.5),
     rooms={"living room": 0.6, "bedroom": 0.8, "office": 0.3, "corridor": 0.5, "entrance hall": 0.5},
     place=OnTop(("side table", "nightstand", "sideboard", "console table")),
-)  # fmt: skip
+)
 def table_lamp(s: Size, rng: Generator) -> Parts:
     """A shade on a vase."""
     return (
@@ -177,17 +264,33 @@ def table_lamp(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("game console", width=(0.28, 0.34), depth=(0.2, 0.26), height=(0.06, 0.1), rooms={"living room": 0.4, "children's room": 0.3}, place=OnTop(("coffee table", "toy shelf")))
+@furniture(
+    "game console",
+    width=(0.28, 0.34),
+    depth=(0.2, 0.26),
+    height=(0.06, 0.1),
+    rooms={"living room": 0.4, "children's room": 0.3},
+    place=OnTop(("coffee table", "toy shelf")),
+)
 def game_console(s: Size, rng: Generator) -> Parts:
     """With a controller on top."""
-    return (box(s.x, s.y, (0.0, 0.06), BLACK, "keyboard"), box(inset(s.x, 0.08), inset(s.y, 0.06), (0.06, s.height), pick(rng, (GREY, WHITE)), "keyboard"))
+    return (
+        box(s.x, s.y, (0.0, 0.06), BLACK, "keyboard"),
+        box(inset(s.x, 0.08), inset(s.y, 0.06), (0.06, s.height), pick(rng, (GREY, WHITE)), "keyboard"),
+    )
 
 
 @furniture(
-    "magazines", width=(0.24, 0.32), depth=(0.24, 0.32), height=(0.04, 0.1),
+    "magazines",
+    width=(0.24, 0.32),
+    depth=(0.24, 0.32),
+    height=(0.04, 0.1),
     rooms={"living room": 0.8, "lobby": 1.0, "bedroom": 0.4, "office": 0.8, "library": 1.0},
     place=OnTop(("coffee table", "side table", "nightstand", "desk", "reading table")),
-)  # fmt: skip
+)
 def magazines(s: Size, rng: Generator) -> Parts:
     """A pile, each a little askew."""
-    return tuple(box(inset(s.x, rng.uniform(0.0, 0.04)), inset(s.y, rng.uniform(0.0, 0.04)), z, pick(rng, BRIGHT), "picture") for z in split(s.z, 4))
+    return tuple(
+        box(inset(s.x, rng.uniform(0.0, 0.04)), inset(s.y, rng.uniform(0.0, 0.04)), z, pick(rng, BRIGHT), "picture")
+        for z in split(s.z, 4)
+    )

@@ -11,9 +11,20 @@ _DESKS = ("desk", "double desk")
 
 
 @furniture(
-    "desk", width=(1.2, 1.6), depth=(0.7, 0.8), height=(0.72, 0.76),
-    rooms={"office": (1, 2), "open-plan office": (3, 5), "bedroom": 0.2, "children's room": 0.1, "library": 0.3, "print room": 0.4}, clearance=0.85,
-)  # fmt: skip
+    "desk",
+    width=(1.2, 1.6),
+    depth=(0.7, 0.8),
+    height=(0.72, 0.76),
+    rooms={
+        "office": (1, 2),
+        "open-plan office": (3, 5),
+        "bedroom": 0.2,
+        "children's room": 0.1,
+        "library": 0.3,
+        "print room": 0.4,
+    },
+    clearance=0.85,
+)
 def desk(s: Size, rng: Generator) -> Parts:
     """A top on metal legs with a drawer block."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
@@ -26,7 +37,14 @@ def desk(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("double desk", width=(1.4, 1.6), depth=(1.4, 1.6), height=(0.72, 0.76), rooms={"open-plan office": (1, 3)}, place=OnFloor("centre"))
+@furniture(
+    "double desk",
+    width=(1.4, 1.6),
+    depth=(1.4, 1.6),
+    height=(0.72, 0.76),
+    rooms={"open-plan office": (1, 3)},
+    place=OnFloor("centre"),
+)
 def double_desk(s: Size, rng: Generator) -> Parts:
     """Two desks face to face with a screen between them."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
@@ -38,10 +56,20 @@ def double_desk(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "office chair", width=(0.58, 0.66), depth=(0.58, 0.66), height=(0.95, 1.15),
-    rooms={"office": (1, 1), "open-plan office": (1, 2), "bedroom": (1, 1), "library": (1, 1), "print room": (1, 1), "children's room": (1, 1)},
+    "office chair",
+    width=(0.58, 0.66),
+    depth=(0.58, 0.66),
+    height=(0.95, 1.15),
+    rooms={
+        "office": (1, 1),
+        "open-plan office": (1, 2),
+        "bedroom": (1, 1),
+        "library": (1, 1),
+        "print room": (1, 1),
+        "children's room": (1, 1),
+    },
     place=Around(_DESKS, "front"),
-)  # fmt: skip
+)
 def office_chair(s: Size, rng: Generator) -> Parts:
     """Five castors, a gas spring, arm rests."""
     cloth = pick(rng, (BLACK, BLACK, *UPHOLSTERY))
@@ -53,15 +81,25 @@ def office_chair(s: Size, rng: Generator) -> Parts:
         box(inset(s.x, 0.07), inset(s.y, 0.06), (0.42, 0.51), cloth, "fabric"),
         box(inset(s.x, 0.09), (s.back + 0.02, s.back + 0.09), (0.55, s.height), cloth, "fabric"),
         box(about(0.0, 0.08), (s.back, s.back + 0.03), (0.42, 0.75), BLACK),
-        *(box(x, (-0.15, 0.14), (0.64, 0.67), BLACK) for x in ((s.left + 0.02, s.left + 0.08), (s.right - 0.08, s.right - 0.02))),
-        *(box(x, about(-0.05, 0.04), (0.45, 0.64), BLACK) for x in ((s.left + 0.03, s.left + 0.07), (s.right - 0.07, s.right - 0.03))),
+        *(
+            box(x, (-0.15, 0.14), (0.64, 0.67), BLACK)
+            for x in ((s.left + 0.02, s.left + 0.08), (s.right - 0.08, s.right - 0.02))
+        ),
+        *(
+            box(x, about(-0.05, 0.04), (0.45, 0.64), BLACK)
+            for x in ((s.left + 0.03, s.left + 0.07), (s.right - 0.07, s.right - 0.03))
+        ),
     )
 
 
 @furniture(
-    "monitor", width=(0.52, 0.62), depth=(0.18, 0.22), height=(0.42, 0.5),
-    rooms={"office": (1, 2), "open-plan office": (1, 2), "bedroom": 0.7, "print room": 0.8, "children's room": 0.6}, place=OnTop(_DESKS, "back"),
-)  # fmt: skip
+    "monitor",
+    width=(0.52, 0.62),
+    depth=(0.18, 0.22),
+    height=(0.42, 0.5),
+    rooms={"office": (1, 2), "open-plan office": (1, 2), "bedroom": 0.7, "print room": 0.8, "children's room": 0.6},
+    place=OnTop(_DESKS, "back"),
+)
 def monitor(s: Size, rng: Generator) -> Parts:
     """A screen on a foot."""
     return (
@@ -73,16 +111,30 @@ def monitor(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "keyboard", width=(0.42, 0.46), depth=(0.14, 0.17), height=(0.025, 0.032),
-    rooms={"office": (1, 1), "open-plan office": (1, 1), "bedroom": 0.7, "print room": 0.8}, place=OnTop(_DESKS, "front"),
-)  # fmt: skip
+    "keyboard",
+    width=(0.42, 0.46),
+    depth=(0.14, 0.17),
+    height=(0.025, 0.032),
+    rooms={"office": (1, 1), "open-plan office": (1, 1), "bedroom": 0.7, "print room": 0.8},
+    place=OnTop(_DESKS, "front"),
+)
 def keyboard(s: Size, rng: Generator) -> Parts:
     """And a mouse beside it."""
     tone = pick(rng, (BLACK, (0.8, 0.8, 0.8)))
-    return (box((s.left, s.right - 0.09), s.y, s.z, tone, "keyboard"), box((s.right - 0.06, s.right), inset(s.y, 0.03), (0.0, 0.03), tone))
+    return (
+        box((s.left, s.right - 0.09), s.y, s.z, tone, "keyboard"),
+        box((s.right - 0.06, s.right), inset(s.y, 0.03), (0.0, 0.03), tone),
+    )
 
 
-@furniture("laptop", width=(0.32, 0.37), depth=(0.26, 0.3), height=(0.22, 0.25), rooms={"office": 0.5, "meeting room": (1, 3), "library": 0.6, "living room": 0.3, "laboratory": 0.6, "classroom": 0.2}, place=OnTop((*_DESKS, "meeting table", "reading table", "coffee table", "lab bench", "school desk")))
+@furniture(
+    "laptop",
+    width=(0.32, 0.37),
+    depth=(0.26, 0.3),
+    height=(0.22, 0.25),
+    rooms={"office": 0.5, "meeting room": (1, 3), "library": 0.6, "living room": 0.3, "laboratory": 0.6, "classroom": 0.2},
+    place=OnTop((*_DESKS, "meeting table", "reading table", "coffee table", "lab bench", "school desk")),
+)
 def laptop(s: Size, rng: Generator) -> Parts:
     """Open."""
     shell = pick(rng, (STEEL, BLACK))
@@ -94,7 +146,14 @@ def laptop(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("desk lamp", width=(0.18, 0.22), depth=(0.34, 0.4), height=(0.42, 0.5), rooms={"office": 0.6, "children's room": 0.6, "library": 0.7, "open-plan office": 0.2}, place=OnTop((*_DESKS, "small desk", "reading table"), "back"))
+@furniture(
+    "desk lamp",
+    width=(0.18, 0.22),
+    depth=(0.34, 0.4),
+    height=(0.42, 0.5),
+    rooms={"office": 0.6, "children's room": 0.6, "library": 0.7, "open-plan office": 0.2},
+    place=OnTop((*_DESKS, "small desk", "reading table"), "back"),
+)
 def desk_lamp(s: Size, rng: Generator) -> Parts:
     """An arm over a foot."""
     paint = pick(rng, (*BRIGHT, BLACK))
@@ -106,34 +165,87 @@ def desk_lamp(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("papers", width=(0.22, 0.32), depth=(0.3, 0.34), height=(0.03, 0.12), rooms={"office": 1.0, "open-plan office": 0.7, "meeting room": (1, 3), "print room": 1.0, "classroom": 0.4}, place=OnTop((*_DESKS, "meeting table", "file cabinet", "school desk", "copy counter")))
+@furniture(
+    "papers",
+    width=(0.22, 0.32),
+    depth=(0.3, 0.34),
+    height=(0.03, 0.12),
+    rooms={"office": 1.0, "open-plan office": 0.7, "meeting room": (1, 3), "print room": 1.0, "classroom": 0.4},
+    place=OnTop((*_DESKS, "meeting table", "file cabinet", "school desk", "copy counter")),
+)
 def papers(s: Size, rng: Generator) -> Parts:
     """A stack, the top sheet printed."""
-    return (box(s.x, s.y, (0.0, s.height - 0.004), PAPER), box(inset(s.x, 0.01), inset(s.y, 0.01), (s.height - 0.004, s.height), PAPER, "scribble"))
+    return (
+        box(s.x, s.y, (0.0, s.height - 0.004), PAPER),
+        box(inset(s.x, 0.01), inset(s.y, 0.01), (s.height - 0.004, s.height), PAPER, "scribble"),
+    )
 
 
-@furniture("mug", width=(0.1, 0.12), depth=(0.08, 0.09), height=(0.09, 0.11), rooms={"office": 0.6, "open-plan office": 0.5, "meeting room": (1, 3), "kitchen": 0.8, "dining room": 0.3}, place=OnTop((*_DESKS, "meeting table", "kitchen counter", "breakfast table")))
+@furniture(
+    "mug",
+    width=(0.1, 0.12),
+    depth=(0.08, 0.09),
+    height=(0.09, 0.11),
+    rooms={"office": 0.6, "open-plan office": 0.5, "meeting room": (1, 3), "kitchen": 0.8, "dining room": 0.3},
+    place=OnTop((*_DESKS, "meeting table", "kitchen counter", "breakfast table")),
+)
 def mug(s: Size, rng: Generator) -> Parts:
     """With a handle."""
     paint = pick(rng, (*BRIGHT, WHITE))
-    return (cylinder((s.left, s.right - 0.03), s.y, s.z, paint, "ceramic"), box((s.right - 0.035, s.right), about(0.0, 0.02), (0.02, s.height - 0.02), paint))
+    return (
+        cylinder((s.left, s.right - 0.03), s.y, s.z, paint, "ceramic"),
+        box((s.right - 0.035, s.right), about(0.0, 0.02), (0.02, s.height - 0.02), paint),
+    )
 
 
-@furniture("file cabinet", width=(0.42, 0.5), depth=(0.5, 0.6), height=(1.0, 1.35), rooms={"office": (1, 2), "open-plan office": (1, 2), "print room": (1, 2), "storage room": 0.3}, place=AgainstWall(beside=("file cabinet", "bookshelf")), clearance=0.5)
+@furniture(
+    "file cabinet",
+    width=(0.42, 0.5),
+    depth=(0.5, 0.6),
+    height=(1.0, 1.35),
+    rooms={"office": (1, 2), "open-plan office": (1, 2), "print room": (1, 2), "storage room": 0.3},
+    place=AgainstWall(beside=("file cabinet", "bookshelf")),
+    clearance=0.5,
+)
 def file_cabinet(s: Size, rng: Generator) -> Parts:
     """Steel drawers with label holders."""
     steel = pick(rng, (GREY, STEEL, (0.36, 0.42, 0.4)))
-    tags = [box(about(-0.08, 0.08), (s.front - 0.006, s.front - 0.002), about(z, 0.04), PAPER, "label") for z in (0.25 * s.height, 0.5 * s.height, 0.75 * s.height)]
-    return (box(s.x, (s.back, s.front - 0.025), s.z, steel, "metal"), *fronts(s.x, (0.03, s.height - 0.02), s.front - 0.004, 1, 4, steel, BLACK, "metal"), *tags)
+    tags = [
+        box(about(-0.08, 0.08), (s.front - 0.006, s.front - 0.002), about(z, 0.04), PAPER, "label")
+        for z in (0.25 * s.height, 0.5 * s.height, 0.75 * s.height)
+    ]
+    return (
+        box(s.x, (s.back, s.front - 0.025), s.z, steel, "metal"),
+        *fronts(s.x, (0.03, s.height - 0.02), s.front - 0.004, 1, 4, steel, BLACK, "metal"),
+        *tags,
+    )
 
 
-@furniture("binder shelf", width=(0.8, 1.2), depth=(0.34, 0.42), height=(1.7, 2.0), rooms={"office": 0.8, "print room": (1, 1), "open-plan office": 0.7, "laboratory": 0.3}, place=AgainstWall(beside=("binder shelf", "file cabinet")), clearance=0.5)
+@furniture(
+    "binder shelf",
+    width=(0.8, 1.2),
+    depth=(0.34, 0.42),
+    height=(1.7, 2.0),
+    rooms={"office": 0.8, "print room": (1, 1), "open-plan office": 0.7, "laboratory": 0.3},
+    place=AgainstWall(beside=("binder shelf", "file cabinet")),
+    clearance=0.5,
+)
 def binder_shelf(s: Size, rng: Generator) -> Parts:
     """Ring binders and boxes on grey shelves."""
-    return (*shelf_unit(s, 5, pick(rng, (GREY, WHITE, STEEL)), "metal"), *stocked(s, 5, ("books", "label"), (0.62, 0.66, 0.74), rng, fill=0.9))
+    return (
+        *shelf_unit(s, 5, pick(rng, (GREY, WHITE, STEEL)), "metal"),
+        *stocked(s, 5, ("books", "label"), (0.62, 0.66, 0.74), rng, fill=0.9),
+    )
 
 
-@furniture("whiteboard", width=(1.2, 1.8), depth=(0.05, 0.08), height=(0.9, 1.2), rooms={"office": 0.8, "meeting room": (1, 1), "open-plan office": 0.7, "classroom": (1, 1), "laboratory": 0.7}, place=OnWall((0.85, 1.0)))
+@furniture(
+    "whiteboard",
+    width=(1.2, 1.8),
+    depth=(0.05, 0.08),
+    height=(0.9, 1.2),
+    rooms={"office": 0.8, "meeting room": (1, 1), "open-plan office": 0.7, "classroom": (1, 1), "laboratory": 0.7},
+    place=OnWall((0.85, 1.0)),
+)
 def whiteboard(s: Size, rng: Generator) -> Parts:
     """Full of drawings, with a tray of pens."""
     pens = [box(about(x, 0.1), (s.front - 0.03, s.front), (0.02, 0.04), pick(rng, BRIGHT)) for x in (-0.3, 0.0, 0.2)]
@@ -145,18 +257,35 @@ def whiteboard(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("meeting table", width=(2.0, 2.8), depth=(1.0, 1.2), height=(0.73, 0.76), rooms={"meeting room": (1, 1)}, place=OnFloor("centre"))
+@furniture(
+    "meeting table",
+    width=(2.0, 2.8),
+    depth=(1.0, 1.2),
+    height=(0.73, 0.76),
+    rooms={"meeting room": (1, 1)},
+    place=OnFloor("centre"),
+)
 def meeting_table(s: Size, rng: Generator) -> Parts:
     """A long top on two slabs."""
     wood = pick(rng, (*WOODS, WHITE))
     return (
         box(s.x, s.y, (s.height - 0.05, s.height), wood, "wood"),
-        *(box(about(x, 0.08), inset(s.y, 0.2), (0.0, s.height - 0.05), pick(rng, METALS), "metal") for x in (-0.3 * s.width, 0.3 * s.width)),
+        *(
+            box(about(x, 0.08), inset(s.y, 0.2), (0.0, s.height - 0.05), pick(rng, METALS), "metal")
+            for x in (-0.3 * s.width, 0.3 * s.width)
+        ),
         box(about(0.0, 0.4), about(0.0, 0.15), (s.height - 0.002, s.height), BLACK, "keyboard"),
     )
 
 
-@furniture("conference chair", width=(0.52, 0.58), depth=(0.52, 0.58), height=(0.85, 0.95), rooms={"meeting room": (6, 10)}, place=Around(("meeting table",)))
+@furniture(
+    "conference chair",
+    width=(0.52, 0.58),
+    depth=(0.52, 0.58),
+    height=(0.85, 0.95),
+    rooms={"meeting room": (6, 10)},
+    place=Around(("meeting table",)),
+)
 def conference_chair(s: Size, rng: Generator) -> Parts:
     """A shell on a steel frame."""
     cloth = pick(rng, (BLACK, UPHOLSTERY[1], UPHOLSTERY[0]))
@@ -167,13 +296,30 @@ def conference_chair(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("wall screen", width=(1.2, 1.6), depth=(0.05, 0.07), height=(0.7, 0.9), rooms={"meeting room": (1, 1), "lobby": 0.4, "gym": 0.5}, place=OnWall((1.1, 1.3)))
+@furniture(
+    "wall screen",
+    width=(1.2, 1.6),
+    depth=(0.05, 0.07),
+    height=(0.7, 0.9),
+    rooms={"meeting room": (1, 1), "lobby": 0.4, "gym": 0.5},
+    place=OnWall((1.1, 1.3)),
+)
 def wall_screen(s: Size, rng: Generator) -> Parts:
     """A display with slides on it."""
-    return (box(s.x, (s.back, s.front - 0.008), s.z, BLACK), box(inset(s.x, 0.02), (s.front - 0.008, s.front), inset(s.z, 0.02), (0.62, 0.66, 0.74), "screen"))
+    return (
+        box(s.x, (s.back, s.front - 0.008), s.z, BLACK),
+        box(inset(s.x, 0.02), (s.front - 0.008, s.front), inset(s.z, 0.02), (0.62, 0.66, 0.74), "screen"),
+    )
 
 
-@furniture("photocopier", width=(0.7, 0.9), depth=(0.62, 0.7), height=(1.1, 1.2), rooms={"print room": (1, 2), "open-plan office": 0.6, "office": 0.12}, clearance=0.7)
+@furniture(
+    "photocopier",
+    width=(0.7, 0.9),
+    depth=(0.62, 0.7),
+    height=(1.1, 1.2),
+    rooms={"print room": (1, 2), "open-plan office": 0.6, "office": 0.12},
+    clearance=0.7,
+)
 def photocopier(s: Size, rng: Generator) -> Parts:
     """Paper trays, a control panel and a feeder."""
     body = pick(rng, (WHITE, (0.8, 0.8, 0.78), GREY))
@@ -187,7 +333,14 @@ def photocopier(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("printer", width=(0.4, 0.5), depth=(0.36, 0.42), height=(0.26, 0.36), rooms={"office": 0.5, "print room": (1, 1), "open-plan office": 0.2}, place=OnTop(("file cabinet", "copy counter"), "middle"))
+@furniture(
+    "printer",
+    width=(0.4, 0.5),
+    depth=(0.36, 0.42),
+    height=(0.26, 0.36),
+    rooms={"office": 0.5, "print room": (1, 1), "open-plan office": 0.2},
+    place=OnTop(("file cabinet", "copy counter"), "middle"),
+)
 def printer(s: Size, rng: Generator) -> Parts:
     """With a sheet coming out."""
     return (
@@ -197,27 +350,63 @@ def printer(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("copy counter", width=(1.2, 1.8), depth=(0.5, 0.6), height=(0.88, 0.95), rooms={"print room": (1, 2)}, clearance=0.6)
+@furniture(
+    "copy counter", width=(1.2, 1.8), depth=(0.5, 0.6), height=(0.88, 0.95), rooms={"print room": (1, 2)}, clearance=0.6
+)
 def copy_counter(s: Size, rng: Generator) -> Parts:
     """A work surface over pigeon holes of paper."""
     tone = pick(rng, (WHITE, *WOODS))
     return (*shelf_unit(s, 3, tone), *stocked(s, 3, ("label", "plain"), PAPER, rng, fill=0.95))
 
 
-@furniture("paper boxes", width=(0.32, 0.46), depth=(0.3, 0.36), height=(0.5, 0.8), rooms={"print room": (1, 2), "office": 0.2, "storage room": 0.5})
+@furniture(
+    "paper boxes",
+    width=(0.32, 0.46),
+    depth=(0.3, 0.36),
+    height=(0.5, 0.8),
+    rooms={"print room": (1, 2), "office": 0.2, "storage room": 0.5},
+)
 def paper_boxes(s: Size, rng: Generator) -> Parts:
     """Cartons of copy paper, stacked."""
-    return tuple(box(inset(s.x, rng.uniform(0.0, 0.03)), inset(s.y, 0.01), z, pick(rng, (PAPER, (0.7, 0.54, 0.36))), "label") for z in split(s.z, 3, 0.005))
+    return tuple(
+        box(inset(s.x, rng.uniform(0.0, 0.03)), inset(s.y, 0.01), z, pick(rng, (PAPER, (0.7, 0.54, 0.36))), "label")
+        for z in split(s.z, 3, 0.005)
+    )
 
 
-@furniture("waste bin", width=(0.26, 0.32), depth=(0.26, 0.32), height=(0.3, 0.4), rooms={"office": 0.7, "open-plan office": 1.0, "kitchen": 0.6, "bathroom": 0.4, "print room": (1, 2), "classroom": 0.7, "laundry room": 0.3, "meeting room": 0.4})
+@furniture(
+    "waste bin",
+    width=(0.26, 0.32),
+    depth=(0.26, 0.32),
+    height=(0.3, 0.4),
+    rooms={
+        "office": 0.7,
+        "open-plan office": 1.0,
+        "kitchen": 0.6,
+        "bathroom": 0.4,
+        "print room": (1, 2),
+        "classroom": 0.7,
+        "laundry room": 0.3,
+        "meeting room": 0.4,
+    },
+)
 def waste_bin(s: Size, rng: Generator) -> Parts:
     """With crumpled paper."""
     tone = pick(rng, (BLACK, GREY, STEEL, BRIGHT[2]))
-    return (cylinder(s.x, s.y, (0.0, s.height - 0.06), tone, "metal"), cylinder(inset(s.x, 0.03), inset(s.y, 0.03), (s.height - 0.08, s.height), PAPER, "label"))
+    return (
+        cylinder(s.x, s.y, (0.0, s.height - 0.06), tone, "metal"),
+        cylinder(inset(s.x, 0.03), inset(s.y, 0.03), (s.height - 0.08, s.height), PAPER, "label"),
+    )
 
 
-@furniture("flip chart", width=(0.65, 0.75), depth=(0.4, 0.5), height=(1.7, 1.85), rooms={"meeting room": 0.7, "open-plan office": 0.3, "classroom": 0.2}, place=AgainstWall(corner=True))
+@furniture(
+    "flip chart",
+    width=(0.65, 0.75),
+    depth=(0.4, 0.5),
+    height=(1.7, 1.85),
+    rooms={"meeting room": 0.7, "open-plan office": 0.3, "classroom": 0.2},
+    place=AgainstWall(corner=True),
+)
 def flip_chart(s: Size, rng: Generator) -> Parts:
     """A pad on an easel."""
     return (
@@ -228,7 +417,14 @@ def flip_chart(s: Size, rng: Generator) -> Parts:
     )
 
 
-@furniture("water cooler", width=(0.32, 0.36), depth=(0.32, 0.36), height=(1.3, 1.45), rooms={"open-plan office": 0.6, "lobby": 0.4, "meeting room": 0.3, "gym": (1, 1)}, place=AgainstWall(corner=True))
+@furniture(
+    "water cooler",
+    width=(0.32, 0.36),
+    depth=(0.32, 0.36),
+    height=(1.3, 1.45),
+    rooms={"open-plan office": 0.6, "lobby": 0.4, "meeting room": 0.3, "gym": (1, 1)},
+    place=AgainstWall(corner=True),
+)
 def water_cooler(s: Size, rng: Generator) -> Parts:
     """A blue bottle on a stand."""
     return (

@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from worlds.furniture.candidates import Piece, candidates, rectangles, zones
 from worlds.furniture.catalogue import CATALOGUE, kind_of
-from worlds.furniture.kinds import Around, Count, Kind, OnCeiling, OnTop, OnWall, Parts, Range, Size
+from worlds.furniture.kinds import Around, Count, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Range, Size
 from worlds.furniture.room_plan import RoomPlan
 from worlds.labels import STAIRS
 from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec
@@ -27,8 +27,7 @@ def furnish(storey: StoreySpec, rng: Generator, clutter: float = 1.0, prefix: st
     for room, room_rng in zip(storey.rooms, rng.spawn(len(storey.rooms)), strict=True):
         if room.label == STAIRS or clutter <= 0.0:
             continue
-        openings = [opening for opening in storey.openings if room.id in opening.rooms]
-        plan = RoomPlan(room, openings, [other for other in storey.rooms if other is not room], storey.height_m)
+        plan = RoomPlan(room, storey)
         for piece in _furnish_room(plan, room_rng, clutter):
             pieces.append(_spec(piece, room, f"{prefix}.{len(pieces)} {piece.kind.name}", room_rng))
     return tuple(pieces)
@@ -46,52 +45,57 @@ def is_solid(kind: str) -> bool:
 
 def _furnish_room(plan: RoomPlan, rng: Generator, clutter: float) -> list[Piece]:
     pieces: list[Piece] = []
-    standing, dependent = _kinds_for(plan.room.label)
+    standing, seats, details = _kinds_for(plan.room.label)
     for kind in standing:
         first = len(pieces)
         _place_some(plan, kind, None, pieces, rng, clutter)
-        for host in pieces[first:]:
-            for guest in dependent:
-                if isinstance(guest.place, Around) and host.kind.name in guest.place.hosts:
-                    _place_some(plan, guest, host, pieces, rng, clutter)
-    for kind in dependent:
-        if not isinstance(kind.place, Around):
-            for host in _hosts(kind, pieces):
-                _place_some(plan, kind, host, pieces, rng, clutter)
+        new = pieces[first:]
+        for seat in seats if new else ():
+            for host in _hosts(seat, new):
+                _place_some(plan, seat, host, pieces, rng, clutter)
+    for kind in details:
+        for host in _hosts(kind, pieces):
+            _place_some(plan, kind, host, pieces, rng, clutter)
     return pieces
 
 
 @cache
-def _kinds_for(label: str) -> tuple[tuple[Kind, ...], tuple[Kind, ...]]:
-    """What stands in a room by itself, and what needs that to be there, both in the order in which it is placed."""
+def _kinds_for(label: str) -> tuple[tuple[Kind, ...], tuple[Kind, ...], tuple[Kind, ...]]:
+    """What stands in a room by itself, what goes with that at once, and what comes last; each in the order of placing."""
     here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
+    seats = tuple(kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label))
     standing = tuple(kind for kind in here if _stage(kind) <= 1)
-    return standing, tuple(kind for kind in here if _stage(kind) > 1)
+    return standing, seats, tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
 
 
-def _rank(kind: Kind, label: str) -> tuple[int, bool, float]:
-    """What a room must have comes before what it may have, and large before small, since the later has to make do."""
-    return _stage(kind), not isinstance(kind.rooms[label], tuple), -kind.width[1] * kind.depth[1]
+def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
+    """What comes later has to make do: the required first, then what needs the centre of the room, then the large."""
+    central = kind.solid and isinstance(kind.place, OnFloor) and kind.place.spot == "centre"
+    return _stage(kind), not _is_required(kind, label), not central, -kind.width[1] * kind.depth[1]
+
+
+def _is_required(kind: Kind, label: str) -> bool:
+    return isinstance(kind.rooms[label], tuple)
 
 
 def _stage(kind: Kind) -> int:
     match kind.place:
         case OnWall(exterior=True):
             return 0
-        case OnTop():
-            return 2
-        case OnWall():
-            return 3
-        case OnCeiling():
-            return 4
         case Around():
+            return 2
+        case OnTop():
+            return 3
+        case OnWall():
+            return 4
+        case OnCeiling():
             return 5
     return 1
 
 
 def _hosts(kind: Kind, pieces: Sequence[Piece]) -> list[Piece | None]:
     match kind.place:
-        case OnTop(hosts=names):
+        case OnTop(hosts=names) | Around(hosts=names):
             return [piece for piece in pieces if piece.kind.name in names]
         case OnWall(above=names) if names:
             return [piece for piece in pieces if piece.kind.name in names]
@@ -107,10 +111,7 @@ def _place_some(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: list[Pie
 
 
 def _draw_count(count: Count, rng: Generator, clutter: float) -> int:
-    if isinstance(count, tuple):
-        expected = min(clutter, 1.0) * int(rng.integers(count[0], count[1] + 1))
-    else:
-        expected = clutter * count
+    expected = min(clutter, 1.0) * int(rng.integers(count[0], count[1] + 1)) if isinstance(count, tuple) else clutter * count
     return math.floor(expected + rng.random())
 
 
@@ -123,12 +124,12 @@ def _place(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: Sequence[Piec
             continue
         places, z = rectangles(poses, size), (poses[0].z, poses[0].z + size.height)
         ahead = zones(poses, size, kind.clearance) if kind.clearance else None
-        guest_of = id(host) if isinstance(kind.place, Around) else None
+        guest_of = host if isinstance(kind.place, Around) else None
         free = np.flatnonzero(plan.fits(places, z, kind.solid, ahead, guest_of))
         for i in free[:_TRIES].tolist():
             piece = Piece(kind, size, poses[i])
             if not kind.solid or plan.stays_walkable(piece.rectangle):
-                plan.add(piece.rectangle, z, kind.solid, None if ahead is None else tuple(ahead[i].tolist()), id(piece))
+                plan.add(piece.rectangle, z, kind.solid, None if ahead is None else tuple(ahead[i].tolist()), piece)
                 return piece
     return None
 
@@ -148,7 +149,6 @@ def _spec(piece: Piece, room: RoomSpec, name: str, rng: Generator) -> FurnitureS
         room=room.id,
         position_m=(round(x, 5), round(y, 5), round(piece.pose.z, 5)),
         yaw_rad=math.atan2(ay, ax),
-        size_m=tuple(piece.size),
+        size_m=(piece.size.width, piece.size.depth, piece.size.height),
         seed=int(rng.integers(2**32)),
     )
-

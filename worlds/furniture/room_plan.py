@@ -3,12 +3,13 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, UInt8
 
-from worlds.spec import OpeningSpec, RoomSpec
+from worlds.spec import OpeningSpec, RoomSpec, StoreySpec
 
 Rectangle = tuple[float, float, float, float]
 """x0, y0, x1, y1 [m]"""
@@ -18,6 +19,8 @@ HALF_WALL_M = 0.05
 WALL_GAP_M = 0.006
 OPENING_DEPTH_M = 0.9
 OPENING_MARGIN_M = 0.15
+PASSAGE_M = 1.3
+"""Of an opening wider than that, this much is kept clear, at the end that is nearer to another way out."""
 BODY_RADIUS_M = 0.3
 CELL_M = 0.1
 MIN_REACHABLE_SHARE = 0.35
@@ -27,7 +30,12 @@ FLAT_M = 0.03
 """What is lower may lie under furniture."""
 _EPS_M = 1e-4
 _EVERYWHERE = (-math.inf, math.inf)
-_NOBODY = -1
+_Cells = UInt8[np.ndarray, "rows columns"]
+_Cell = tuple[int, int]
+_Point = tuple[float, float]
+_Segment = tuple[_Point, _Point]
+_Side = tuple[_Segment, _Point]
+"""A segment on a side of the room, and the unit normal into the room."""
 
 
 @dataclass(frozen=True)
@@ -63,21 +71,23 @@ class WallRun:
 class RoomPlan:
     """The free floor, walls and space of a room. Solid pieces must not meet in plan; others must not meet in space."""
 
-    def __init__(self, room: RoomSpec, openings: Sequence[OpeningSpec], others: Sequence[RoomSpec], height_m: float) -> None:
-        """`openings` are the room's own; `others` are the other rooms of its storey."""
+    def __init__(self, room: RoomSpec, storey: StoreySpec) -> None:
+        """`room` is one of `storey`."""
         self.room = room
-        self.height_m = height_m
+        self.height_m = storey.height_m
         self.corners = np.array(room.polygon_m)
-        self._spans = [s for o in openings if (s := _span_on(room, o)) is not None]
-        self.runs = tuple(_runs(room, self._spans, others))
+        own = [opening for opening in storey.openings if room.id in opening.rooms]
+        gaps = [side for o in own if (side := _on_side(room, (o.start_m, o.end_m))) is not None]
+        passages = [side for o in own if (side := _on_side(room, _passage(o, storey.openings))) is not None]
+        self.runs = tuple(_runs(room, [ends for ends, _ in gaps], [other for other in storey.rooms if other is not room]))
         self._outside = _outside(self.corners)
         self._plan: list[Rectangle] = [grown(r, HALF_WALL_M) for r in self._outside]
-        self._zones = [(_opening_zone(room, *span), _NOBODY) for span in self._spans]
+        self._zones: list[tuple[Rectangle, object]] = [(_opening_zone(*passage), None) for passage in passages]
         self._boxes = [(*r, *_EVERYWHERE) for r in self._plan]
         self._flat: list[Rectangle] = []
         self._walls = len(self._plan)
-        self._free_cells, self._seeds = self._bare_room()
-        bare = _component(self._free_cells, self._seeds)
+        self._free_cells, self._doors = self._bare_room(passages)
+        bare = _component(self._free_cells, self._doors)
         self._required = min(MIN_REACHABLE_SHARE * self.area_m2 / CELL_M**2, MIN_SHARE_OF_BARE * bare)
 
     @property
@@ -87,7 +97,12 @@ class RoomPlan:
         return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
     def fits(
-        self, places: Float64[np.ndarray, "n 4"], z: Interval, solid: bool, zones: Float64[np.ndarray, "n 4"] | None = None, guest_of: int | None = None
+        self,
+        places: Float64[np.ndarray, "n 4"],
+        z: Interval,
+        solid: bool,
+        zones: Float64[np.ndarray, "n 4"] | None = None,
+        guest_of: object = None,
     ) -> Bool[np.ndarray, " n"]:
         """Which of the rectangles are free over the heights `z` [m], with the `zones` in front of them clear.
 
@@ -98,7 +113,7 @@ class RoomPlan:
         level = [b[:4] for b in self._boxes if b[4] < z[1] - _EPS_M and b[5] > z[0] + _EPS_M]
         free = ~_overlaps(places, level)
         if solid:
-            kept = [zone for zone, owner in self._zones if owner == _NOBODY or owner != guest_of]
+            kept = [zone for zone, owner in self._zones if owner is None or owner is not guest_of]
             free &= ~_overlaps(places, self._plan + kept)
         if zones is not None:
             free &= ~_overlaps(zones, self._plan)
@@ -108,10 +123,10 @@ class RoomPlan:
         """Whether a body still gets from opening to opening, and about most of the room, round a solid piece at `place`."""
         trial = self._free_cells.copy()
         trial[self._cells(grown(place, BODY_RADIUS_M))] = 0
-        return _component(trial, self._seeds) >= self._required
+        return _component(trial, self._doors) >= self._required
 
-    def add(self, place: Rectangle, z: Interval, solid: bool, zone: Rectangle | None = None, owner: int = _NOBODY) -> None:
-        """Take the space; `zone` stays clear for `owner`, which is any number that names the piece."""
+    def add(self, place: Rectangle, z: Interval, solid: bool, zone: Rectangle | None = None, owner: object = None) -> None:
+        """Take the space; `zone` stays clear for all but the guests of `owner`."""
         if z[1] <= FLAT_M:
             self._flat.append(place)
             return
@@ -122,26 +137,27 @@ class RoomPlan:
         if zone is not None:
             self._zones.append((zone, owner))
 
-    def _bare_room(self) -> tuple[np.ndarray, list[tuple[int, int]]]:
+    def _bare_room(self, passages: Sequence[_Side]) -> tuple[_Cells, set[_Cell]]:
+        """The cells that a body's centre may be in, and the one in front of each passage."""
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)
         columns, rows = (int(n) for n in np.ceil((high - low) / CELL_M - 1e-6))
         free = np.ones((rows, columns), np.uint8)
         for rectangle in self._outside:
             free[self._cells(grown(rectangle, HALF_WALL_M + BODY_RADIUS_M))] = 0
         ys, xs = np.nonzero(free)
-        seeds = []
-        for (a, b), inward in ((span[0], span[1]) for span in self._spans):
+        doors: set[_Cell] = set()
+        for (a, b), inward in passages if len(xs) else ():
             entry = (np.add(a, b) / 2 + OPENING_DEPTH_M / 2 * np.array(inward) - low) / CELL_M - 0.5
-            if len(xs):
-                nearest = int(np.argmin((xs - entry[0]) ** 2 + (ys - entry[1]) ** 2))
-                seeds.append((int(ys[nearest]), int(xs[nearest])))
-        return free, seeds
+            nearest = int(np.argmin((xs - entry[0]) ** 2 + (ys - entry[1]) ** 2))
+            doors.add((int(ys[nearest]), int(xs[nearest])))
+        return free, doors
 
     def _cells(self, r: Rectangle) -> tuple[slice, slice]:
         """The grid cells whose centres lie in the rectangle."""
         (x, y) = self.corners.min(axis=0)
         (i0, i1), (j0, j1) = (
-            (max(0, math.ceil((a - o) / CELL_M - 0.5)), max(0, math.floor((b - o) / CELL_M - 0.5) + 1)) for a, b, o in ((r[1], r[3], y), (r[0], r[2], x))
+            (max(0, math.ceil((a - o) / CELL_M - 0.5)), max(0, math.floor((b - o) / CELL_M - 0.5) + 1))
+            for a, b, o in ((r[1], r[3], y), (r[0], r[2], x))
         )
         return slice(i0, i1), slice(j0, j1)
 
@@ -151,15 +167,13 @@ def grown(r: Rectangle, by: float) -> Rectangle:
     return r[0] - by, r[1] - by, r[2] + by, r[3] + by
 
 
-def _component(free: np.ndarray, seeds: Sequence[tuple[int, int]]) -> int:
-    """Cells that are reached from all the seeds, 0 if they are not joined; without seeds, those of the largest part."""
+def _component(free: _Cells, doors: set[_Cell]) -> int:
+    """Size of the part of the free cells that holds all doors, 0 if there is none; of the largest part without doors."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
-    if count < 2:
+    joined = {int(labels[door]) for door in doors} if doors else set(range(1, count))
+    if 0 in joined or (doors and len(joined) > 1):
         return 0
-    if not seeds:
-        return int(stats[1:, cv2.CC_STAT_AREA].max())
-    reached = {int(labels[seed]) for seed in seeds}
-    return int(stats[reached.pop(), cv2.CC_STAT_AREA]) if len(reached) == 1 and 0 not in reached else 0
+    return max((int(stats[label, cv2.CC_STAT_AREA]) for label in joined), default=0)
 
 
 def _overlaps(places: Float64[np.ndarray, "n 4"], obstacles: Iterable[Rectangle]) -> Bool[np.ndarray, " n"]:
@@ -167,15 +181,22 @@ def _overlaps(places: Float64[np.ndarray, "n 4"], obstacles: Iterable[Rectangle]
     if not len(taken):
         return np.zeros(len(places), bool)
     low, high = places[:, None, :2], places[:, None, 2:]
-    return np.any(np.all((low < taken[:, 2:] - _EPS_M) & (high > taken[:, :2] + _EPS_M), axis=2), axis=1)
+    apart = (low >= taken[:, 2:] - _EPS_M) | (high <= taken[:, :2] + _EPS_M)
+    clear: Bool[np.ndarray, " n"] = np.all(np.any(apart, axis=2), axis=1)
+    return ~clear
 
 
 def _outside(corners: Float64[np.ndarray, "n 2"]) -> list[Rectangle]:
     """Rectangles that cover the bounding box of a rectilinear polygon, less the polygon, and a rim round the box."""
     xs, ys = np.unique(corners[:, 0]), np.unique(corners[:, 1])
     x0, y0, x1, y1, far = float(xs[0]), float(ys[0]), float(xs[-1]), float(ys[-1]), 10.0
-    rim = [(x0 - far, y0 - far, x0, y1 + far), (x1, y0 - far, x1 + far, y1 + far), (x0, y0 - far, x1, y0), (x0, y1, x1, y1 + far)]
-    cells = [(float(a), float(c), float(b), float(d)) for a, b in zip(xs, xs[1:], strict=False) for c, d in zip(ys, ys[1:], strict=False)]
+    rim = [
+        (x0 - far, y0 - far, x0, y1 + far),
+        (x1, y0 - far, x1 + far, y1 + far),
+        (x0, y0 - far, x1, y0),
+        (x0, y1, x1, y1 + far),
+    ]
+    cells = [(float(a), float(c), float(b), float(d)) for a, b in pairwise(xs) for c, d in pairwise(ys)]
     return rim + [c for c in cells if not _contains(corners, (c[0] + c[2]) / 2, (c[1] + c[3]) / 2)]
 
 
@@ -185,11 +206,7 @@ def _contains(corners: Float64[np.ndarray, "n 2"], x: float, y: float) -> bool:
     return bool(crosses.sum() % 2)
 
 
-_Span = tuple[tuple[tuple[float, float], tuple[float, float]], tuple[float, float]]
-"""An opening's ends on a side of the room, and the unit normal into the room."""
-
-
-def _sides(room: RoomSpec) -> Iterable[tuple[tuple[float, float], tuple[float, float], float]]:
+def _sides(room: RoomSpec) -> Iterable[tuple[_Point, _Point, float]]:
     """Start, unit direction and length of each side."""
     corners = room.polygon_m
     for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -197,9 +214,7 @@ def _sides(room: RoomSpec) -> Iterable[tuple[tuple[float, float], tuple[float, f
         yield (x0, y0), ((x1 - x0) / length, (y1 - y0) / length), length
 
 
-def _interval_on(
-    start: tuple[float, float], along: tuple[float, float], length: float, a: tuple[float, float], b: tuple[float, float]
-) -> Interval | None:
+def _interval_on(start: _Point, along: _Point, length: float, a: _Point, b: _Point) -> Interval | None:
     """Where the segment a - b lies on a side, as distances from its start; None if it does not."""
     t, off = [], []
     for x, y in (a, b):
@@ -210,26 +225,37 @@ def _interval_on(
     return (low, high) if max(off) < _EPS_M and high - low > _EPS_M else None
 
 
-def _span_on(room: RoomSpec, opening: OpeningSpec) -> _Span | None:
+def _on_side(room: RoomSpec, ends: _Segment) -> _Side | None:
+    """The part of a segment that lies on a side of the room."""
     for start, along, length in _sides(room):
-        span = _interval_on(start, along, length, opening.start_m, opening.end_m)
+        span = _interval_on(start, along, length, *ends)
         if span is not None:
             a, b = ((start[0] + t * along[0], start[1] + t * along[1]) for t in span)
             return (a, b), (-along[1], along[0])
     return None
 
 
-def _opening_zone(room: RoomSpec, ends: tuple[tuple[float, float], tuple[float, float]], inward: tuple[float, float]) -> Rectangle:
+def _passage(opening: OpeningSpec, all_openings: Sequence[OpeningSpec]) -> _Segment:
+    """The part of an opening that is kept clear on both sides: both rooms come to the same answer."""
+    a, b, width = opening.start_m, opening.end_m, opening.width_m
+    if width <= PASSAGE_M:
+        return a, b
+    ways_out = [other for other in all_openings if other.width_m <= PASSAGE_M and set(other.rooms) & set(opening.rooms)]
+    from_a, from_b = (min((math.dist(end, o.start_m) for o in ways_out), default=0.0) for end in (a, b))
+    (x0, y0), (x1, y1) = (a, b) if from_a <= from_b else (b, a)
+    return (x0, y0), (x0 + (x1 - x0) * PASSAGE_M / width, y0 + (y1 - y0) * PASSAGE_M / width)
+
+
+def _opening_zone(ends: _Segment, inward: _Point) -> Rectangle:
     (ax, ay), (bx, by) = ends
     margin_x, margin_y = OPENING_MARGIN_M * abs(inward[1]), OPENING_MARGIN_M * abs(inward[0])
-    deep_x, deep_y = OPENING_DEPTH_M * inward[0], OPENING_DEPTH_M * inward[1]
-    x, y = (ax, bx, ax + deep_x), (ay, by, ay + deep_y)
+    x, y = (ax, bx, ax + OPENING_DEPTH_M * inward[0]), (ay, by, ay + OPENING_DEPTH_M * inward[1])
     return min(x) - margin_x, min(y) - margin_y, max(x) + margin_x, max(y) + margin_y
 
 
-def _runs(room: RoomSpec, spans: Sequence[_Span], others: Sequence[RoomSpec]) -> Iterable[WallRun]:
+def _runs(room: RoomSpec, openings: Sequence[_Segment], others: Sequence[RoomSpec]) -> Iterable[WallRun]:
     for start, along, length in _sides(room):
-        gaps = [i for (a, b), _ in spans if (i := _interval_on(start, along, length, a, b)) is not None]
+        gaps = [gap for ends in openings if (gap := _interval_on(start, along, length, *ends)) is not None]
         behind = []
         for other in others:
             for p, q in zip(other.polygon_m, other.polygon_m[1:] + other.polygon_m[:1], strict=True):

@@ -56,7 +56,9 @@ def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = 
     return tuple(box(i, j, (0.0, top), colour, material) for i in ends[0] for j in ends[1])
 
 
-def fronts(x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood") -> Parts:
+def fronts(
+    x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood"
+) -> Parts:
     """A grid of doors or drawers on a face towards +y at y = `at`, 2 cm thick, each with a handle."""
     parts: list[Part] = []
     for span in split(inset(x, 0.01), columns, 0.012):
@@ -64,9 +66,23 @@ def fronts(x: Range, z: Range, at: float, columns: int, rows: int, colour: Colou
             parts.append(box(span, (at - 0.02, at - 0.005), rise, colour, material))
             width, height = span[1] - span[0], rise[1] - rise[0]
             if height > width:
-                parts.append(box(about(span[1] - 0.05, 0.015), (at - 0.006, at), about((rise[0] + rise[1]) / 2, min(0.2, height / 3)), handle))
+                parts.append(
+                    box(
+                        about(span[1] - 0.05, 0.015),
+                        (at - 0.006, at),
+                        about((rise[0] + rise[1]) / 2, min(0.2, height / 3)),
+                        handle,
+                    )
+                )
             else:
-                parts.append(box(about((span[0] + span[1]) / 2, min(0.16, width / 3)), (at - 0.006, at), about(rise[1] - 0.05, 0.015), handle))
+                parts.append(
+                    box(
+                        about((span[0] + span[1]) / 2, min(0.16, width / 3)),
+                        (at - 0.006, at),
+                        about(rise[1] - 0.05, 0.015),
+                        handle,
+                    )
+                )
     return tuple(parts)
 
 
@@ -78,7 +94,9 @@ def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", bo
     return (*sides, back, *(box(inset(s.x, board), s.y, (z, z + board), colour, material) for z in levels))
 
 
-def stocked(s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8) -> Parts:
+def stocked(
+    s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8
+) -> Parts:
     """Goods on the shelves of a `shelf_unit` of the same size: blocks of the materials in `goods`."""
     parts: list[Part] = []
     step = (s.height - board) / shelves
@@ -89,7 +107,15 @@ def stocked(s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: 
             high = low + (step - board) * rng.uniform(0.55, 0.92)
             if rng.random() < fill:
                 material = goods[int(rng.integers(len(goods)))]
-                parts.append(box((x[0], x[0] + length), (s.back + 0.02, s.front - rng.uniform(0.02, 0.08)), (low, high), colour, material))
+                parts.append(
+                    box(
+                        (x[0], x[0] + length),
+                        (s.back + 0.02, s.front - rng.uniform(0.02, 0.08)),
+                        (low, high),
+                        colour,
+                        material,
+                    )
+                )
     return tuple(parts)
 
 

@@ -32,12 +32,12 @@ def concrete(surface: Surface, rng: Generator) -> Shade:
 
 def wood(surface: Surface, rng: Generator) -> Planes:
     """Boards along the longer side, with grain and knots."""
-    return _boards(surface, rng, width_m=0.14, length_m=1.6, tint=0.02, light=0.08, joint=0.66)
+    return _boards(surface, rng, width_m=0.14, length_m=1.6, tint=0.01, light=0.09, joint=0.66)
 
 
 def parquet(surface: Surface, rng: Generator) -> Planes:
     """Short blocks with strongly different tints."""
-    return _boards(surface, rng, width_m=0.1, length_m=0.55, tint=0.03, light=0.15, joint=0.6)
+    return _boards(surface, rng, width_m=0.1, length_m=0.55, tint=0.012, light=0.15, joint=0.6)
 
 
 def tile(surface: Surface, rng: Generator) -> Planes:
@@ -45,7 +45,7 @@ def tile(surface: Surface, rng: Generator) -> Planes:
     side = rng.uniform(0.15, 0.3)
     joint = rng.choice([0.62, 1.25])
     laid = courses(rng, surface, side, side, vary=0.0, aligned=True)
-    planes = laid.spread(rng, light=0.08, tint=0.03, joint=joint)
+    planes = laid.spread(rng, light=0.08, tint=0.008, joint=joint)
     planes *= 1.0 + 0.045 * surface.noise(rng, 0.12, octaves=3)
     for x, y in surface.scatter(rng, 1.5, most=40):
         _blossom(planes, rng, (x, y), 0.3 * side * surface.px_per_m)
@@ -55,7 +55,7 @@ def tile(surface: Surface, rng: Generator) -> Planes:
 def brick(surface: Surface, rng: Generator) -> Planes:
     """Stretcher bond with uneven bricks."""
     laid = courses(rng, surface, 0.085, 0.24, vary=0.12)
-    planes = laid.spread(rng, light=0.17, tint=0.04, joint=1.45)
+    planes = laid.spread(rng, light=0.15, tint=0.012, joint=1.3)
     planes *= 1.0 + 0.12 * surface.noise(rng, 0.06, octaves=3, gain=0.9)
     return planes
 
@@ -63,7 +63,7 @@ def brick(surface: Surface, rng: Generator) -> Planes:
 def paving(surface: Surface, rng: Generator) -> Planes:
     """Slabs of uneven length, with gravel between them."""
     laid = courses(rng, surface, 0.4, 0.55, vary=0.35)
-    planes = laid.spread(rng, light=0.12, tint=0.02, joint=0.55)
+    planes = laid.spread(rng, light=0.12, tint=0.006, joint=0.55)
     planes *= 1.0 + 0.11 * surface.noise(rng, 0.2, octaves=5, gain=0.85)
     return planes
 
@@ -76,7 +76,8 @@ def carpet(surface: Surface, rng: Generator) -> Shade:
 def marble(surface: Surface, rng: Generator) -> Shade:
     """Veins where a noise field changes its sign."""
     veins = np.abs(surface.noise(rng, 0.45, octaves=6, gain=0.62))
-    return 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
+    shade: Shade = 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
+    return shade
 
 
 def wallpaper(surface: Surface, rng: Generator) -> Planes:
@@ -100,7 +101,9 @@ def grass(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def _boards(surface: Surface, rng: Generator, width_m: float, length_m: float, tint: float, light: float, joint: float) -> Planes:
+def _boards(
+    surface: Surface, rng: Generator, width_m: float, length_m: float, tint: float, light: float, joint: float
+) -> Planes:
     upright = surface.height_m > surface.width_m
     lying = surface.transposed if upright else surface
     planes = courses(rng, lying, width_m, length_m, vary=0.35).spread(rng, light=light, tint=tint, joint=joint)

@@ -37,7 +37,11 @@ def glass(surface: Surface, rng: Generator) -> Shade:
     slope = np.linspace(1.15, 0.9, surface.height, dtype=np.float32)[:, None]
     shade = slope + 0.03 * surface.noise(rng, 0.2, octaves=4)
     for _ in range(4):
-        x, lean, wide = rng.uniform(-0.3, 1.0) * surface.width, 0.4 * surface.width, rng.integers(1, max(2, surface.width // 10))
+        x, lean, wide = (
+            rng.uniform(-0.3, 1.0) * surface.width,
+            0.4 * surface.width,
+            rng.integers(1, max(2, surface.width // 10)),
+        )
         cv2.line(shade, (int(x), surface.height), (int(x + lean), 0), rng.uniform(1.1, 1.35), int(wide), cv2.LINE_AA)
     return shade
 
@@ -58,7 +62,8 @@ def books(surface: Surface, rng: Generator) -> Planes:
     planes *= 1.0 + 0.06 * surface.noise(rng, 0.05, octaves=2)
     titles = upright.noise(rng, 0.03, octaves=2, stretch=3.0).T
     planes += 0.55 * ((titles > 1.1) & (planes[0] > 0.3))
-    return np.maximum(planes, 0.08)
+    np.maximum(planes, 0.08, out=planes)
+    return planes
 
 
 def picture(surface: Surface, rng: Generator) -> Planes:
@@ -90,7 +95,7 @@ def screen(surface: Surface, rng: Generator) -> Planes:
 
 def keyboard(surface: Surface, rng: Generator) -> Planes:
     """Rows of keys or buttons."""
-    row_m = surface.height_m / max(2, min(6, round(surface.height_m / 0.02)))
+    row_m = min(surface.height_m / 2, max(0.02, 6.0 / surface.px_per_m))
     keys = courses(rng, surface, row_m, 1.1 * row_m, vary=0.3)
     planes = keys.spread(rng, light=0.2, tint=0.03, joint=0.25)
     planes += 0.5 * (surface.noise(rng, 0.4 * row_m, octaves=1) > 1.5)
@@ -103,7 +108,8 @@ def food(surface: Surface, rng: Generator) -> Planes:
     planes = courses(rng, surface, shelf_m, 0.11, vary=0.5).spread(rng, light=0.2, tint=0.35, joint=0.2)
     for x, y in surface.scatter(rng, 120.0, most=60):
         _patch(planes, rng, (x, y), (0.05 * surface.px_per_m, 0.04 * surface.px_per_m))
-    return np.maximum(planes, 0.1)
+    np.maximum(planes, 0.1, out=planes)
+    return planes
 
 
 def scribble(surface: Surface, rng: Generator) -> Planes:
@@ -112,9 +118,11 @@ def scribble(surface: Surface, rng: Generator) -> Planes:
     planes[:] = 1.0 + 0.02 * surface.noise(rng, 0.2, octaves=3)
     for x, y in surface.scatter(rng, 22.0, most=40):
         ink = rng.choice([(0.2, 0.25, 0.9), (0.9, 0.2, 0.2), (0.15, 0.15, 0.15), (0.15, 0.6, 0.25)])
-        walk = np.cumsum(rng.normal(0.0, 0.05 * surface.px_per_m, (6, 2)), axis=0) + (x, y)
+        walk = np.cumsum(rng.normal(0.0, 0.05 * surface.px_per_m, (6, 2)), axis=0) + np.array([x, y])
         for plane, value in zip(planes, ink.tolist(), strict=True):
-            cv2.polylines(plane, [walk.astype(np.int32)], bool(ink[0] < 0.2), value, max(1, surface.height // 90), cv2.LINE_AA)
+            cv2.polylines(
+                plane, [walk.astype(np.int32)], bool(ink[0] < 0.2), value, max(1, surface.height // 90), cv2.LINE_AA
+            )
     return planes
 
 
@@ -141,7 +149,7 @@ def _shape(image: Planes, rng: Generator, at: np.ndarray, size: float, colour: t
 
 
 def _text(window: Planes, rng: Generator) -> None:
-    _, height, width = window.shape
+    width = window.shape[2]
     lines = window[:, 2::4]
     words = rng.random((lines.shape[1], width // 3 + 1)) < 0.6
     lines *= np.where(np.repeat(words, 3, axis=1)[:, :width], 0.25, 1.0)

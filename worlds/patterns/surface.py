@@ -43,23 +43,27 @@ class Surface:
         octave is added on its own grid before that grid is enlarged.
         """
         columns, rows = self.width_m / (cell_m * stretch), self.height_m / cell_m
-        field, amplitude, power = np.zeros((2, 2), np.float32), 1.0, 0.0
+        field: Shade = np.zeros((2, 2), np.float32)
+        amplitude, power = 1.0, 0.0
         for _ in range(octaves):
             grid = (min(math.ceil(rows) + 1, self.height), min(math.ceil(columns) + 1, self.width))
             layer = rng.random(grid, dtype=np.float32)
             layer -= 0.5
-            field = cv2.resize(field, grid[::-1], interpolation=cv2.INTER_LINEAR) + layer * np.float32(amplitude * math.sqrt(12.0))
+            layer *= amplitude
+            layer += cv2.resize(field, grid[::-1], interpolation=cv2.INTER_LINEAR)
+            field = layer
             power += amplitude**2
             amplitude, rows, columns = amplitude * gain, 2.0 * rows, 2.0 * columns
             if 2.0 * rows > self.height and 2.0 * columns > self.width:
                 break
-        field *= np.float32(1.0 / math.sqrt(power))
-        return cv2.resize(field, (self.width, self.height), interpolation=cv2.INTER_CUBIC)
+        field *= math.sqrt(12.0 / power)
+        enlarged: Shade = cv2.resize(field, (self.width, self.height), interpolation=cv2.INTER_CUBIC)
+        return enlarged
 
     def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> Float32[np.ndarray, "count 2"]:
         """Random points (x, y) [px], about `per_m2` to the square metre, at least one and at most `most`."""
         count = min(max(1, int(rng.poisson(per_m2 * self.width_m * self.height_m))), most)
-        return rng.random((count, 2), dtype=np.float32) * np.float32([self.width, self.height])
+        return rng.random((count, 2), dtype=np.float32) * np.array([self.width, self.height], np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +92,9 @@ class Courses:
         return planes
 
 
-def courses(rng: Generator, surface: Surface, course_m: float, piece_m: float, vary: float, aligned: bool = False) -> Courses:
+def courses(
+    rng: Generator, surface: Surface, course_m: float, piece_m: float, vary: float, aligned: bool = False
+) -> Courses:
     """Rows of height `course_m` [m] with pieces about `piece_m` [m] long whose lengths vary by the share `vary`.
 
     `aligned` rows have their joints one above the other, as tiles have.
