@@ -23,3 +23,7 @@ class MapError(LexisError):
 
 class PlanError(LexisError):
     """There is no such room in the map, or no way to it."""
+
+
+class DatasetError(LexisError):
+    """A recorded run is incomplete or contradicts itself."""

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from lexis.errors import LexisError
 
+MAX_TEXT_BYTES = 500_000_000
+
 
 @contextmanager
 def replaced_file(path: Path) -> Iterator[Path]:
@@ -60,3 +62,16 @@ def check_replaceable(path: Path, marker: str) -> None:
     """Raise LexisError where something is at `path` that is not one of our folders (known by `marker`) nor empty."""
     if path.exists() and not (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir()))):
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
+
+
+def numbered_lines(path: Path) -> list[tuple[int, str]]:
+    """Lines of a text file that are neither blank nor begin with #, with their numbers from 1. Raises LexisError."""
+    try:
+        if path.stat().st_size > MAX_TEXT_BYTES:
+            raise LexisError(f"{path}: larger than {MAX_TEXT_BYTES // 1_000_000} MB; valid: smaller files")
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except OSError as error:
+        raise LexisError(f"{path}: cannot be read: {error.strerror}; valid: an existing text file") from None
+    except UnicodeDecodeError:
+        raise LexisError(f"{path}: cannot be read as text in UTF-8") from None
+    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]

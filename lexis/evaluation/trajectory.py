@@ -9,12 +9,11 @@ from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
 from lexis.errors import LexisError
-from lexis.files import replaced_file
+from lexis.files import numbered_lines, replaced_file
 from lexis.se3 import between
 from lexis.types import Pose, Poses
 
 Points = Float64[np.ndarray, "n 3"]
-MAX_TUM_BYTES = 500_000_000
 
 
 def align(estimate: Points, truth: Points) -> Pose:
@@ -68,7 +67,7 @@ def read_tum(path: Path) -> tuple[Float64[np.ndarray, "n"], Poses]:
     Raises:
         LexisError: it cannot be read, a line has not eight finite numbers or no unit quaternion, or stamps do not ascend.
     """
-    rows = np.array([_numbers(path, number, line) for number, line in _lines(path)]).reshape(-1, 8)
+    rows = np.array([_numbers(path, number, line) for number, line in numbered_lines(path)]).reshape(-1, 8)
     if not len(rows):
         raise LexisError(f"{path}: holds no pose; valid: lines of 'stamp tx ty tz qx qy qz qw'")
     if (np.diff(rows[:, 0]) <= 0).any():
@@ -78,16 +77,6 @@ def read_tum(path: Path) -> tuple[Float64[np.ndarray, "n"], Poses]:
     poses[:, :3, :3] = Rotation.from_quat(rows[:, 4:]).as_matrix()
     poses[:, :3, 3] = rows[:, 1:4]
     return rows[:, 0].copy(), poses
-
-
-def _lines(path: Path) -> list[tuple[int, str]]:
-    try:
-        if path.stat().st_size > MAX_TUM_BYTES:
-            raise LexisError(f"{path}: larger than {MAX_TUM_BYTES // 1_000_000} MB; not a trajectory")
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise LexisError(f"{path}: cannot be read: {error}") from None
-    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
 
 
 def _numbers(path: Path, number: int, line: str) -> list[float]:
