@@ -112,8 +112,8 @@ class _Stops:
                 nodes += own
         if len(nodes) < 2:
             raise SimError(
-                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} places in it; "
-                "a tour needs two at least"
+                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} places "
+                "in it; a tour needs two at least"
             )
         return _Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
 

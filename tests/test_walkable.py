@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import networkx as nx
 import numpy as np
@@ -33,9 +34,14 @@ def block(x, y, yaw, size, bottom=0.0):
     return Furniture("block", "block", "office", 0, (x, y, bottom), yaw, size, (), True)
 
 
-@pytest.fixture(scope="module", params=[("home", 3), ("uh2-apt", 2), ("random", 5)], ids=lambda p: p[0])
+@cache
+def furnished(preset, seed):
+    return build_house(sample_house(preset, seed))
+
+
+@pytest.fixture(scope="module", params=[("home", 3), ("uh2-apt", 2)], ids=lambda p: p[0])
 def house(request):
-    return build_house(sample_house(*request.param))
+    return furnished(*request.param)
 
 
 @pytest.fixture(scope="module")
@@ -131,20 +137,22 @@ def test_shortest_way_round_a_door_is_that_of_the_visibility_graph():
                 sight.add_edge(i, j, weight=float(np.linalg.norm(np.subtract(p, q))))
     exact = nx.dijkstra_path_length(sight, 0, 1)
     for resolution in (0.1, 0.05):
-        assert exact - 1e-6 - 2 * resolution <= Walkable(house, RADIUS, resolution).distance(start, goal) <= 1.03 * exact + resolution
+        found = Walkable(house, RADIUS, resolution).distance(start, goal)
+        assert exact - 2 * resolution <= found <= 1.03 * exact + resolution
 
 
 def test_preferred_clearance_is_kept_where_there_is_room():
     house = replace(two_rooms(DOOR), furniture=(block(2.0, 1.2, 0.0, (0.6, 0.6, 0.7)),))
     walkable = Walkable(house)
     start, goal = np.array([0.6, 1.6, 0.0]), np.array([3.4, 1.6, 0.0])
-    gap = [LineString(walkable.path(start, goal, prefer)[:, :2]).distance(house.furniture[0].footprint) for prefer in (0.0, 0.6)]
-    assert RADIUS <= gap[0] < 0.35
-    assert 0.45 < gap[1]
+    ways = [LineString(walkable.path(start, goal, prefer)[:, :2]) for prefer in (0.0, 0.6)]
+    near, far = (way.distance(house.furniture[0].footprint) for way in ways)
+    assert RADIUS <= near < 0.35
+    assert far > 0.45
 
 
 def test_stairs_join_the_storeys():
-    house = build_house(sample_house("home", 3))
+    house = furnished("home", 3)
     walkable = Walkable(house)
     assert set(walkable.reachable_rooms()) == {room.id for room in house.rooms}
     line = house.stairs[0].walking_line
