@@ -8,9 +8,10 @@ from jaxtyping import Float64
 from numpy.random import Generator
 
 from worlds.furniture.kinds import AgainstWall, Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Place, Size
-from worlds.furniture.room_plan import HALF_WALL_M, WALL_GAP_M, Rectangle, RoomPlan
+from worlds.furniture.room_plan import HALF_WALL_M, WALL_GAP_M, RoomPlan
 
 _ABUT_M = 0.002
+_WALL_TRIES = 12
 _UNDER_M = 0.02
 """What hangs over a piece keeps at least so much off its top [m]."""
 _AXES = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
@@ -39,12 +40,6 @@ class Pose:
         (tx, ty), (nx, ny) = self.along, self.inward
         return self.xy[0] + x * tx + y * nx, self.xy[1] + x * ty + y * ny
 
-    def rectangle(self, width: float, depth: float, ahead: float = 0.0) -> Rectangle:
-        """What a `width` x `depth` rectangle [m] covers whose centre lies `ahead` in front of the pose."""
-        x, y = self.moved(0.0, ahead)
-        half_x, half_y = (width / 2, depth / 2) if self.along[0] else (depth / 2, width / 2)
-        return x - half_x, y - half_y, x + half_x, y + half_y
-
 
 @dataclass(frozen=True, eq=False)
 class Piece:
@@ -53,11 +48,6 @@ class Piece:
     kind: Kind
     size: Size
     pose: Pose
-
-    @property
-    def rectangle(self) -> Rectangle:
-        """Its foot print [m]."""
-        return self.pose.rectangle(self.size.width, self.size.depth)
 
 
 def candidates(
@@ -148,19 +138,24 @@ def _on_wall(
     if place.above:
         if host is None or host.pose.run is None:
             return []
-        run = plan.runs[host.pose.run]
-        z = max(z, host.size.height + _UNDER_M)
-        return [Pose(run.at(_distance_along(plan, host), size.depth), run.along, z, host.pose.run)]
-    poses = []
-    for index, run in enumerate(plan.runs):
-        for low, high in run.exterior if place.exterior else run.free:
-            margin = size.width / 2 + 0.12
-            if high - low > 2 * margin:
-                poses += [
-                    Pose(run.at(float(t), size.depth), run.along, z, index)
-                    for t in rng.uniform(low + margin, high - margin, 4)
-                ]
-    return [poses[i] for i in rng.permutation(len(poses))]
+        return [_hung(plan, host.pose.run, _distance_along(plan, host), size.depth, max(z, host.size.height + _UNDER_M))]
+    margin = size.width / 2 + 0.12
+    stretches = [
+        (index, low + margin, high - margin)
+        for index, run in enumerate(plan.runs)
+        for low, high in (run.exterior if place.exterior else run.free)
+        if high - low > 2 * margin
+    ]
+    if not stretches:
+        return []
+    chosen = [stretches[i] for i in rng.integers(len(stretches), size=_WALL_TRIES)]
+    spots = zip(chosen, rng.random(_WALL_TRIES).tolist(), strict=True)
+    return [_hung(plan, index, low + t * (high - low), size.depth, z) for (index, low, high), t in spots]
+
+
+def _hung(plan: RoomPlan, index: int, t: float, depth: float, z: float) -> Pose:
+    run = plan.runs[index]
+    return Pose(run.at(t, depth), run.along, z, index)
 
 
 def _on_ceiling(
@@ -198,9 +193,16 @@ _BY_PLACE: dict[type[Place], _Finder] = {
 
 def rectangles(poses: Sequence[Pose], size: Size) -> Float64[np.ndarray, "n 4"]:
     """The foot prints of a piece of `size` at each pose [m]."""
-    return np.array([pose.rectangle(size.width, size.depth) for pose in poses])
+    return _rectangles(poses, size.width, size.depth, 0.0)
 
 
 def zones(poses: Sequence[Pose], size: Size, clearance: float) -> Float64[np.ndarray, "n 4"]:
     """The floor `clearance` [m] deep in front of each of those."""
-    return np.array([pose.rectangle(size.width, clearance, (size.depth + clearance) / 2) for pose in poses])
+    return _rectangles(poses, size.width, clearance, (size.depth + clearance) / 2)
+
+
+def _rectangles(poses: Sequence[Pose], width: float, depth: float, ahead: float) -> Float64[np.ndarray, "n 4"]:
+    xy, along, inward = np.array([(pose.xy, pose.along, pose.inward) for pose in poses]).transpose(1, 0, 2)
+    centre = xy + ahead * inward
+    half = 0.5 * (width * np.abs(along) + depth * np.abs(inward))
+    return np.concatenate([centre - half, centre + half], axis=1)

@@ -27,7 +27,7 @@ from worlds.furniture.shapes import about, box, cone, cylinder, fronts, inset, l
     width=(1.7, 2.3),
     depth=(0.85, 0.95),
     height=(0.78, 0.9),
-    rooms={"living room": (1, 2), "lobby": (1, 2), "office": 0.12, "library": 0.3},
+    rooms={"living room": (1, 1), "lobby": (1, 1), "office": 0.12, "library": 0.3},
     clearance=0.9,
 )
 def sofa(s: Size, rng: Generator) -> Parts:
@@ -54,7 +54,7 @@ def sofa(s: Size, rng: Generator) -> Parts:
     width=(0.75, 0.9),
     depth=(0.78, 0.9),
     height=(0.8, 1.0),
-    rooms={"living room": (1, 2), "lobby": (1, 3), "library": (1, 2), "bedroom": 0.2},
+    rooms={"living room": 1.4, "lobby": 1.8, "library": 1.5, "bedroom": 0.2},
     place=AgainstWall(corner=True),
     clearance=0.5,
 )

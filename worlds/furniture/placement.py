@@ -5,12 +5,13 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
+from jaxtyping import Float64
 from numpy.random import Generator
 
 from worlds.furniture.candidates import Piece, candidates, rectangles, zones
 from worlds.furniture.catalogue import CATALOGUE, kind_of
-from worlds.furniture.kinds import Around, Count, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Range, Size
-from worlds.furniture.room_plan import RoomPlan
+from worlds.furniture.kinds import Around, Count, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Size
+from worlds.furniture.room_plan import Rectangle, RoomPlan
 from worlds.labels import STAIRS
 from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec
 
@@ -117,8 +118,8 @@ def _draw_count(count: Count, rng: Generator, clutter: float) -> int:
 
 def _place(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: Sequence[Piece], rng: Generator) -> Piece | None:
     """Try a random size, then the smallest; None if neither finds a place."""
-    drawn, smallest = _draw_size(plan, kind, rng), _draw_size(plan, kind, None)
-    for size in (drawn, smallest):
+    for shares in (rng.random(3).tolist(), (0.0, 0.0, 0.0)):
+        size = _size(plan, kind, shares)
         poses = candidates(plan, kind, size, host, pieces, rng)
         if not poses:
             continue
@@ -127,18 +128,24 @@ def _place(plan: RoomPlan, kind: Kind, host: Piece | None, pieces: Sequence[Piec
         guest_of = host if isinstance(kind.place, Around) else None
         free = np.flatnonzero(plan.fits(places, z, kind.solid, ahead, guest_of))
         for i in free[:_TRIES].tolist():
-            piece = Piece(kind, size, poses[i])
-            if not kind.solid or plan.stays_walkable(piece.rectangle):
-                plan.add(piece.rectangle, z, kind.solid, None if ahead is None else tuple(ahead[i].tolist()), piece)
+            place = _rectangle(places[i])
+            if not kind.solid or plan.stays_walkable(place):
+                piece = Piece(kind, size, poses[i])
+                plan.add(place, z, kind.solid, None if ahead is None else _rectangle(ahead[i]), piece)
                 return piece
     return None
 
 
-def _draw_size(plan: RoomPlan, kind: Kind, rng: Generator | None) -> Size:
-    def draw(span: Range) -> float:
-        return round(span[0] if rng is None else float(rng.uniform(*span)), 3)
+def _rectangle(row: Float64[np.ndarray, "4"]) -> Rectangle:
+    x0, y0, x1, y1 = row.tolist()
+    return x0, y0, x1, y1
 
-    return Size(draw(kind.width), draw(kind.depth), min(draw(kind.height), round(plan.height_m - _HEAD_ROOM_M, 3)))
+
+def _size(plan: RoomPlan, kind: Kind, shares: Sequence[float]) -> Size:
+    """The kind's size at `shares` of its ranges, no higher than the room."""
+    ranges = zip((kind.width, kind.depth, kind.height), shares, strict=True)
+    width, depth, height = (round(low + share * (high - low), 3) for (low, high), share in ranges)
+    return Size(width, depth, min(height, round(plan.height_m - _HEAD_ROOM_M, 3)))
 
 
 def _spec(piece: Piece, room: RoomSpec, name: str, rng: Generator) -> FurnitureSpec:

@@ -23,12 +23,12 @@ PASSAGE_M = 1.3
 """Of an opening wider than that, this much is kept clear, at the end that is nearer to another way out."""
 BODY_RADIUS_M = 0.3
 CELL_M = 0.1
-MIN_REACHABLE_SHARE = 0.35
-MIN_SHARE_OF_BARE = 0.4
-"""Of what a body reaches in the empty room: the bound for rooms so small that `MIN_REACHABLE_SHARE` is out of reach."""
+MIN_REACHABLE_SHARE = 0.4
+"""Of a room's area, what a body can still cover."""
 FLAT_M = 0.03
 """What is lower may lie under furniture."""
 _EPS_M = 1e-4
+_BODY = np.ones((2 * round(BODY_RADIUS_M / CELL_M) + 1,) * 2, np.uint8)
 _EVERYWHERE = (-math.inf, math.inf)
 _Cells = UInt8[np.ndarray, "rows columns"]
 _Cell = tuple[int, int]
@@ -87,8 +87,7 @@ class RoomPlan:
         self._flat: list[Rectangle] = []
         self._walls = len(self._plan)
         self._free_cells, self._doors = self._bare_room(passages)
-        bare = _component(self._free_cells, self._doors)
-        self._required = min(MIN_REACHABLE_SHARE * self.area_m2 / CELL_M**2, MIN_SHARE_OF_BARE * bare)
+        self._required = MIN_REACHABLE_SHARE * self.area_m2 / CELL_M**2
 
     @property
     def area_m2(self) -> float:
@@ -123,7 +122,7 @@ class RoomPlan:
         """Whether a body still gets from opening to opening, and about most of the room, round a solid piece at `place`."""
         trial = self._free_cells.copy()
         trial[self._cells(grown(place, BODY_RADIUS_M))] = 0
-        return _component(trial, self._doors) >= self._required
+        return _covered(trial, self._doors) >= self._required
 
     def add(self, place: Rectangle, z: Interval, solid: bool, zone: Rectangle | None = None, owner: object = None) -> None:
         """Take the space; `zone` stays clear for all but the guests of `owner`."""
@@ -167,13 +166,15 @@ def grown(r: Rectangle, by: float) -> Rectangle:
     return r[0] - by, r[1] - by, r[2] + by, r[3] + by
 
 
-def _component(free: _Cells, doors: set[_Cell]) -> int:
-    """Size of the part of the free cells that holds all doors, 0 if there is none; of the largest part without doors."""
+def _covered(free: _Cells, doors: set[_Cell]) -> int:
+    """Cells that a body covers when its centre goes wherever it can from the doors; 0 if these are not joined."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
-    joined = {int(labels[door]) for door in doors} if doors else set(range(1, count))
-    if 0 in joined or (doors and len(joined) > 1):
+    if count < 2:
         return 0
-    return max((int(stats[label, cv2.CC_STAT_AREA]) for label in joined), default=0)
+    joined = {int(labels[door]) for door in doors} or {1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))}
+    if 0 in joined or len(joined) > 1:
+        return 0
+    return int(np.count_nonzero(cv2.dilate((labels == joined.pop()).astype(np.uint8), _BODY)))
 
 
 def _overlaps(places: Float64[np.ndarray, "n 4"], obstacles: Iterable[Rectangle]) -> Bool[np.ndarray, " n"]:
@@ -216,13 +217,12 @@ def _sides(room: RoomSpec) -> Iterable[tuple[_Point, _Point, float]]:
 
 def _interval_on(start: _Point, along: _Point, length: float, a: _Point, b: _Point) -> Interval | None:
     """Where the segment a - b lies on a side, as distances from its start; None if it does not."""
-    t, off = [], []
-    for x, y in (a, b):
-        dx, dy = x - start[0], y - start[1]
-        t.append(dx * along[0] + dy * along[1])
-        off.append(abs(dy * along[0] - dx * along[1]))
-    low, high = max(0.0, min(t)), min(length, max(t))
-    return (low, high) if max(off) < _EPS_M and high - low > _EPS_M else None
+    (ax, ay), (bx, by) = (a[0] - start[0], a[1] - start[1]), (b[0] - start[0], b[1] - start[1])
+    if abs(ay * along[0] - ax * along[1]) > _EPS_M or abs(by * along[0] - bx * along[1]) > _EPS_M:
+        return None
+    ta, tb = ax * along[0] + ay * along[1], bx * along[0] + by * along[1]
+    low, high = max(0.0, min(ta, tb)), min(length, max(ta, tb))
+    return (low, high) if high - low > _EPS_M else None
 
 
 def _on_side(room: RoomSpec, ends: _Segment) -> _Side | None:

@@ -368,10 +368,12 @@ def workbench(s: Size, rng: Generator) -> Parts:
 def car(s: Size, rng: Generator) -> Parts:
     """Body, cabin, four wheels, lights, plates."""
     paint = pick(rng, (*BRIGHT[:4], STEEL, WHITE, BLACK))
+    # An upright wheel, as three boxes that make an octagon.
     wheels = [
-        cylinder(x, about(y, 0.6), (0.0, 0.62), BLACK)
+        box(x, about(y, 0.64 * f), about(0.32, 0.64 * g), BLACK)
         for x in ((s.left, s.left + 0.2), (s.right - 0.2, s.right))
         for y in (s.back + 0.75, s.front - 0.75)
+        for f, g in ((1.0, 0.42), (0.42, 1.0), (0.8, 0.8))
     ]
     lights = [
         box(x, (s.front - 0.04, s.front), (0.62, 0.78), (1.0, 0.98, 0.85))
