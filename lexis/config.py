@@ -156,6 +156,9 @@ class VerificationConfig:
     """Floor of a loop edge's standard deviation [rad]."""
     translation_sigma_m: float = 0.03
     """Floor of a loop edge's standard deviation [m]."""
+    max_sigma_m: float = 0.06
+    """Largest standard deviation of a loop edge's translation, in its worst direction [m]; few or distant landmarks
+    leave more open, and then their own errors decide."""
     seed: int = 0
     """Of RANSAC."""
 
@@ -174,6 +177,7 @@ class VerificationConfig:
         _require(sigma > 0, "verification.rotation_sigma_rad", sigma, "> 0 rad")
         sigma = self.translation_sigma_m
         _require(sigma > 0, "verification.translation_sigma_m", sigma, "> 0 m")
+        _require(self.max_sigma_m > sigma, "verification.max_sigma_m", self.max_sigma_m, "> translation_sigma_m")
         _require(self.seed >= 0, "verification.seed", self.seed, ">= 0")
 
 

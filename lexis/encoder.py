@@ -7,7 +7,7 @@ import logging
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import cv2
 import numpy as np
@@ -36,6 +36,7 @@ _LOAD_ERRORS = (
 Preprocess = Callable[[Image], Float[Tensor, "3 h w"]]
 
 
+@runtime_checkable
 class Encoder(Protocol):
     """What LEXIS needs of a vision-language model."""
 

@@ -41,5 +41,7 @@ def check_observation(observation: Observation, camera: Camera, previous: Observ
         raise ObservationError(f"{where}: increment_covariance is not finite and symmetric")
     if np.linalg.eigvalsh(covariance).min() < -1e-12:
         raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")
+    if not np.isfinite(observation.stamp):
+        raise ObservationError(f"{where}: stamp {observation.stamp} s is not finite")
     if previous is not None and observation.stamp <= previous.stamp:
         raise ObservationError(f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before")

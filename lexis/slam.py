@@ -51,7 +51,6 @@ class Slam:
         self._extractor = FeatureExtractor(self._config.landmarks)
         self._window = KeyframeWindow(camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
-        self._semantics: Semantics | None = None
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._previous: Observation | None = None
         self._timed = StageTimer()
@@ -93,31 +92,28 @@ class Slam:
 
     def _add(self, keyframe: Keyframe) -> None:
         self._graph.add_keyframe(keyframe)
-        if len(self._graph.keyframes) % self._config.labels.every == 0:
-            self._semantics = self._understand()
-        self._close_loops(keyframe)
-        if self._optimise():
-            self._semantics = self._understand()
+        semantics = self._understand()
+        self._close_loops(keyframe, semantics)
+        self._optimise()
 
     def _understand(self) -> Semantics:
-        """Label, refine, cluster rooms and floors."""
+        """Label, refine, cluster rooms and floors, at the poses as they now are."""
         with self._timed("rooms"):
             return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config)
 
-    def _close_loops(self, query: Keyframe) -> None:
+    def _close_loops(self, query: Keyframe, semantics: Semantics) -> None:
         """Propose candidates in the room, verify them by PnP, add the edges."""
         with self._timed("propose"):
-            label = self._room_names[int((self._text @ query.embedding).argmax())]
-            rooms = self._semantics.rooms if self._semantics else ()
-            candidates = propose(query, label, rooms, self._graph, self._config.place_recognition)
+            label = self._room_names[semantics.labels[query.id]]
+            candidates = propose(query, label, semantics.rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             loops = verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))
         self._graph.add_loops(loops)
 
-    def _optimise(self, final: bool = False) -> bool:
+    def _optimise(self, final: bool = False) -> None:
         with self._timed("optimise"):
-            return self._graph.optimise_if_due(final)
+            self._graph.optimise_if_due(final)
 
     def _map(self, semantics: Semantics) -> LexisMap:
         return LexisMap(

@@ -73,7 +73,7 @@ class _Verifier:
         self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
 
     def locate(self, match: int) -> LoopEdge | None:
-        """The query's pose by the landmarks around a candidate, or None where too few agree or they are too close."""
+        """The query's pose by the landmarks around a candidate, or None where too few agree or they leave it open."""
         seen = self._correspondences(match)
         if len(np.unique(seen.feature_ids)) < self._config.min_inliers:
             return None
@@ -87,6 +87,8 @@ class _Verifier:
             return None
         T_match_query = inverse(T_C_match) @ inverse(self._camera.T_B_C)
         covariance = _covariance(points_C[inliers][first], self._camera, self._config)
+        if np.linalg.eigvalsh(covariance[3:, 3:])[-1] > self._config.max_sigma_m**2:
+            return None
         return LoopEdge(self._query.id, match, T_match_query, covariance, len(unique))
 
     def _correspondences(self, match: int) -> _Correspondences:

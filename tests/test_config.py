@@ -1,0 +1,56 @@
+from dataclasses import FrozenInstanceError, fields
+
+import pytest
+
+from lexis.config import (
+    Config,
+    KeyframeConfig,
+    LabelConfig,
+    LandmarkConfig,
+    PlaceRecognitionConfig,
+    PlannerConfig,
+    PoseGraphConfig,
+    SegmentationConfig,
+    VerificationConfig,
+)
+from lexis.errors import ConfigError, LexisError
+
+BAD = [
+    (KeyframeConfig, "spacing_m", 0.0),
+    (KeyframeConfig, "spacing_m", float("nan")),
+    (KeyframeConfig, "rotation_rad", -0.1),
+    (KeyframeConfig, "supports", 0),
+    (LandmarkConfig, "akaze_threshold", 0.0),
+    (LandmarkConfig, "ratio", 1.1),
+    (LandmarkConfig, "min_views", 1),
+    (LabelConfig, "neighbours", 0),
+    (LabelConfig, "every", 0),
+    (SegmentationConfig, "distance_m", -1.0),
+    (PlaceRecognitionConfig, "candidates", -1),
+    (VerificationConfig, "min_inliers", 3),
+    (VerificationConfig, "min_cells", 37),
+    (PoseGraphConfig, "dcs", 0.0),
+    (PlannerConfig, "shortcut_m", -0.1),
+]
+
+
+@pytest.mark.parametrize(("kind", "setting", "value"), BAD)
+def test_a_bad_value_is_refused_by_name(kind, setting, value):
+    with pytest.raises(ConfigError, match=rf"\.{setting} is {value}; valid: "):
+        kind(**{setting: value})
+
+
+def test_the_defaults_are_the_paper_s():
+    config = Config()
+    assert 3 <= config.labels.neighbours <= 7
+    assert 7 <= config.labels.every <= 12
+
+
+def test_settings_cannot_be_changed_behind_a_stage_s_back():
+    for stage in fields(Config):
+        with pytest.raises(FrozenInstanceError):
+            getattr(Config(), stage.name).anything = 1
+
+
+def test_every_error_is_a_lexis_error():
+    assert issubclass(ConfigError, LexisError)

@@ -1,0 +1,126 @@
+"""The whole of LEXIS on a lap and a half through a room with textured walls: real pixels, features and loops, no simulator."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from box_room import FORWARD_CAMERA, BoxRoom, walk
+
+from lexis import se3
+from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
+from lexis.errors import LexisError, ObservationError
+from lexis.slam import Slam
+from lexis.types import Observation
+
+ROOMS = ("office", "kitchen")
+COVARIANCE = np.diag([1e-8, 1e-8, 1e-5, 3e-5, 3e-5, 1e-6])
+
+
+CONFIG = Config(landmarks=LandmarkConfig(max_features=300))  # of the texture's many more; saves time
+
+
+class ThumbnailEncoder:
+    """Every image is an office; beyond that its embedding is what it looks like from afar."""
+
+    name = "thumbnail"
+
+    def encode_image(self, image):
+        small = cv2.resize(image, (8, 6), interpolation=cv2.INTER_AREA).astype(np.float32).ravel()
+        look = small - small.mean()
+        return np.concatenate([np.float32([0.8, 0.0]), np.float32(0.6) * look / np.linalg.norm(look)])
+
+    def encode_rooms(self, names):
+        return np.eye(len(names), 2 + 144, dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def true():
+    angle = np.linspace(0.0, 2.8 * np.pi, 200)
+    return walk(np.stack([3.5 + 2 * np.cos(angle), 3 + 1.8 * np.sin(angle)], axis=1), 0.2501)
+
+
+@pytest.fixture(scope="module")
+def observations(true):
+    """Odometry turns 0.7 °/m too far and is noisy."""
+    rng = np.random.default_rng(5)
+    room = BoxRoom((7.0, 6.0, 2.8), rng)
+    drift = rng.multivariate_normal([0, 0, np.radians(0.7) * 0.25, 0, 0, 0], COVARIANCE, len(true) - 1)
+    T = [true[0]]
+    for step in se3.between(true[:-1], true[1:]) @ se3.exp(drift):
+        T.append(T[-1] @ step)
+    return [Observation(i, 0.4 * i, room.render(true[i]), T_O_B, COVARIANCE) for i, T_O_B in enumerate(T)]
+
+
+def run(observations, config=CONFIG):
+    slam = Slam(FORWARD_CAMERA, ThumbnailEncoder(), ROOMS, config)
+    for observation in observations:
+        slam.process(observation)
+    return slam.finish()
+
+
+@pytest.fixture(scope="module")
+def result(observations):
+    return run(observations)
+
+
+def position_errors(T, keyframes, true):
+    return np.linalg.norm(T[:, :3, 3] - true[[k.observation_index for k in keyframes], :3, 3], axis=1)
+
+
+def test_loops_take_most_of_the_drift_away(result, true):
+    odometry = np.stack([k.T_O_B for k in result.keyframes])
+    before, after = (position_errors(T, result.keyframes, true) for T in (odometry, result.T_W_B))
+    assert before.max() > 0.3
+    assert after.max() < 0.5 * before.max()
+
+
+def test_loop_edges_are_true(result, true):
+    assert len(result.loops) >= 10
+    for loop, weight in zip(result.loops, result.loop_weights, strict=True):
+        match, query = (true[result.keyframes[i].observation_index] for i in (loop.match, loop.query))
+        error = se3.log(se3.between(loop.T_match_query, se3.between(match, query)))
+        assert weight < 0.5 or (np.linalg.norm(error[3:]) < 0.5 and np.linalg.norm(error[:3]) < 0.2)
+
+
+def test_everything_is_said_of_every_keyframe(result, observations):
+    n = len(result.keyframes)
+    assert [k.id for k in result.keyframes] == list(range(n))
+    np.testing.assert_allclose(result.T_W_B[0], observations[0].T_O_B, atol=1e-5)
+    for array in (result.T_W_B, result.similarities, result.baseline_labels, result.labels, result.floors):
+        assert len(array) == n
+    assert [query for query, _ in result.candidates] == list(range(n))
+    assert sorted(i for room in result.rooms for i in room.keyframes) == list(range(n))
+    assert {room.label for room in result.rooms} == {"office"}
+    assert set(result.stage_seconds) == {"encode", "features", "landmarks", "rooms", "propose", "verify", "optimise"}
+
+
+def test_edges_come_from_the_candidates(result):
+    proposed = {(query, match) for query, matches in result.candidates for match in matches}
+    assert {(loop.query, loop.match) for loop in result.loops} <= proposed
+
+
+def test_without_candidates_the_result_is_the_odometry(observations):
+    result = run(observations[:12], Config(place_recognition=PlaceRecognitionConfig(candidates=0)))
+    assert result.loops == ()
+    np.testing.assert_allclose(result.T_W_B, np.stack([k.T_O_B for k in result.keyframes]), atol=1e-9)
+
+
+def test_the_same_observations_give_the_same_map(observations, result):
+    again = run(observations)
+    np.testing.assert_array_equal(again.T_W_B, result.T_W_B)
+    assert again.candidates == result.candidates
+
+
+def test_one_observation_makes_a_map(observations):
+    assert len(run(observations[:1]).keyframes) == 1
+
+
+def test_no_observation_makes_none():
+    with pytest.raises(LexisError, match="at least one"):
+        run([])
+
+
+def test_time_cannot_run_backwards(observations):
+    with pytest.raises(ObservationError, match="not after"):
+        run([observations[1], replace(observations[2], stamp=0.0)])
