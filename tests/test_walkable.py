@@ -174,6 +174,14 @@ def test_a_closed_door_and_a_door_for_thinner_bodies():
     assert len(Walkable(two_rooms(narrow), radius_m=0.12).reachable_rooms()) == 2
 
 
+def test_a_house_without_a_free_place_has_no_reachable_room():
+    cell = RoomSpec(id="cell", label="toilet", polygon_m=((0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)))
+    walkable = Walkable(build_house(HouseSpec(storeys=(StoreySpec(rooms=(cell,), furniture=()),))))
+    assert walkable.reachable_rooms() == ()
+    with pytest.raises(UnreachableError, match="nowhere to stand"):
+        walkable.snap(np.zeros(3))
+
+
 def test_bad_arguments_name_what_is_valid():
     house = two_rooms(DOOR)
     with pytest.raises(WorldsError, match=r"radius_m is -1.*valid"):

@@ -161,7 +161,7 @@ class Walkable:
     def connected(self) -> Bool[np.ndarray, "n"]:
         """Which nodes belong to the largest connected part of the graph."""
         _, part = connected_components(self.graph, directed=False)
-        return np.equal(part, np.argmax(np.bincount(part)))
+        return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
     def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
         """Distance over the graph from a point or node to every node; infinite where there is no way (within the limit)."""
