@@ -12,9 +12,7 @@ def project(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics) -> 
     return np.asarray(points[..., :2] / points[..., 2:] * focal + centre)
 
 
-def project_jacobian(
-    points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics
-) -> Float64[np.ndarray, "*batch 2 3"]:
+def project_jacobian(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics) -> Float64[np.ndarray, "*batch 2 3"]:
     """Derivative of `project` by the point [px/m]."""
     x, y, z = np.moveaxis(points, -1, 0)
     zero = np.zeros_like(x)

@@ -32,9 +32,7 @@ class Slam:
         lexis_map = slam.finish()
     """
 
-    def __init__(
-        self, camera: Camera, encoder: Encoder, room_names: Sequence[str], config: Config | None = None
-    ) -> None:
+    def __init__(self, camera: Camera, encoder: Encoder, room_names: Sequence[str], config: Config | None = None) -> None:
         """Set up all stages and encode the room prompts.
 
         Raises:

@@ -63,9 +63,7 @@ def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: Verifi
 class _Verifier:
     """PnP for the candidates of one query; remembers its matches, since neighbouring candidates share landmarks."""
 
-    def __init__(
-        self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig
-    ) -> None:
+    def __init__(self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig) -> None:
         self._query = query
         self._keyframes = keyframes
         self._camera = camera
@@ -109,9 +107,7 @@ class _Verifier:
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
         if keyframe.id not in self._matches:
             landmarks = keyframe.features.descriptors[keyframe.landmarks.feature_ids]
-            self._matches[keyframe.id] = mutual_matches(
-                self._query.features.descriptors, landmarks, self._config.ratio
-            )
+            self._matches[keyframe.id] = mutual_matches(self._query.features.descriptors, landmarks, self._config.ratio)
         return self._matches[keyframe.id]
 
 

@@ -1,4 +1,4 @@
-"""The whole of LEXIS on a lap and a half through a room with textured walls: real pixels, features and loops, no simulator."""
+"""The whole of LEXIS on a lap and a half through a textured room: real pixels, features and loops, no simulator."""
 
 from dataclasses import replace
 
