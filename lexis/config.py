@@ -74,10 +74,12 @@ class LabelConfig:
 
     refine: bool = True
     """Whether neighbours vote and height finds the stairs; without, every keyframe keeps its image's label."""
-    neighbours: int = 5
+    neighbours: int = 7
     """C: the nearest keyframes that vote (paper: 3 to 7)."""
+    passes: int = 2
+    """Forward passes over all keyframes, from the images' labels on (see `lexis.room_labels`)."""
     every: int = 9
-    """K: new keyframes between two passes (paper: 7 to 12)."""
+    """K: new keyframes between two refinements (paper: 7 to 12)."""
     stairs_name: str = "stairs"
     """The room name that height change assigns; without it in the vocabulary, stairs are not sought."""
     stairs_window_m: float = 2.0
@@ -88,6 +90,7 @@ class LabelConfig:
     def __post_init__(self) -> None:
         """Raise ConfigError where a value cannot work."""
         _require(self.neighbours >= 1, "labels.neighbours", self.neighbours, ">= 1 (paper: 3 to 7)")
+        _require(self.passes >= 0, "labels.passes", self.passes, ">= 0")
         _require(self.every >= 1, "labels.every", self.every, ">= 1 (paper: 7 to 12)")
         _require(bool(self.stairs_name), "labels.stairs_name", repr(self.stairs_name), "a room name")
         _require(self.stairs_window_m > 0, "labels.stairs_window_m", self.stairs_window_m, "> 0 m")

@@ -58,13 +58,13 @@ def test_a_pass_does_not_depend_on_the_order_of_nodes(rng):
     np.testing.assert_array_equal(shuffled, propagate(labels, scores, positions, 5)[order])
 
 
-def test_a_pass_runs_every_k_keyframes_and_once_at_the_end(rng):
+def test_refinement_is_its_passes_from_the_images_labels(rng):
     scores, positions = rng.normal(size=(25, 3)), walk(rng, 25)
     labels = scores.argmax(axis=1)
-    for count in (10, 20, 25):
-        labels[:count] = propagate(labels[:count], scores[:count], positions[:count], 5)
-    config = LabelConfig(neighbours=5, every=10)
-    np.testing.assert_array_equal(label_keyframes(scores, positions, NAMES, config).refined, labels)
+    for passes in range(4):
+        config = LabelConfig(neighbours=5, passes=passes)
+        np.testing.assert_array_equal(label_keyframes(scores, positions, NAMES, config).refined, labels)
+        labels = propagate(labels, scores, positions, 5)
 
 
 def test_a_wrong_image_inside_a_room_is_outvoted(rng):
