@@ -100,7 +100,7 @@ def washbasin(s: Size, rng: Generator) -> Parts:
     """A basin on a cabinet, with tap and soap."""
     front, top = pick(rng, FRONTS), 0.85
     return (
-        box(inset(s.x, 0.03), (s.back, s.front - 0.06), (0.1, 0.7), front),
+        box(inset(s.x, 0.03), (s.back, s.front - 0.06), (0.0, 0.7), front),
         *fronts(inset(s.x, 0.03), (0.1, 0.7), s.front - 0.04, 2, 1, front, CHROME),
         box(s.x, s.y, (0.7, top), WHITE, "ceramic"),
         cylinder(inset(s.x, 0.1), inset(s.y, 0.09), (top, top + 0.006), (0.72, 0.78, 0.8), "ceramic"),

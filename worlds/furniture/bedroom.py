@@ -384,8 +384,8 @@ def letters(s: Size, rng: Generator) -> Parts:
 
 @furniture(
     "crayons",
-    width=(0.14, 0.2),
-    depth=(0.1, 0.14),
+    width=(0.1, 0.12),
+    depth=(0.09, 0.1),
     height=(0.12, 0.16),
     rooms={"children's room": 0.8, "classroom": 0.4},
     place=OnTop(("small desk", "toy shelf", "school desk")),

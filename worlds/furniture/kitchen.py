@@ -148,7 +148,7 @@ def dishwasher(s: Size, rng: Generator) -> Parts:
     """A white or steel front with a display strip."""
     body = pick(rng, (WHITE, STEEL))
     return (
-        box(s.x, (s.back, s.front - 0.02), (0.05, s.height - 0.04), body, "metal"),
+        box(s.x, (s.back, s.front - 0.02), (0.0, s.height - 0.04), body, "metal"),
         box(s.x, s.y, (s.height - 0.04, s.height), STONES[0], "marble"),
         box(inset(s.x, 0.04), (s.front - 0.03, s.front - 0.005), (0.76, 0.82), BLACK, "keyboard"),
         box(inset(s.x, 0.1), (s.front - 0.03, s.front), (0.7, 0.73), METALS[1]),
@@ -213,7 +213,7 @@ def kitchen_island(s: Size, rng: Generator) -> Parts:
     width=(0.36, 0.42),
     depth=(0.36, 0.42),
     height=(0.7, 0.85),
-    rooms={"kitchen": (2, 2), "lobby": 0.5},
+    rooms={"kitchen": (2, 2)},
     place=Around(("kitchen island",)),
 )
 def bar_stool(s: Size, rng: Generator) -> Parts:
@@ -336,7 +336,7 @@ def fruit_bowl(s: Size, rng: Generator) -> Parts:
     width=(0.2, 0.34),
     depth=(0.08, 0.1),
     height=(0.24, 0.32),
-    rooms={"kitchen": 1.0, "dining room": 0.5, "pantry": 1.0},
+    rooms={"kitchen": 1.0, "dining room": 0.5},
     place=OnTop(("kitchen counter", "sideboard", "dining table")),
 )
 def bottles(s: Size, rng: Generator) -> Parts:

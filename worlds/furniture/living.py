@@ -253,7 +253,7 @@ def side_table(s: Size, rng: Generator) -> Parts:
     width=(0.24, 0.3),
     depth=(0.24, 0.3),
     height=(0.38, 0.5),
-    rooms={"living room": 0.6, "bedroom": 0.8, "office": 0.3, "corridor": 0.5, "entrance hall": 0.5},
+    rooms={"living room": 0.6, "bedroom": 0.8, "corridor": 0.5, "entrance hall": 0.5},
     place=OnTop(("side table", "nightstand", "sideboard", "console table")),
 )
 def table_lamp(s: Size, rng: Generator) -> Parts:
@@ -268,7 +268,7 @@ def table_lamp(s: Size, rng: Generator) -> Parts:
     "game console",
     width=(0.28, 0.34),
     depth=(0.2, 0.26),
-    height=(0.06, 0.1),
+    height=(0.08, 0.11),
     rooms={"living room": 0.4, "children's room": 0.3},
     place=OnTop(("coffee table", "toy shelf")),
 )

@@ -186,7 +186,7 @@ def papers(s: Size, rng: Generator) -> Parts:
     width=(0.1, 0.12),
     depth=(0.08, 0.09),
     height=(0.09, 0.11),
-    rooms={"office": 0.6, "open-plan office": 0.5, "meeting room": (1, 3), "kitchen": 0.8, "dining room": 0.3},
+    rooms={"office": 0.6, "open-plan office": 0.5, "meeting room": (1, 3), "kitchen": 0.8},
     place=OnTop((*_DESKS, "meeting table", "kitchen counter", "breakfast table")),
 )
 def mug(s: Size, rng: Generator) -> Parts:

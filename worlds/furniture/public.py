@@ -358,7 +358,7 @@ def lab_bench(s: Size, rng: Generator) -> Parts:
     """A white bench with drawers."""
     return (
         box(s.x, s.y, (s.height - 0.04, s.height), (0.3, 0.32, 0.34), "marble"),
-        box(inset(s.x, 0.03), (s.back, s.front - 0.08), (0.1, s.height - 0.04), WHITE),
+        box(inset(s.x, 0.03), (s.back, s.front - 0.08), (0.0, s.height - 0.04), WHITE),
         *fronts(
             inset(s.x, 0.03),
             (0.1, s.height - 0.05),
@@ -395,7 +395,7 @@ def lab_stool(s: Size, rng: Generator) -> Parts:
     width=(0.2, 0.24),
     depth=(0.26, 0.32),
     height=(0.38, 0.44),
-    rooms={"laboratory": (1, 2), "classroom": 0.1},
+    rooms={"laboratory": (1, 2)},
     place=OnTop(("lab bench",)),
 )
 def microscope(s: Size, rng: Generator) -> Parts:
@@ -413,7 +413,7 @@ def microscope(s: Size, rng: Generator) -> Parts:
 @furniture(
     "glassware",
     width=(0.36, 0.5),
-    depth=(0.16, 0.2),
+    depth=(0.08, 0.1),
     height=(0.24, 0.32),
     rooms={"laboratory": (2, 3)},
     place=OnTop(("lab bench",)),

@@ -9,16 +9,16 @@ from worlds.patterns.surface import Planes, Shade, Surface, courses
 
 def plain(surface: Surface, rng: Generator) -> Shade:
     """Paint: faint mottling, with here and there a scuff."""
-    shade = 0.98 + 0.075 * surface.noise(rng, 0.35, octaves=5, gain=0.85)
+    shade = 0.97 + 0.085 * surface.noise(rng, 0.24, octaves=4, gain=1.0)
     _marks(shade, surface, rng, per_m2=7.0, length_m=0.07, strength=0.3)
     return shade
 
 
 def plaster(surface: Surface, rng: Generator) -> Shade:
     """Rough plaster: trowel strokes and blotches."""
-    strokes = surface.noise(rng, 0.16, octaves=4, gain=0.8, stretch=2.5)
+    strokes = surface.noise(rng, 0.14, octaves=4, gain=1.0, stretch=1.8)
     blotches = surface.noise(rng, 0.5, octaves=4)
-    return 1.0 + 0.07 * blotches + 0.09 * np.tanh(1.6 * strokes)
+    return 1.0 + 0.05 * blotches + 0.1 * np.tanh(1.6 * strokes)
 
 
 def concrete(surface: Surface, rng: Generator) -> Shade:
@@ -85,7 +85,7 @@ def wallpaper(surface: Surface, rng: Generator) -> Planes:
     stripes = courses(rng, surface.transposed, rng.uniform(0.08, 0.25), 50.0, vary=0.0)
     planes = np.ascontiguousarray(stripes.spread(rng, light=0.05, tint=0.02, joint=0.93).transpose(0, 2, 1))
     planes *= 1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4)
-    for x, y in surface.scatter(rng, 9.0):
+    for x, y in surface.scatter(rng, 9.0, most=150):
         _blossom(planes, rng, (x, y), rng.uniform(0.03, 0.07) * surface.px_per_m)
     return planes
 

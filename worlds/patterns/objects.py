@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+from jaxtyping import Float32, Float64
 from numpy.random import Generator
 
 from worlds.patterns.surface import Planes, Shade, Surface, courses
@@ -139,7 +140,13 @@ def label(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def _shape(image: Planes, rng: Generator, at: np.ndarray, size: float, colour: tuple[float, ...]) -> None:
+def _shape(
+    image: Float32[np.ndarray, "height width 3"],
+    rng: Generator,
+    at: Float64[np.ndarray, "2"],
+    size: float,
+    colour: tuple[float, ...],
+) -> None:
     if rng.random() < 0.5:
         axes = (int(size) + 1, int(size * rng.uniform(0.3, 1.0)) + 1)
         cv2.ellipse(image, at.astype(int).tolist(), axes, rng.uniform(0.0, 180.0), 0.0, 360.0, colour, -1, cv2.LINE_AA)

@@ -60,10 +60,10 @@ class Surface:
         enlarged: Shade = cv2.resize(field, (self.width, self.height), interpolation=cv2.INTER_CUBIC)
         return enlarged
 
-    def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> Float32[np.ndarray, "count 2"]:
+    def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> list[tuple[float, float]]:
         """Random points (x, y) [px], about `per_m2` to the square metre, at least one and at most `most`."""
         count = min(max(1, int(rng.poisson(per_m2 * self.width_m * self.height_m))), most)
-        return rng.random((count, 2), dtype=np.float32) * np.array([self.width, self.height], np.float32)
+        return [(x * self.width, y * self.height) for x, y in rng.random((count, 2)).tolist()]
 
 
 @dataclass(frozen=True, eq=False)
