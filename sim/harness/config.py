@@ -9,8 +9,13 @@ from lexis.types import Camera
 from sim.camera import wide_camera
 from sim.errors import SimError
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
+
+
+TOUR_LENGTH_M = {"home": 140.0}
+"""Walks of presets that are shorter than two laps [m]."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,8 @@ class RunConfig:
     """Of the house (unless given), the tour and the odometry, each with a stream of its own."""
     house: HouseSpec | None = None
     """A house of one's own."""
+    length_m: float | None = None
+    """Wished length of the walk [m]; at least once through every room. None: the preset's, or two laps."""
     odometry: str = "multicam"
     """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
     encoder: str = "mini"
@@ -44,6 +51,11 @@ class RunConfig:
     def house_spec(self) -> HouseSpec:
         """The given house, or the preset's house of this seed. Raises `worlds.errors.WorldsError`."""
         return self.house or sample_house(self.preset, self.seed)
+
+    def tour(self) -> TourConfig:
+        """How the walk goes."""
+        preset = None if self.house else self.preset
+        return TourConfig(length_m=self.length_m if self.length_m is not None else TOUR_LENGTH_M.get(preset or ""))
 
     def streams(self) -> dict[str, np.random.Generator]:
         """One generator per stage, so that a change to one stage leaves the others' draws alone."""

@@ -15,7 +15,7 @@ from sim.harness.config import RunConfig
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import simulate_odometry
 from sim.session import Session
-from sim.tour import TourConfig, plan_tour
+from sim.tour import plan_tour
 from worlds.house import House, build_house
 from worlds.validation import validate
 from worlds.walkable import Walkable
@@ -82,7 +82,7 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
         house = build_house(config.house_spec())
         validate(house)
         walkable = Walkable(house)
-        tour = plan_tour(house, walkable, streams["tour"], TourConfig())
+        tour = plan_tour(house, walkable, streams["tour"], config.tour())
     odometry = simulate_odometry(tour.T_W_B, tour.stamps, ODOMETRY_PRESETS[config.odometry], streams["odometry"])
     with _timed(seconds, "scene_s"):
         session = Session(house, tour, odometry, config.camera)

@@ -27,7 +27,8 @@ class TrainingRun:
     work: Path = Path("encoder-training")
     """Folder for the rendered frames and the checkpoint; a run that was stopped goes on from there."""
     out: Path = MINI_WEIGHTS
-    threads: int = 2
+    workers: int = 2
+    """Processes that render."""
 
     def __post_init__(self) -> None:
         """Raise SimError where a value cannot work."""
@@ -38,7 +39,7 @@ class TrainingRun:
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     """Render frames (or take those of an earlier run), train, write the weights; the history is returned."""
     run.work.mkdir(parents=True, exist_ok=True)
-    torch.set_num_threads(run.threads)
+    torch.set_num_threads(1)  # two threads on two shared cores were no faster than one
     sets = _frames(run, console)
     tuning_houses = max(1, round(_TUNING_SHARE * len(sets)))
     tuning, training = Frames.joined(sets[:tuning_houses]), Frames.joined(sets[tuning_houses:])
@@ -60,7 +61,7 @@ def _frames(run: TrainingRun, console: Console) -> list[Frames]:
     cache = run.work / f"frames-{run.houses}-{run.training.seed}.npz"
     if cache.exists():
         return _load(cache)
-    rendered: Iterable[Frames] = render_frames(run.houses, run.training.seed, run.threads)
+    rendered: Iterable[Frames] = render_frames(run.houses, run.training.seed, run.workers)
     if console.is_terminal:
         rendered = track(rendered, "rendering", total=run.houses, console=console)
     sets = list(rendered)

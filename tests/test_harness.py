@@ -1,0 +1,99 @@
+"""The whole chain on real renders of a small house, checked against its truth."""
+
+import json
+
+import numpy as np
+import pytest
+
+from lexis.evaluation.loops import true_edges
+from lexis.evaluation.trajectory import ate_rmse, read_tum
+from lexis.map_io import load_map
+from sim.harness import RunConfig, evaluate, run, try_plans, write_run
+from worlds.house import build_house
+from worlds.presets import sample_from_rooms
+from worlds.spec import HouseSpec
+
+CONFIG = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
+CONTRACT = {
+    "house": {"rooms", "floors", "area_m2", "openness", "spec"},
+    "run": {"path_m", "duration_s", "frames", "keyframes"},
+    "labels": {"accuracy", "accuracy_baseline", "accuracy_graded", "per_room"},
+    "rooms": {
+        "pq", "precision", "recall", "hydra_precision", "hydra_recall", "ari", "v_measure", "splits", "merges", "count_error",
+    },
+    "floors": {"accuracy", "count_error"},
+    "loops": {"proposed", "verified", "true", "false", "precision", "recall"},
+    "place_recognition": {"1", "3", "5"},
+    "planning": {"queries", "success", "spl", "collisions"},
+    "time": {"house_s", "scene_s", "render_s", "slam_s", "stages_s", "realtime_factor"},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def finished():
+    return run(CONFIG)
+
+
+@pytest.fixture(scope="module")
+def trials(finished):
+    return try_plans(finished)
+
+
+@pytest.fixture(scope="module")
+def result(finished, trials):
+    return evaluate(finished, trials)
+
+
+def test_the_result_has_every_field_of_the_contract(result):
+    assert result["schema"] == 1 and result["versions"]
+    assert {"seed", "preset", "fidelity", "encoder", "odometry"} <= result.keys()
+    assert {"ate_odometry_m", "ate_m"} <= result["trajectory"].keys()
+    for section, names in CONTRACT.items():
+        assert result[section].keys() == names
+    json.dumps(result, allow_nan=False)
+
+
+def test_lexis_beats_its_odometry_and_closes_no_false_loop(finished, result):
+    assert 0.0 < result["trajectory"]["ate_m"] < result["trajectory"]["ate_odometry_m"]
+    assert result["loops"]["true"] >= 5 and result["loops"]["recall"] > 0.2
+    edges = finished.map.loops
+    query, match = (np.array([getattr(edge, end) for edge in edges]) for end in ("query", "match"))
+    is_true = true_edges(query, match, np.array([edge.T_match_query for edge in edges]), finished.true_poses)
+    assert not (finished.map.loop_weights[~is_true] > 0.5).any()
+
+
+def test_labels_are_far_better_than_chance(result):
+    assert result["labels"]["accuracy"] > 0.55
+    assert result["labels"]["accuracy_graded"] >= result["labels"]["accuracy"]
+
+
+def test_a_single_floor_is_one_floor(result):
+    assert result["floors"] == {"accuracy": 1.0, "count_error": 0}
+
+
+def test_every_plan_reaches_its_room(result, trials):
+    assert result["planning"]["queries"] == len(trials) > 0
+    assert result["planning"]["success"] == 1.0 and result["planning"]["collisions"] == 0
+    assert all(trial.travelled_m >= 0.9 * trial.shortest_m for trial in trials)
+
+
+def test_the_same_seed_gives_the_same_result_apart_from_times(result):
+    again = run(CONFIG)
+    assert evaluate(again, try_plans(again)) | {"time": None} == result | {"time": None}
+
+
+def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_path):
+    out = tmp_path / "out"
+    write_run(finished, result, trials, out)
+    assert {path.name for path in out.iterdir()} == {
+        "result.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum", "map",
+    }  # fmt: skip
+    assert json.loads((out / "result.json").read_text()) == result
+    assert build_house(HouseSpec.load(out / "house.json")).spec == finished.house.spec
+    poses = {name: read_tum(out / f"{name}.tum")[1][:, :3, 3] for name in ("trajectory", "ground_truth", "odometry")}
+    assert ate_rmse(poses["trajectory"], poses["ground_truth"]) == pytest.approx(result["trajectory"]["ate_m"], abs=1e-6)
+    assert ate_rmse(poses["odometry"], poses["ground_truth"]) == pytest.approx(
+        result["trajectory"]["ate_odometry_m"], abs=1e-6
+    )
+    assert np.array_equal(load_map(out / "map").labels, finished.map.labels)
+    assert "http://" not in (out / "report.html").read_text().replace("http://www.w3.org", "")

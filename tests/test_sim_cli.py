@@ -1,0 +1,75 @@
+"""`lexis-sim`: bad input costs one line and exit status 2, and leaves nothing behind."""
+
+import json
+
+import pytest
+
+from sim.cli import main
+from worlds.house import build_house
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+
+
+def status_of(argv):
+    try:
+        return main([str(argument) for argument in argv])
+    except SystemExit as end:
+        return end.code
+
+
+@pytest.mark.parametrize(
+    ("argv", "hint"),
+    [
+        (["run", "--preset", "castle"], "valid: home, ori"),
+        (["run", "--odometry", "gps"], "valid: perfect"),
+        (["run", "--house", "missing.json"], "missing.json"),
+        (["run", "--house", "broken.json"], "broken.json"),
+        (["run", "--encoder", "no-such-model"], "mini"),
+        (["run", "--seed", "-1"], "whole number"),
+        (["run", "--out", "file.txt/inside"], "valid"),
+        (["run", "--out", "/proc/nowhere"], "valid"),
+        (["run", "--out", "occupied"], "valid"),
+        (["house", "generate", "--rooms", "kitchen,dungeon", "-o", "h.json"], "valid: kitchen"),
+        (["house", "generate", "--rooms", "", "-o", "h.json"], "valid"),
+        (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
+        (["house", "check", "broken.json"], "broken.json"),
+        (["bench", "speed", "--preset", "castle"], "home"),
+        ([], "COMMAND"),
+        (["fly"], "demo"),
+    ],
+)
+def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken.json").write_text('{"storeys": [{"rooms": 3}]}')
+    (tmp_path / "file.txt").write_text("a file, not a folder")
+    (tmp_path / "occupied").mkdir()
+    (tmp_path / "occupied" / "thesis.txt").write_text("years of work")
+    before = sorted(tmp_path.rglob("*"))
+    assert status_of(argv) == 2
+    printed = capsys.readouterr()
+    assert hint in printed.err and printed.err.count("\n") == 1 and "Traceback" not in printed.err and printed.out == ""
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_generated_houses_check_and_show(tmp_path, capsys):
+    house, plan = tmp_path / "home.json", tmp_path / "home.png"
+    assert status_of(["house", "generate", "--preset", "home", "--seed", 3, "-o", house]) == 0
+    assert HouseSpec.load(house) == sample_house("home", 3)
+    assert status_of(["house", "check", house]) == 0
+    assert status_of(["house", "show", house, "-o", plan]) == 0
+    assert plan.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_house_that_cannot_be_walked_fails_its_check(tmp_path, capsys):
+    data = json.loads(sample_house("home", 3).to_json())
+    data["storeys"][0]["openings"] = [o for o in data["storeys"][0]["openings"] if "kitchen 0.1" not in o["rooms"]]
+    house = tmp_path / "closed.json"
+    house.write_text(json.dumps(data))
+    assert status_of(["house", "check", house]) == 1
+    assert "kitchen 0.1" in capsys.readouterr().out
+    assert build_house(HouseSpec.load(house))
+
+
+def test_doctor_is_content_here(capsys):
+    assert status_of(["doctor"]) == 0
+    assert "FIX" not in capsys.readouterr().out
