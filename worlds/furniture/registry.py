@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from worlds.errors import WorldsError
-from worlds.furniture.kinds import AgainstWall, Build, Count, Kind, Place, Range
+from worlds.furniture.kinds import AgainstWall, Around, Build, Count, Kind, OnFloor, Place, Range
 
 KINDS: dict[str, Kind] = {}
 
@@ -27,7 +27,7 @@ def furniture(
     def declare(build: Build) -> Build:
         if name in KINDS:
             raise WorldsError(f"furniture kind {name!r} is declared twice")
-        on_floor = type(place).__name__ in ("AgainstWall", "OnFloor", "Around")
+        on_floor = isinstance(place, AgainstWall | OnFloor | Around)
         KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
         return build
 
