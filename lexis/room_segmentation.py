@@ -89,8 +89,9 @@ def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adja
     n = len(clusters)
     if n == 0:
         return clusters
-    pairs = np.concatenate([_walked(n), _close(positions, kinds, adjacency_m)])
-    pairs = pairs[kinds[pairs[:, 0]] == kinds[pairs[:, 1]]]
+    walked = _walked(n)
+    walked = walked[kinds[walked[:, 0]] == kinds[walked[:, 1]]]
+    pairs = np.concatenate([walked, _close(clusters, kinds, positions, adjacency_m)])
     own = np.stack([np.arange(n), clusters], axis=1)
     rows, columns = np.concatenate([pairs, own]).T
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
@@ -102,11 +103,15 @@ def _walked(n: int) -> Int[np.ndarray, "m 2"]:
     return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
-def _close(positions: Positions, kinds: PerKeyframe, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
-    """Pairs of one kind within `adjacency_m` with no keyframe of another kind in the ball that has them as a diameter."""
+def _close(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
+    """Pairs of one kind, of two clusters, within `adjacency_m` and with no other kind of keyframe between them.
+
+    Between them is the ball that has the two as a diameter.
+    """
     tree = cKDTree(positions)
     pairs = tree.query_pairs(adjacency_m, output_type="ndarray")
-    pairs = pairs[kinds[pairs[:, 0]] == kinds[pairs[:, 1]]]
+    first, second = pairs.T
+    pairs = pairs[(kinds[first] == kinds[second]) & (clusters[first] != clusters[second])]
     ends = positions[pairs]
     radii = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / 2
     between = tree.query_ball_point(ends.mean(axis=1), radii * (1 - 1e-9))

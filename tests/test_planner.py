@@ -54,6 +54,12 @@ def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
     assert adjacency(replace(lexis_map, rooms=()), PlannerConfig())[9, 10] > 0.0
 
 
+@pytest.mark.parametrize(("weight", "joined"), [(1.0, True), (0.1, False)])
+def test_only_trusted_loops_join_rooms(rng, weight, joined):
+    lexis_map = corridor_with_offices(rng, loops=[(20, 10)], weights=[weight])
+    assert (adjacency(lexis_map, PlannerConfig())[20, 10] > 0) == joined
+
+
 def test_the_goal_lies_deep_in_the_room_with_most_support(rng):
     lexis_map = corridor_with_offices(rng)
     similarities = lexis_map.similarities.copy()

@@ -93,8 +93,8 @@ def _lap():
 
 def test_flights_above_one_another_are_one_staircase():
     flights = [
-        (CORRIDOR, (0, 0, 0), (6, 0, 0)), (STAIRS, (6, 0, 0), (10, 0, 2.9)), (CORRIDOR, (10, 0, 2.9), (10, 4, 2.9)),
-        (CORRIDOR, (10, 4, 2.9), (6, 0, 2.9)), (STAIRS, (6, 0, 2.9), (10, 0, 5.8)), (CORRIDOR, (10, 0, 5.8), (10, 6, 5.8)),
+        (CORRIDOR, (0, 0, 0), (6, 0, 0)), (STAIRS, (6, 0, 0), (10, 0, 3.5)), (CORRIDOR, (10, 0, 3.5), (10, 4, 3.5)),
+        (CORRIDOR, (10, 4, 3.5), (6, 0, 3.5)), (STAIRS, (6, 0, 3.5), (10, 0, 7.0)), (CORRIDOR, (10, 0, 7.0), (10, 6, 7.0)),
     ]  # fmt: skip
     result = segment(*walk(*flights), NAMES, SegmentationConfig())
     assert sum(room.label == "stairs" for room in result.rooms) == 1
