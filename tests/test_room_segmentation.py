@@ -93,12 +93,17 @@ def _lap():
 
 def test_flights_above_one_another_are_one_staircase():
     flights = [
-        (CORRIDOR, (0, 0, 0), (6, 0, 0)), (STAIRS, (6, 0, 0), (10, 0, 3.5)), (CORRIDOR, (10, 0, 3.5), (10, 4, 3.5)),
-        (CORRIDOR, (10, 4, 3.5), (6, 0, 3.5)), (STAIRS, (6, 0, 3.5), (10, 0, 7.0)), (CORRIDOR, (10, 0, 7.0), (10, 6, 7.0)),
-    ]  # fmt: skip
+        leg
+        for z in (0.0, 3.0, 6.0, 9.0)
+        for leg in [
+            (CORRIDOR, (10, 4, z), (6, 0, z)),
+            (STAIRS, (6, 0, z), (10, 0, z + 3)),
+            (CORRIDOR, (10, 0, z + 3), (10, 4, z + 3)),
+        ]
+    ]
     result = segment(*walk(*flights), NAMES, SegmentationConfig())
     assert sum(room.label == "stairs" for room in result.rooms) == 1
-    assert set(result.floors.tolist()) == {-1, 0, 1, 2}
+    assert set(result.floors.tolist()) == {-1, 0, 1, 2, 3, 4}
 
 
 @st.composite
