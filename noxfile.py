@@ -61,6 +61,7 @@ def nightly(session: nox.Session) -> None:
 def lint(session: nox.Session) -> None:
     """Ruff and mypy --strict."""
     run(session, "ruff", "check", ".")
+    run(session, "ruff", "format", "--check", ".")
     run(session, "mypy")
 
 

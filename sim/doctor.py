@@ -12,7 +12,7 @@ from lexis.encoder import load_encoder
 from lexis.errors import LexisError
 from sim.errors import SimError
 
-PACKAGES = ("mujoco", "torch", "open-clip-torch", "opencv-python-headless", "gtsam", "trimesh", "numpy", "scipy")
+PACKAGES = ("mujoco", "torch", "open-clip-torch", "opencv-python-headless", "gtsam", "poselib", "numpy", "scipy")
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,10 @@ SECTIONS: dict[str, dict[str, Definition]] = {
     "trajectory": {
         "ate_odometry_m": Definition("ATE, odometry", _METRES, "RMSE of positions after SE(3) alignment, no scale"),
         "ate_m": Definition("ATE, optimised", _METRES, "the same, after loop closing; as `evo_ape tum -a` prints it"),
+        "rpe_8m_odometry_m": Definition("RPE 8 m, odometry", _METRES, "error of the translation over stretches of 8 m"),
+        "rpe_8m_m": Definition("RPE 8 m, optimised", _METRES),
+        "rpe_24m_odometry_m": Definition("RPE 24 m, odometry", _METRES, "error of the translation over stretches of 24 m"),
+        "rpe_24m_m": Definition("RPE 24 m, optimised", _METRES),
     },
     "planning": {
         "queries": Definition("queries", _COUNT, "room-to-room plans asked for"),
