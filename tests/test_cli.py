@@ -35,15 +35,15 @@ def encoder(monkeypatch):
 
 @pytest.fixture
 def dataset(rng, tmp_path):
-    """Four metres forward: red at first, then green."""
-    poses = np.tile(np.eye(4), (41, 1, 1))
-    poses[:, 0, 3] = 0.1 * np.arange(41)
-    images = rng.integers(0, 60, (41, 48, 64, 3), dtype=np.uint8)
-    images[:20, ..., 0] += 190
-    images[20:, ..., 1] += 190
+    """Eight metres forward: red at first, then green."""
+    poses = np.tile(np.eye(4), (81, 1, 1))
+    poses[:, 0, 3] = 0.1 * np.arange(81)
+    images = rng.integers(0, 60, (81, 48, 64, 3), dtype=np.uint8)
+    images[:40, ..., 0] += 190
+    images[40:, ..., 1] += 190
     camera = Camera(Intrinsics(64, 48, 40.0, 40.0, 31.5, 23.5), np.eye(4))
     write_dataset(
-        tmp_path / "run", camera, [Observation(i, 0.1 * i, images[i], poses[i], 1e-6 * np.eye(6)) for i in range(41)]
+        tmp_path / "run", camera, [Observation(i, 0.1 * i, images[i], poses[i], 1e-6 * np.eye(6)) for i in range(81)]
     )
     return tmp_path / "run"
 
