@@ -148,9 +148,13 @@ class VerificationConfig:
     min_cells: int = 5
     """Cells of a 6 x 6 grid on the image that the inliers must reach."""
     gate_m: float = 0.5
-    """Constant part of the distance that a loop may lie from the odometry's prediction [m]."""
+    """Constant part of the distance that a loop may lie from the current estimate [m]."""
     gate_share: float = 0.03
     """Part that grows with the path since the candidate [m/m]."""
+    gate_rad: float = 0.1
+    """Constant part of the angle that a loop may be turned from the current estimate [rad]."""
+    gate_rad_m: float = 0.002
+    """Part that grows with the path since the candidate [rad/m]."""
     max_edges: int = 3
     """Loop edges kept per query, best first."""
     pixel_sigma: float = 1.5
@@ -174,6 +178,8 @@ class VerificationConfig:
         _require(1 <= self.min_cells <= 36, "verification.min_cells", self.min_cells, "1 to 36")
         _require(self.gate_m >= 0, "verification.gate_m", self.gate_m, ">= 0 m")
         _require(self.gate_share >= 0, "verification.gate_share", self.gate_share, ">= 0")
+        _require(self.gate_rad >= 0, "verification.gate_rad", self.gate_rad, ">= 0 rad")
+        _require(self.gate_rad_m >= 0, "verification.gate_rad_m", self.gate_rad_m, ">= 0 rad/m")
         _require(self.max_edges >= 1, "verification.max_edges", self.max_edges, ">= 1")
         _require(self.pixel_sigma > 0, "verification.pixel_sigma", self.pixel_sigma, "> 0 px")
         sigma = self.rotation_sigma_rad

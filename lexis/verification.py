@@ -11,7 +11,7 @@ from lexis.config import VerificationConfig
 from lexis.features import mutual_matches
 from lexis.pose_graph import PoseGraph
 from lexis.projection import project, project_jacobian
-from lexis.se3 import between, inverse, skew, transform
+from lexis.se3 import between, inverse, rotation_angle, skew, transform
 from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 
 _GRID = 6
@@ -57,7 +57,9 @@ def verify(
 def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: VerificationConfig) -> bool:
     """Whether the loop lies about where the estimate says; the longer the path since, the more that may be wrong."""
     distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])
-    return bool(distance <= config.gate_m + config.gate_share * path_m)
+    angle = rotation_angle(between(edge.T_match_query, estimated))
+    near = distance <= config.gate_m + config.gate_share * path_m
+    return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)
 
 
 class _Verifier:
