@@ -18,10 +18,7 @@ _PROBE_TIMEOUT_S = 20.0
 DISABLED = "disabled"
 """What ``MUJOCO_GL`` is set to where nothing renders: physics and geometry still work."""
 
-HELP = (
-    "no off-screen OpenGL: install EGL (Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri) "
-    "or OSMesa (libosmesa6), or use --fidelity features, which renders nothing"
-)
+HELP = "no off-screen OpenGL: install EGL (Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri) or OSMesa (libosmesa6)"
 
 
 def choose_backend() -> str:
