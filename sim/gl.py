@@ -39,14 +39,9 @@ def require_rendering() -> None:
 
 def _works(backend: str) -> bool:
     """Try a back end in a child process, which a broken driver may crash or hang."""
-    probe = Path(__file__).with_name("gl_probe.py")
+    command = [sys.executable, "-I", "-S", Path(__file__).with_name("gl_probe.py"), backend]
     try:
-        return (
-            subprocess.run(
-                [sys.executable, "-I", "-S", probe, backend], capture_output=True, timeout=_PROBE_TIMEOUT_S
-            ).returncode
-            == 0
-        )
+        return subprocess.run(command, capture_output=True, timeout=_PROBE_TIMEOUT_S).returncode == 0
     except subprocess.TimeoutExpired:
         return False
 
