@@ -39,7 +39,7 @@ def require_rendering() -> None:
 
 def _works(backend: str) -> bool:
     """Try a back end in a child process, which a broken driver may crash or hang."""
-    command = [sys.executable, "-I", "-S", Path(__file__).with_name("gl_probe.py"), backend]
+    command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("gl_probe.py")), backend]
     try:
         return subprocess.run(command, capture_output=True, timeout=_PROBE_TIMEOUT_S).returncode == 0
     except subprocess.TimeoutExpired:
