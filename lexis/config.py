@@ -76,8 +76,6 @@ class LabelConfig:
     """Whether neighbours vote and height finds the stairs; without, every keyframe keeps its image's label."""
     neighbours: int = 7
     """C: the nearest keyframes that vote (paper: 3 to 7)."""
-    passes: int = 2
-    """Forward passes over all keyframes, from the images' labels on (see `lexis.room_labels`)."""
     every: int = 9
     """K: new keyframes between two refinements (paper: 7 to 12)."""
     stairs_name: str = "stairs"
@@ -90,7 +88,6 @@ class LabelConfig:
     def __post_init__(self) -> None:
         """Raise ConfigError where a value cannot work."""
         _require(self.neighbours >= 1, "labels.neighbours", self.neighbours, ">= 1 (paper: 3 to 7)")
-        _require(self.passes >= 0, "labels.passes", self.passes, ">= 0")
         _require(self.every >= 1, "labels.every", self.every, ">= 1 (paper: 7 to 12)")
         _require(bool(self.stairs_name), "labels.stairs_name", repr(self.stairs_name), "a room name")
         _require(self.stairs_window_m > 0, "labels.stairs_window_m", self.stairs_window_m, "> 0 m")
@@ -153,7 +150,7 @@ class VerificationConfig:
     """Part that grows with the path since the candidate [m/m]."""
     gate_rad: float = 0.1
     """Constant part of the angle that a loop may be turned from the current estimate [rad]."""
-    gate_rad_m: float = 0.002
+    gate_rad_m: float = 0.005
     """Part that grows with the path since the candidate [rad/m]."""
     max_edges: int = 3
     """Loop edges kept per query, best first."""
