@@ -5,10 +5,11 @@ Exit status: 0 on success, 2 on bad input, with one line on stderr that says wha
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from lexis.command_line import Parser, add_command, positive, run_command
 from lexis.errors import LexisError
 from lexis.export import FORMATS, export_map
 from lexis.map_io import JSON_FILE, load_map, save_map
@@ -21,70 +22,44 @@ if TYPE_CHECKING:
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 
 
-class _Parser(argparse.ArgumentParser):
-    """Reports bad arguments in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return the exit status."""
-    arguments = _parser().parse_args(argv)
-    command: Callable[[argparse.Namespace], None] = arguments.command
-    try:
-        command(arguments)
-    except LexisError as error:
-        print(f"lexis: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
-    return 0
+    return run_command(_parser(), argv, (LexisError,))
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def _parser() -> Parser:
+    parser = Parser(
         "lexis", description="Indoor SLAM that understands language: rooms, floors, loops and plans from RGB and odometry."
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    run = _add(
+    run = add_command(
         commands, "run", _run, "map a recorded run", 'lexis run recording --rooms "kitchen,office,corridor,stairs" -o map'
     )
     run.add_argument("dataset", type=Path, metavar="DATASET", help="folder with rgb.txt, odometry.tum and camera.json")
     run.add_argument("--rooms", type=_rooms, required=True, help="names of rooms, with commas between them")
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    path = _add(commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen")
+    path = add_command(
+        commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
+    )
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help='"office", or one of several: "office 2"')
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM")
-    query = _add(commands, "query", _query, "the rooms that fit a question", 'lexis query map "where can I wash my hands"')
+    query = add_command(
+        commands, "query", _query, "the rooms that fit a question", 'lexis query map "where can I wash my hands"'
+    )
     query.add_argument("map", type=Path, metavar="MAP")
     query.add_argument("text")
     query.add_argument("--encoder", default="mini", help=f"the one the map was made with: {ENCODER_HELP}")
-    query.add_argument("--top", type=_positive, default=3, help="rooms to list (default: %(default)s)")
-    export = _add(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
+    query.add_argument("--top", type=positive, default=3, help="rooms to list (default: %(default)s)")
+    export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
     export.add_argument("--format", choices=list(FORMATS), required=True)
     export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE")
     return parser
 
 
-def _add(
-    commands: "argparse._SubParsersAction[_Parser]",
-    name: str,
-    command: Callable[[argparse.Namespace], None],
-    help: str,
-    example: str,
-) -> argparse.ArgumentParser:
-    formatter = argparse.RawDescriptionHelpFormatter
-    parser = commands.add_parser(name, help=help, description=f"{help[0].upper()}{help[1:]}.", formatter_class=formatter)
-    parser.epilog = f"example:\n  {example}"
-    parser.set_defaults(command=command)
-    return parser
-
-
-def _run(arguments: argparse.Namespace) -> None:
+def _run(arguments: argparse.Namespace) -> int:
     # Late imports: torch takes seconds, and the other commands do without.
     from rich.console import Console
     from rich.progress import track
@@ -103,18 +78,20 @@ def _run(arguments: argparse.Namespace) -> None:
     rooms = ", ".join(instance_names(lexis_map.rooms))
     print(f"{len(lexis_map.keyframes)} keyframes, {len(lexis_map.loops)} loop edges, rooms: {rooms}")
     print(arguments.out)
+    return 0
 
 
-def _plan(arguments: argparse.Namespace) -> None:
+def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     result = plan(lexis_map, arguments.start, arguments.goal)
     print(f"{result.length_m:.1f} m over {len(result.keyframes)} keyframes")
     for i in result.keyframes:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
         print(f"{i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
+    return 0
 
 
-def _query(arguments: argparse.Namespace) -> None:
+def _query(arguments: argparse.Namespace) -> int:
     from lexis.query import rank_rooms
 
     lexis_map = load_map(arguments.map)
@@ -124,10 +101,12 @@ def _query(arguments: argparse.Namespace) -> None:
     names = instance_names(lexis_map.rooms)
     for answer in rank_rooms(lexis_map, text)[: arguments.top]:
         print(f"{names[answer.room.id]:24s} {answer.similarity:.3f}  keyframe {answer.keyframe}")
+    return 0
 
 
-def _export(arguments: argparse.Namespace) -> None:
+def _export(arguments: argparse.Namespace) -> int:
     export_map(load_map(arguments.map), arguments.format, arguments.out)
+    return 0
 
 
 def _encoder(model: str) -> "OpenClipEncoder":
@@ -138,12 +117,6 @@ def _encoder(model: str) -> "OpenClipEncoder":
 
 def _rooms(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number above 0")
-    return int(text)
 
 
 if __name__ == "__main__":

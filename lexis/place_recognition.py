@@ -17,8 +17,7 @@ def propose(
 
     Args:
         query: the new keyframe, already in the graph.
-        label: the room it is in. The paper takes the label of the image; we take the refined one, which outlives a
-            single image that looks like another room.
+        label: the room that its image shows.
         rooms: the current room instances.
         graph: the current estimate and the embeddings.
         config: how many to propose, and how old they have to be.

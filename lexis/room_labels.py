@@ -1,10 +1,7 @@
 """Room labels of keyframes: image against prompts, votes of neighbours, stairs by height (paper, Sec. III-B).
 
-The paper runs one forward pass of votes every K new keyframes, on the labels of the pass before. At the end of the walk,
-where a keyframe has none but earlier neighbours, such a pass pulls the label of the room just left into the room just
-entered, and later passes cannot know what the images said. Here every refinement starts from the images' labels and the
-current poses: the same two passes wherever the walk has got to, and no history in the result. On simulated walks with 20 %
-wrong images this gives 0.95 instead of 0.83 of right labels.
+As in the paper, every K new keyframes one forward pass of votes is run. It always starts from the images' labels, not
+from those of the pass before: labels are a function of the graph as it now stands, and no mistake outlives its cause.
 """
 
 from dataclasses import dataclass
@@ -49,26 +46,21 @@ def label_keyframes(
         similarities: of every keyframe with every room prompt, in the order of the keyframes.
         positions: of the keyframes in W, consecutive ones neighbours on the path [m].
         room_names: the vocabulary.
-        config: whether to refine, C, the number of passes, and what counts as a climb.
+        config: whether to refine, C, and what counts as a climb.
     """
     baseline = similarities.argmax(axis=1)
     if not config.refine:
         return RoomLabels(baseline, baseline)
     if config.stairs_name not in room_names or len(room_names) == 1:
-        return RoomLabels(baseline, _vote(baseline, similarities, positions, config))
+        return RoomLabels(baseline, propagate(baseline, similarities, positions, config.neighbours))
     stairs = room_names.index(config.stairs_name)
     level = ~on_stairs(positions, config)
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf
     refined = np.full(len(positions), stairs)
-    refined[level] = _vote(rooms_only[level].argmax(axis=1), rooms_only[level], positions[level], config)
+    images_say = rooms_only[level].argmax(axis=1)
+    refined[level] = propagate(images_say, rooms_only[level], positions[level], config.neighbours)
     return RoomLabels(baseline, refined)
-
-
-def _vote(labels: Labels, similarities: Similarities, positions: Positions, config: LabelConfig) -> Labels:
-    for _ in range(config.passes):
-        labels = propagate(labels, similarities, positions, config.neighbours)
-    return labels
 
 
 def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:

@@ -17,7 +17,7 @@ from lexis.place_recognition import propose
 from lexis.pose_graph import PoseGraph
 from lexis.semantics import Semantics, derive
 from lexis.timing import StageTimer
-from lexis.types import Camera, Keyframe, LexisMap, Observation
+from lexis.types import Camera, Keyframe, LexisMap, Observation, RoomInstance
 from lexis.verification import verify
 
 
@@ -50,6 +50,7 @@ class Slam:
         self._window = KeyframeWindow(camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
+        self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None = None
         self._timed = StageTimer()
 
@@ -90,28 +91,29 @@ class Slam:
 
     def _add(self, keyframe: Keyframe) -> None:
         self._graph.add_keyframe(keyframe)
-        semantics = self._understand()
-        self._close_loops(keyframe, semantics)
-        self._optimise()
+        self._close_loops(keyframe)
+        optimised = self._optimise()
+        if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:
+            self._rooms = self._understand().rooms
 
     def _understand(self) -> Semantics:
         """Label, refine, cluster rooms and floors, at the poses as they now are."""
         with self._timed("rooms"):
             return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config)
 
-    def _close_loops(self, query: Keyframe, semantics: Semantics) -> None:
-        """Propose candidates in the room, verify them by PnP, add the edges."""
+    def _close_loops(self, query: Keyframe) -> None:
+        """Propose candidates in the room that the image shows, verify them by PnP, add the edges."""
         with self._timed("propose"):
-            label = self._room_names[semantics.labels[query.id]]
-            candidates = propose(query, label, semantics.rooms, self._graph, self._config.place_recognition)
+            label = self._room_names[int((self._text @ query.embedding).argmax())]
+            candidates = propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             loops = verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))
         self._graph.add_loops(loops)
 
-    def _optimise(self, final: bool = False) -> None:
+    def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):
-            self._graph.optimise_if_due(final)
+            return self._graph.optimise_if_due(final)
 
     def _map(self, semantics: Semantics) -> LexisMap:
         return LexisMap(

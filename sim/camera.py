@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int32, UInt8
 
 from lexis.types import Camera, Intrinsics
-from sim.gl import mujoco
+from sim.gl import mujoco, require_rendering
 from sim.scene import CAMERA, Scene
 
 _BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -28,9 +28,13 @@ def fovy_deg(intrinsics: Intrinsics) -> float:
 
 
 class CameraRenderer:
-    """Renders a scene from poses of the body. Holds a GL context: use it as a context manager or call `close`."""
+    """Renders a scene from poses of the body. Holds a GL context: use it as a context manager or call `close`.
+
+    Raises `GraphicsError` where there is no off-screen OpenGL.
+    """
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
+        require_rendering()
         self.scene, self._camera = scene, camera
         size = camera.intrinsics.height, camera.intrinsics.width
         self._renderer = mujoco.Renderer(scene.model, *size)

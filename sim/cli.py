@@ -4,17 +4,18 @@ Exit status: 0 on success, 1 on a failed check, 2 on bad input, with one line on
 """
 
 import argparse
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
-from typing import NoReturn, TypeAlias
 
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from lexis.command_line import Commands, Parser, add_command, positive, run_command, seed
 from lexis.errors import LexisError
 from lexis.files import replaced_file
+from sim.bench.segmentation import Row, mean_and_spread, run_houses
 from sim.bench.speed import measure_speed
 from sim.doctor import examine
 from sim.errors import SimError
@@ -24,66 +25,55 @@ from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.report.house_plan import plan_png
 from sim.report.table import result_table
 from worlds.errors import HouseError, WorldsError
+from worlds.export import to_glb
 from worlds.house import House, build_house
 from worlds.presets import PRESETS, sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
 from worlds.validation import validate
 
-_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
 DEMO = RunConfig()
+_WIDE = 110
+"""Columns from which there is room for the meaning of every figure."""
 _ENCODERS = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip"
-
-
-class _Parser(argparse.ArgumentParser):
-    """Reports bad arguments in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """End with status 2."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return the exit status."""
-    arguments = _parser().parse_args(argv)
-    command: Callable[[argparse.Namespace, Console], int] = arguments.command
-    try:
-        return command(arguments, Console())
-    except (WorldsError, SimError, LexisError) as error:
-        print(f"lexis-sim: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
+    return run_command(_parser(), argv, (WorldsError, SimError, LexisError))
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser("lexis-sim", description="Test indoor semantic SLAM in generated houses, against exact truth.")
+def _parser() -> Parser:
+    parser = Parser("lexis-sim", description="Test indoor semantic SLAM in generated houses, against exact truth.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    demo = _add(commands, "demo", _demo, "a house, a walk, LEXIS, a report", "lexis-sim demo --seed 7 --out lexis-demo")
+    demo = add_command(
+        commands, "demo", _demo, "a house, a walk, LEXIS, a report", "lexis-sim demo --seed 7 --out lexis-demo"
+    )
     _add_seed_and_out(demo, Path("lexis-demo"))
     _add_run(commands)
     _add_house(commands)
-    bench = _add(commands, "bench", _bench, "benchmarks", "lexis-sim bench speed --preset home --houses 20")
-    bench.add_argument("benchmark", choices=["speed"])
+    bench = add_command(commands, "bench", _bench, "benchmarks", "lexis-sim bench segmentation --preset home --houses 5")
+    bench.add_argument("benchmark", choices=_BENCHMARKS)
     bench.add_argument("--preset", choices=PRESETS, default="home")
-    bench.add_argument("--houses", type=_positive, default=20)
-    bench.add_argument("--seed", type=_seed, default=0)
-    train = _add(
+    bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
+    bench.add_argument("--encoder", default="mini", help=f"{_ENCODERS} (default: %(default)s)")
+    bench.add_argument("--seed", type=seed, default=0)
+    train = add_command(
         commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --houses 260 --epochs 12"
     )
-    train.add_argument("--houses", type=_positive, default=260, help="training and tuning houses (default: %(default)s)")
-    train.add_argument("--epochs", type=_positive, default=12, help="passes over the frames (default: %(default)s)")
-    train.add_argument("--seed", type=_seed, default=0)
+    train.add_argument("--houses", type=positive, default=260, help="training and tuning houses (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=12, help="passes over the frames (default: %(default)s)")
+    train.add_argument("--seed", type=seed, default=0)
     train.add_argument(
         "--work", type=Path, default=Path("encoder-training"), help="frames and checkpoint; resumed when it exists"
     )
     train.add_argument("--out", type=Path, help="weights (default: those in the package)")
-    _add(commands, "doctor", _doctor, "GL back ends, cores, encoder, versions; what to fix", "lexis-sim doctor")
+    add_command(commands, "doctor", _doctor, "GL back ends, cores, encoder, versions; what to fix", "lexis-sim doctor")
     return parser
 
 
-def _add_run(commands: _Commands) -> None:
-    run_parser = _add(
+def _add_run(commands: Commands) -> None:
+    run_parser = add_command(
         commands, "run", _run, "one run with a choice of everything", "lexis-sim run --preset ori --seed 3 --no-loops"
     )
     house = run_parser.add_mutually_exclusive_group()
@@ -97,10 +87,10 @@ def _add_run(commands: _Commands) -> None:
     run_parser.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
 
 
-def _add_house(commands: _Commands) -> None:
+def _add_house(commands: Commands) -> None:
     house = commands.add_parser("house", help="generate, check and show houses")
     actions = house.add_subparsers(required=True, metavar="ACTION")
-    generate = _add(
+    generate = add_command(
         actions,
         "generate",
         _generate,
@@ -110,45 +100,32 @@ def _add_house(commands: _Commands) -> None:
     source = generate.add_mutually_exclusive_group()
     source.add_argument("--preset", default="home", help=f"family of houses: {', '.join(PRESETS)} (default: %(default)s)")
     source.add_argument("--rooms", metavar="A,B,...", help="one storey with these rooms around a corridor")
-    generate.add_argument("--seed", type=_seed, default=0)
+    generate.add_argument("--seed", type=seed, default=0)
     generate.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.json")
-    check = _add(actions, "check", _check, "prove that a house can stand and be walked", "lexis-sim house check home.json")
+    check = add_command(
+        actions, "check", _check, "prove that a house can stand and be walked", "lexis-sim house check home.json"
+    )
     check.add_argument("file", type=Path)
-    show = _add(actions, "show", _show, "draw the plan of every storey", "lexis-sim house show home.json -o home.png")
+    show = add_command(actions, "show", _show, "draw the plan of every storey", "lexis-sim house show home.json -o home.png")
     show.add_argument("file", type=Path)
+    export = add_command(
+        actions, "export", _export, "a 3-D model for other tools", "lexis-sim house export home.json -o home.glb"
+    )
+    export.add_argument("file", type=Path)
+    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.glb")
     show.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.png")
 
 
-def _add(
-    commands: _Commands, name: str, command: Callable[[argparse.Namespace, Console], int], what: str, example: str
-) -> argparse.ArgumentParser:
-    parser = commands.add_parser(name, help=what, description=what, epilog=f"example: {example}")
-    parser.set_defaults(command=command)
-    return parser
-
-
 def _add_seed_and_out(parser: argparse.ArgumentParser, out: Path) -> None:
-    parser.add_argument("--seed", type=_seed, default=DEMO.seed, help="of house, tour and odometry (default: %(default)s)")
+    parser.add_argument("--seed", type=seed, default=DEMO.seed, help="of house, tour and odometry (default: %(default)s)")
     parser.add_argument("--out", type=Path, default=out, metavar="DIR", help="folder for the result (default: %(default)s)")
 
 
-def _seed(text: str) -> int:
-    if not text.isdecimal() or int(text) >= 2**63:
-        raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 0 to 2**63 - 1")
-    return int(text)
+def _demo(arguments: argparse.Namespace) -> int:
+    return _run_and_report(RunConfig(seed=arguments.seed), arguments.out)
 
 
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 1")
-    return int(text)
-
-
-def _demo(arguments: argparse.Namespace, console: Console) -> int:
-    return _run_and_report(RunConfig(seed=arguments.seed), arguments.out, console)
-
-
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     house = HouseSpec.load(arguments.house) if arguments.house else None
     config = RunConfig(
         preset=arguments.preset,
@@ -159,23 +136,24 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,
     )
-    return _run_and_report(config, arguments.out, console)
+    return _run_and_report(config, arguments.out)
 
 
-def _run_and_report(config: RunConfig, out: Path, console: Console) -> int:
+def _run_and_report(config: RunConfig, out: Path) -> int:
     check_writable(out)
+    console = Console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("walking and mapping", total=1.0)
         finished = run(config, progress=lambda share: bar.update(task, completed=share))
     trials = try_plans(finished)
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
-    console.print(result_table(result))
-    console.print(f"report: {out / 'report.html'}", soft_wrap=True)
+    console.print(result_table(result, meanings=console.width >= _WIDE))
+    print(f"report: {out / 'report.html'}")
     return 0
 
 
-def _generate(arguments: argparse.Namespace, console: Console) -> int:
+def _generate(arguments: argparse.Namespace) -> int:
     if arguments.rooms is None:
         spec = sample_house(arguments.preset, arguments.seed)
     else:
@@ -183,50 +161,79 @@ def _generate(arguments: argparse.Namespace, console: Console) -> int:
     house = _checked(spec)
     with replaced_file(arguments.out) as file:
         file.write_text(spec.to_json())
-    console.print(f"{arguments.out}: {_describe(house)}")
+    print(f"{arguments.out}: {_describe(house)}")
     return 0
 
 
-def _check(arguments: argparse.Namespace, console: Console) -> int:
+def _check(arguments: argparse.Namespace) -> int:
     house = build_house(HouseSpec.load(arguments.file))
     try:
         validate(house)
     except HouseError as error:
-        console.print(f"{arguments.file}: {error}", style="red", soft_wrap=True)
+        print(f"{arguments.file}: {error}")
         return 1
-    console.print(f"{arguments.file}: {_describe(house)}; all checks passed")
+    print(f"{arguments.file}: {_describe(house)}; all checks passed")
     return 0
 
 
-def _show(arguments: argparse.Namespace, console: Console) -> int:
+def _show(arguments: argparse.Namespace) -> int:
     house = build_house(HouseSpec.load(arguments.file))
     with replaced_file(arguments.out) as file:
         file.write_bytes(plan_png(house))
-    console.print(f"{arguments.out}: {_describe(house)}")
+    print(f"{arguments.out}: {_describe(house)}")
     return 0
 
 
-def _train(arguments: argparse.Namespace, console: Console) -> int:
+def _export(arguments: argparse.Namespace) -> int:
+    house = build_house(HouseSpec.load(arguments.file))
+    with replaced_file(arguments.out) as file:
+        file.write_bytes(to_glb(house))
+    print(f"{arguments.out}: {_describe(house)}")
+    return 0
+
+
+def _train(arguments: argparse.Namespace) -> int:
     from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
     from sim.training.train import TrainingConfig
 
     training = TrainingConfig(epochs=arguments.epochs, seed=arguments.seed)
-    train_encoder(TrainingRun(arguments.houses, training, arguments.work, arguments.out or MINI_WEIGHTS), console)
+    train_encoder(TrainingRun(arguments.houses, training, arguments.work, arguments.out or MINI_WEIGHTS), Console())
     return 0
 
 
-def _bench(arguments: argparse.Namespace, console: Console) -> int:
+def _bench(arguments: argparse.Namespace) -> int:
+    Console().print(_BENCHMARKS[arguments.benchmark](arguments))
+    return 0
+
+
+def _bench_segmentation(arguments: argparse.Namespace) -> Table:
+    table = Table("seed", *(field.name for field in fields(Row)), title=f"{arguments.preset}, encoder {arguments.encoder}")
+    last = arguments.seed + arguments.houses - 1
+    rows = []
+    for house, row in run_houses(
+        RunConfig(preset=arguments.preset, encoder=arguments.encoder), range(arguments.seed, last + 1)
+    ):
+        rows.append(row)
+        table.add_row(str(house), *(f"{value:.3g}" for value in astuple(row)), end_section=house == last)
+    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
+        table.add_row(name, *(f"{value:.3g}" for value in values))
+    return table
+
+
+def _bench_speed(arguments: argparse.Namespace) -> Table:
     table = Table("step", "median [ms]", "worst [ms]", "runs", title=f"{arguments.preset}, seeds from {arguments.seed}")
     for timing in measure_speed(arguments.preset, arguments.houses, arguments.seed):
         table.add_row(timing.name, f"{timing.median_ms:.1f}", f"{timing.worst_ms:.1f}", str(timing.runs))
-    console.print(table)
-    return 0
+    return table
 
 
-def _doctor(arguments: argparse.Namespace, console: Console) -> int:
+_BENCHMARKS = {"speed": _bench_speed, "segmentation": _bench_segmentation}
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
     findings = examine()
     for finding in findings:
-        console.print(f"{'ok ' if finding.fine else 'FIX'} {finding.subject}: {finding.detail}", soft_wrap=True)
+        print(f"{'ok ' if finding.fine else 'FIX'} {finding.subject}: {finding.detail}")
     return 0 if all(finding.fine for finding in findings) else 1
 
 

@@ -72,7 +72,7 @@ def test_from_a_recording_to_a_map_a_plan_an_answer_and_an_export(dataset, tmp_p
         (["plan", "{tmp}/map", "--from", "garage", "--to", "corridor"], "valid: corridor, office 1, office 2"),
         (["query", "{tmp}/map", " "], "blank"),
         (["query", "{tmp}/map", "x"], "16 dimensions, the encoder's 3"),
-        (["query", "{tmp}/map", "x", "--top", "0"], "above 0"),
+        (["query", "{tmp}/map", "x", "--top", "0"], "from 1"),
         (["export", "{tmp}/map", "--format", "spark-dsg", "-o", "{tmp}/x"], "invalid choice"),
         (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/nowhere/x"], "cannot be written"),
         (["fly"], "invalid choice"),

@@ -4,10 +4,10 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from sim.odometry import PRESETS, simulate_odometry
 
 from lexis.types import Observation
 from sim.camera import CameraRenderer, wide_camera
+from sim.odometry import PRESETS, simulate_odometry
 from sim.session import Session
 from sim.tour import Tour, plan_tour
 from worlds.house import build_house

@@ -32,7 +32,7 @@ def test_a_handwritten_house_needs_nothing_but_rooms():
         (spec_json(label="kitchn"), "storeys[0].rooms[0].label: unknown label 'kitchn'"),
         (spec_json(polygon_m=[[0, 0], [4, 0], [4, 3], [0.5, 2]]), "polygon_m: walls must run along x or y"),
         (spec_json(polygon_m=[[0, 0], [4, 0], [4, 1e9], [0, 1e9]]), "polygon_m"),
-        (spec_json().replace("4", "NaN", 1), "JSON"),
+        (spec_json().replace("4", "NaN", 1), "polygon_m[1][0]: Input should be a finite number"),
         (spec_json(colour="red"), "storeys[0].rooms[0].colour"),
         ('{"storeys": []}', "storeys"),
         ("{", "JSON"),

@@ -63,7 +63,7 @@ def test_overlapping_rooms_are_named(polygon):
 def test_furniture_that_sticks_out():
     piece = {
         "id": "f",
-        "kind": "bed",
+        "kind": "double bed",
         "room": "b",
         "position_m": [8, 1, 0],
         "yaw_rad": 0,

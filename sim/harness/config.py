@@ -13,7 +13,6 @@ from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
-
 TOUR_LENGTH_M = {"home": 140.0}
 """Walks of presets that are shorter than two laps [m]."""
 

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from lexis.evaluation.loops import true_edges
 from lexis.evaluation.trajectory import align
 from lexis.room_names import instance_names
 from sim.camera import CameraRenderer
+from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
 from sim.harness.run import Run
 from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
@@ -54,12 +54,8 @@ def _keyframes(run: Run) -> KeyframeTable:
 
 def _loops(run: Run) -> tuple[LoopMark, ...]:
     edges = run.map.loops
-    if not edges:
-        return ()
-    query, match = (np.array([getattr(edge, end) for edge in edges]) for end in ("query", "match"))
-    is_true = true_edges(query, match, np.array([edge.T_match_query for edge in edges]), run.true_poses)
-    marks = zip(query, match, is_true, run.map.loop_weights, strict=True)
-    return tuple(LoopMark(int(q), int(m), bool(true), float(weight)) for q, m, true, weight in marks)
+    marks = zip(edges, edge_truth(run), run.map.loop_weights, strict=True)
+    return tuple(LoopMark(edge.query, edge.match, bool(true), float(weight)) for edge, true, weight in marks)
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:

@@ -9,16 +9,18 @@ from rich.table import Table
 from sim.report.figures import SECTIONS, figures
 
 
-def result_table(result: Mapping[str, Any]) -> Table:
-    """A rich table with every figure of a result.json beside its meaning, for `rich.console.Console.print`."""
+def result_table(result: Mapping[str, Any], meanings: bool = True) -> Table:
+    """A rich table with every figure of a result.json, and its meaning beside it, for `rich.console.Console.print`."""
     title = "house {preset}, seed {seed}: {encoder} encoder, {odometry} odometry, {fidelity}".format_map(_Absent(result))
     table = Table("", "figure", title=title, box=SIMPLE_HEAD, title_justify="left", title_style="bold")
     table.add_column("value", justify="right", no_wrap=True, style="bold")
-    table.add_column("meaning", style="dim")
+    if meanings:
+        table.add_column("meaning", style="dim")
     for section in SECTIONS:
         rows = figures(result, section)
         for i, row in enumerate(rows):
-            table.add_row(section if i == 0 else "", row.name, row.value, row.meaning, end_section=i == len(rows) - 1)
+            cells = (section if i == 0 else "", row.name, row.value, row.meaning)
+            table.add_row(*cells[: len(table.columns)], end_section=i == len(rows) - 1)
     return table
 
 

@@ -1,0 +1,53 @@
+"""What the console scripts share: bad input costs one line on stderr and exit status 2, and never a traceback."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from typing import NoReturn, TypeAlias
+
+Command: TypeAlias = Callable[[argparse.Namespace], int]
+"""Runs a command; returns the exit status."""
+Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports bad arguments in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with status 2."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def add_command(commands: Commands, name: str, command: Command, help: str, example: str) -> Parser:
+    """Add a command with an example in its help; `run_command` will call `command`."""
+    formatter = argparse.RawDescriptionHelpFormatter
+    parser = commands.add_parser(name, help=help, description=f"{help[0].upper()}{help[1:]}.", formatter_class=formatter)
+    parser.epilog = f"example:\n  {example}"
+    parser.set_defaults(command=command)
+    return parser
+
+
+def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
+    """Parse and run; the exit status. Errors of the `expected` classes are bad input."""
+    arguments = parser.parse_args(argv)
+    try:
+        return int(arguments.command(arguments))
+    except expected as error:
+        print(f"{parser.prog}: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+def positive(text: str) -> int:
+    """An argument that is a whole number from 1."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 1")
+    return int(text)
+
+
+def seed(text: str) -> int:
+    """An argument that seeds generators."""
+    if not text.isdecimal() or int(text) >= 2**63:
+        raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 0 to 2**63 - 1")
+    return int(text)

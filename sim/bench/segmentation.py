@@ -1,0 +1,61 @@
+"""`lexis-sim bench segmentation`: the whole chain on several houses of a preset, with the default encoder unless told."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from lexis.encoder import load_encoder
+from sim.harness import RunConfig, evaluate, run, try_plans
+from sim.harness.loops import edge_truth
+
+
+@dataclass(frozen=True)
+class Row:
+    """The figures of one house."""
+
+    baseline: float
+    """Label accuracy before refinement."""
+    refined: float
+    """And after it."""
+    pq: float
+    floors: float
+    odometry_m: float
+    """ATE [m]."""
+    ate_m: float
+    false_loops: int
+    heavy_false_loops: int
+    """False edges that keep a weight above 0.5."""
+    loop_recall: float
+    plans: float
+    """Share that reach their room."""
+
+
+def run_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, Row]]:
+    """One run per seed, all else as in `config`."""
+    encoder = load_encoder(config.encoder)
+    for seed in seeds:
+        finished = run(replace(config, seed=seed), encoder)
+        result = evaluate(finished, try_plans(finished))
+        is_true = edge_truth(finished)
+        yield (
+            seed,
+            Row(
+                result["labels"]["accuracy_baseline"],
+                result["labels"]["accuracy"],
+                result["rooms"]["pq"],
+                result["floors"]["accuracy"],
+                result["trajectory"]["ate_odometry_m"],
+                result["trajectory"]["ate_m"],
+                result["loops"]["false"],
+                int((finished.map.loop_weights[~is_true] > 0.5).sum()),
+                result["loops"]["recall"],
+                result["planning"]["success"],
+            ),
+        )
+
+
+def mean_and_spread(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
+    """Mean and standard deviation over houses of every figure; a figure that a run did not have is left out."""
+    table = np.array([[getattr(row, field.name) for field in fields(Row)] for row in rows], float)
+    return np.nanmean(table, axis=0).tolist(), np.nanstd(table, axis=0).tolist()
