@@ -47,21 +47,21 @@ def test_held_out_names_are_never_trained_on():
 
 def test_training_learns_and_resumes_to_the_same_weights(frames, tmp_path):
     torch.set_num_threads(1)
-    half = Frames(frames.images[::3], frames.rooms[::3], frames.shares[::3])
-    config = TrainingConfig(epochs=3, batch=16, learning_rate=2e-3)
+    half = Frames(frames.images[::2], frames.rooms[::2], frames.shares[::2])
+    config = TrainingConfig(epochs=5, batch=16, learning_rate=3e-3)
     straight: list[Progress] = []
     whole = train(half, frames, config, straight.append)
-    assert straight[-1].loss < 0.8 * straight[0].loss
+    assert straight[-1].loss < 0.75 * straight[0].loss
 
     class StoppedError(Exception):
         pass
 
-    def stop_after_two(progress):
-        if progress.epoch == 3:
+    def stop_after_three(progress):
+        if progress.epoch == 4:
             raise StoppedError
 
     with pytest.raises(StoppedError):
-        train(half, frames, config, stop_after_two, tmp_path / "checkpoint.pt")
+        train(half, frames, config, stop_after_three, tmp_path / "checkpoint.pt")
     resumed = train(half, frames, config, lambda progress: None, tmp_path / "checkpoint.pt")
     for name, value in whole.state_dict().items():
         assert torch.equal(value, resumed.state_dict()[name]), name
