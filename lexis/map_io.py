@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from lexis.camera_io import CameraData
 from lexis.errors import MapError
 from lexis.files import replaced_folder
-from lexis.inputs import check_camera, check_room_names
+from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
 from lexis.map_arrays import LAYOUT, Arrays, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
 from lexis.types import LexisMap, RoomInstance
 
@@ -23,7 +23,7 @@ MAX_JSON_BYTES = 16_000_000
 MAX_ARRAY_BYTES = 8_000_000_000
 
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
-_Name = Annotated[str, Field(min_length=1, max_length=200)]
+_Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
 
 
 class _Room(BaseModel):
@@ -38,7 +38,7 @@ class _Map(BaseModel):
 
     schema_version: Literal[1] = Field(alias="schema")
     camera: CameraData
-    room_names: tuple[_Name, ...] = Field(min_length=1, max_length=1000)
+    room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     rooms: tuple[_Room, ...] = Field(max_length=100_000)
     stage_seconds: dict[str, float] = Field(max_length=100)
 
