@@ -27,7 +27,7 @@ def read_camera(path: Path) -> Camera:
         camera = CameraData.model_validate_json(path.read_bytes()).camera()
         check_camera(camera)
     except OSError as error:
-        raise DatasetError(f"{path}: cannot be read: {error.strerror}") from None
+        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a camera as JSON") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise DatasetError(f"{path}: {'.'.join(map(str, first['loc'])) or 'camera'}: {first['msg']}") from None
@@ -57,8 +57,8 @@ def _image_path(directory: Path, where: str, name: str) -> Path:
     if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
         raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")
     path = directory / relative
-    if not path.is_file():
-        raise DatasetError(f"{where}: there is no file {path}")
+    if not os.path.isfile(path):
+        raise DatasetError(f"{where}: there is no file {path}; valid: the name of an image, from the folder of {IMAGE_LIST}")
     return path
 
 
@@ -118,7 +118,7 @@ def _stamp_and_rest(path: Path, number: int, line: str) -> tuple[float, str]:
     except ValueError:
         stamp = math.nan
     if not math.isfinite(stamp) or not rest.strip():
-        raise DatasetError(f"{path}:{number}: {line[:80]!r} does not begin with a stamp in seconds and something after it")
+        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and what belongs to it")
     return stamp, rest.strip()
 
 

@@ -9,6 +9,7 @@
 Images are 8-bit PNG or JPEG without distortion. Everything but the pixels is checked when the dataset is opened.
 """
 
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -73,7 +74,7 @@ class Dataset:
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
     """Open a recorded run. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
     config = config or DatasetConfig()
-    if not directory.is_dir():
+    if not os.path.isdir(directory):
         raise DatasetError(f"{directory}: no dataset there; valid: a folder with {IMAGE_LIST}, {ODOMETRY} and {CAMERA}")
     camera = read_camera(directory / CAMERA)
     stamps, images = read_image_list(directory)

@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all: written beside their place, then renamed."""
+"""Files and folders that appear whole or not at all: written beside their place, then renamed; and text read by lines."""
 
 import os
 import shutil
@@ -10,14 +10,15 @@ from pathlib import Path
 from lexis.errors import LexisError
 
 MAX_TEXT_BYTES = 500_000_000
+"""Larger files are not read."""
 
 
 @contextmanager
 def replaced_file(path: Path) -> Iterator[Path]:
     """A file beside `path` that takes its place when the block ends well. Raises LexisError where it cannot be written."""
-    if path.is_dir():
-        raise LexisError(f"{path}: is a folder; valid: the name of a file")
     try:
+        if path.is_dir():
+            raise LexisError(f"{path}: is a folder; valid: the name of a file")
         handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     except OSError as error:
         raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a file in a folder that exists") from None
@@ -59,8 +60,12 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
 
 
 def check_replaceable(path: Path, marker: str) -> None:
-    """Raise LexisError where something is at `path` that is not one of our folders (known by `marker`) nor empty."""
-    if path.exists() and not (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir()))):
+    """Raise LexisError unless `path` is free, an empty folder, or one of ours, known by its `marker`."""
+    try:
+        ours = not path.exists() or (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir())))
+    except OSError as error:
+        raise LexisError(f"{path}: cannot be looked into: {error.strerror}; valid: a folder that can be made") from None
+    if not ours:
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
 
 
@@ -73,5 +78,5 @@ def numbered_lines(path: Path) -> list[tuple[int, str]]:
     except OSError as error:
         raise LexisError(f"{path}: cannot be read: {error.strerror}; valid: an existing text file") from None
     except UnicodeDecodeError:
-        raise LexisError(f"{path}: cannot be read as text in UTF-8") from None
+        raise LexisError(f"{path}: is not text in UTF-8; valid: a text file") from None
     return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]

@@ -2,6 +2,7 @@
 
 import difflib
 import json
+import os
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -65,12 +66,12 @@ def parse_model(model: str) -> ModelSource:
 
 
 def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise EncoderError(f"encoder {model}: no checkpoint at {path}; valid: an existing file, or another model")
     if architecture == MINI_CONFIG.stem:
         return ModelSource(architecture, str(path), "the checkpoint")
     beside = path.parent / "open_clip_config.json"
-    stated = _read_config(beside) if beside.is_file() else {}
+    stated = _read_config(beside) if os.path.isfile(beside) else {}
     preprocess = stated.get("preprocess_cfg") or _agreed(architecture)
     if preprocess is None:
         raise EncoderError(

@@ -75,6 +75,10 @@ def test_from_a_recording_to_a_map_a_plan_an_answer_and_an_export(dataset, tmp_p
         (["query", "{tmp}/map", "x", "--top", "0"], "from 1"),
         (["export", "{tmp}/map", "--format", "spark-dsg", "-o", "{tmp}/x"], "invalid choice"),
         (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/nowhere/x"], "cannot be written"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "{tmp}/{long}"], "cannot be looked into"),
+        (["run", "{tmp}/{long}", "--rooms", "kitchen", "-o", "{tmp}/out"], "no dataset there"),
+        (["plan", "{tmp}/{long}", "--from", "office", "--to", "corridor"], "no map there"),
+        (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/{long}"], "cannot be written"),
         (["fly"], "invalid choice"),
         ([], "COMMAND"),
     ],
@@ -82,7 +86,7 @@ def test_from_a_recording_to_a_map_a_plan_an_answer_and_an_export(dataset, tmp_p
 def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, arguments, says):
     save_map(corridor_with_offices(rng), tmp_path / "map")
     try:
-        status = cli.main([argument.format(tmp=tmp_path) for argument in arguments])
+        status = cli.main([argument.format(tmp=tmp_path, long="a" * 300) for argument in arguments])
     except SystemExit as left:
         status = left.code
     printed = capsys.readouterr()
