@@ -77,7 +77,7 @@ class LabelConfig:
     neighbours: int = 7
     """C: the nearest keyframes that vote (paper: 3 to 7)."""
     every: int = 9
-    """K: new keyframes between two refinements (paper: 7 to 12)."""
+    """K: new keyframes between two refinements at most (paper: 7 to 12); an optimisation brings one as well."""
     stairs_name: str = "stairs"
     """The room name that height change assigns; without it in the vocabulary, stairs are not sought."""
     stairs_window_m: float = 2.0
@@ -101,7 +101,8 @@ class SegmentationConfig:
     distance_m: float = 3.0
     """A keyframe joins a cluster of its label whose mean is at most this far [m]."""
     adjacency_m: float = 1.5
-    """Same-label clusters merge when keyframes of both come this close with no other room between them [m]."""
+    """Same-label clusters merge when keyframes of both come this close with no other room between them [m]; those of
+    consecutive keyframes merge however far these are."""
     stairs_name: str = "stairs"
     """The label that separates floors."""
 
@@ -157,9 +158,9 @@ class VerificationConfig:
     pixel_sigma: float = 1.5
     """Standard deviation of an inlier's reprojection error, landmark noise included [px]."""
     rotation_sigma_rad: float = 0.005
-    """Floor of a loop edge's standard deviation [rad]."""
+    """Added in quadrature to a loop edge's standard deviation: the landmarks' common error [rad]."""
     translation_sigma_m: float = 0.03
-    """Floor of a loop edge's standard deviation [m]."""
+    """Likewise [m]."""
     max_sigma_m: float = 0.06
     """Largest standard deviation of a loop edge's translation, in its worst direction [m]; few or distant landmarks
     leave more open, and then their own errors decide."""
@@ -196,9 +197,9 @@ class PoseGraphConfig:
     every: int = 10
     """Keyframes between two optimisations at least."""
     min_rotation_sigma_rad: float = 1e-4
-    """Floor of an odometry step's standard deviation [rad]."""
+    """Added in quadrature to an odometry step's standard deviation, which may be stated as zero [rad]."""
     min_translation_sigma_m: float = 1e-4
-    """Floor of an odometry step's standard deviation [m]."""
+    """Likewise [m]."""
     max_iterations: int = 50
     """Of Levenberg-Marquardt."""
 
@@ -228,7 +229,7 @@ class PlannerConfig:
 
 @dataclass(frozen=True)
 class Config:
-    """All settings of LEXIS, in the order of the stages."""
+    """All settings of LEXIS, in the order of the stages; what concerns two stages is checked here."""
 
     keyframes: KeyframeConfig = field(default_factory=KeyframeConfig)
     landmarks: LandmarkConfig = field(default_factory=LandmarkConfig)
@@ -238,3 +239,19 @@ class Config:
     verification: VerificationConfig = field(default_factory=VerificationConfig)
     pose_graph: PoseGraphConfig = field(default_factory=PoseGraphConfig)
     planner: PlannerConfig = field(default_factory=PlannerConfig)
+
+    def __post_init__(self) -> None:
+        """Raise ConfigError where two stages contradict each other."""
+        views = 2 * self.keyframes.supports + 1
+        _require(
+            self.landmarks.min_views <= views,
+            "landmarks.min_views",
+            self.landmarks.min_views,
+            f"up to the {views} images that keyframes.supports leaves, or there is no landmark",
+        )
+        _require(
+            self.segmentation.stairs_name == self.labels.stairs_name,
+            "segmentation.stairs_name",
+            repr(self.segmentation.stairs_name),
+            f"{self.labels.stairs_name!r}, as labels.stairs_name, or no floor is found",
+        )

@@ -40,6 +40,18 @@ def test_a_bad_value_is_refused_by_name(kind, setting, value):
         kind(**{setting: value})
 
 
+@pytest.mark.parametrize(
+    ("stages", "setting"),
+    [
+        ({"keyframes": KeyframeConfig(supports=1), "landmarks": LandmarkConfig(min_views=4)}, "landmarks.min_views is 4"),
+        ({"labels": LabelConfig(stairs_name="staircase")}, "segmentation.stairs_name is 'stairs'"),
+    ],
+)
+def test_stages_that_contradict_each_other_are_refused(stages, setting):
+    with pytest.raises(ConfigError, match=f"{setting}; valid: "):
+        Config(**stages)
+
+
 def test_the_defaults_are_the_paper_s():
     config = Config()
     assert 3 <= config.labels.neighbours <= 7
