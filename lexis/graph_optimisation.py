@@ -37,7 +37,7 @@ def optimise(
     Args:
         T_W_B: where to start from.
         steps: odometry ``T_i_j`` from every keyframe to the next.
-        step_covariances: of the steps; raised to the configured floor.
+        step_covariances: of the steps; the configured floor is added.
         loops: edges between keyframes of the graph.
         config: kernel and iterations.
 

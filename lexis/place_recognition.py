@@ -1,4 +1,4 @@
-"""Loop candidates from the room that the query believes it is in (paper, Sec. III-D)."""
+"""Loop candidates from the room that the query's image shows (paper, Sec. III-D)."""
 
 from collections.abc import Sequence
 
@@ -22,8 +22,9 @@ def propose(
         graph: the current estimate and the embeddings.
         config: how many to propose, and how old they have to be.
 
-    The closest room is sought among those with an old enough keyframe: the room that the robot has just entered may
-    for now be a cluster of its own, too recent to close a loop with, and would hide the older one behind it.
+    The closest room is sought by the graph's current estimate, which is the odometry since the last optimisation, and among
+    rooms with an old enough keyframe: the room that the robot has just entered may for now be a cluster of its own, too
+    recent to close a loop with, and would hide the older one behind it.
     """
     old = _old_enough(query, graph, config)
     members = {room.id: [i for i in room.keyframes if old[i]] for room in rooms if room.label == label}

@@ -107,7 +107,8 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
     """How clearly the images around every keyframe tell the room from the others: it fades towards the room's edge.
 
-    The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room.
+    The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room; those of
+    other rooms may speak against this one, not for it.
     """
     label = map.room_names.index(room.label)
     others = np.delete(map.similarities, label, axis=1).max(axis=1, initial=-1.0)

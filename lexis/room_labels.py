@@ -1,7 +1,8 @@
 """Room labels of keyframes: image against prompts, votes of neighbours, stairs by height (paper, Sec. III-B).
 
-As in the paper, every K new keyframes one forward pass of votes is run. It always starts from the images' labels, not
-from those of the pass before: labels are a function of the graph as it now stands, and no mistake outlives its cause.
+As in the paper, one pass of votes is run every K new keyframes (and when the graph has been optimised). Unlike the paper's
+it starts from the images' labels each time, not from those of the pass before: labels are a function of the graph as it
+now stands, and no mistake outlives its cause.
 """
 
 from dataclasses import dataclass
@@ -40,7 +41,8 @@ def label_keyframes(
     """Label all keyframes, as a function of their images and where they are now.
 
     Where the vocabulary names the stairs, climbing decides on them alone: a keyframe on a climb is on stairs whatever it
-    sees, and one that only looks at stairs takes its next best prompt.
+    sees, as in the paper; and, beyond the paper, one that only looks at stairs takes its next best prompt. Keyframes on
+    stairs neither vote nor are voted on.
 
     Args:
         similarities: of every keyframe with every room prompt, in the order of the keyframes.
@@ -66,8 +68,15 @@ def label_keyframes(
 def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:
     """One forward pass of label propagation: every node takes the most common label of its C nearest neighbours.
 
-    All nodes vote with the labels they had before the pass, so their order does not matter. Of equally common labels a node
-    keeps its own; otherwise it takes the one that its neighbours' images resemble most in sum.
+    All nodes vote with the labels they had before the pass, so their order does not matter. Of equally common labels, of
+    which the paper says nothing, a node keeps its own; otherwise it takes the one that its neighbours' images resemble most
+    in sum.
+
+    Args:
+        labels: before the pass.
+        similarities: of every node with every room prompt.
+        positions: in W [m].
+        neighbours: C; fewer vote where there are no more nodes.
     """
     if len(labels) < 2:
         return labels.copy()

@@ -34,8 +34,9 @@ def segment(
     """Group labelled keyframes into room instances and floors.
 
     Keyframes join, in order, the nearest cluster of their label and floor whose running mean is within `distance_m`, or
-    start one. Clusters of one label then become one room where keyframes of both are neighbours with no other room in
-    between. No room spans floors; a staircase is one room over all floors that it joins.
+    start one. Clusters of one label then become one room where keyframes of both follow one another on the walk, or are
+    near with no other room in between. Beyond the paper, no room spans floors; a staircase is one room over all floors that
+    it joins.
 
     Args:
         labels: index of every keyframe into `room_names`.

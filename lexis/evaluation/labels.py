@@ -1,4 +1,4 @@
-"""How many keyframes carry the right room name (paper, Sec. IV; definitions in CONTRACT.md)."""
+"""How many keyframes carry the right room name (paper, Sec. IV)."""
 
 from collections.abc import Sequence
 

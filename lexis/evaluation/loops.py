@@ -1,4 +1,4 @@
-"""Whether loop edges are true, and how many of the revisits they found (definitions in CONTRACT.md)."""
+"""Whether loop edges are true, and how many of the revisits they found."""
 
 from dataclasses import dataclass
 
