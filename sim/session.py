@@ -11,11 +11,12 @@ from jaxtyping import Float64
 
 from lexis.types import Camera, Image, Observation
 from sim.camera import CameraRenderer, fovy_deg
+from sim.errors import SimError
 from sim.odometry import Odometry
 from sim.scene import build_scene
 from sim.tour import Tour
 from worlds.house import House
-from worlds.truth import floor_at, room_at
+from worlds.truth import NOWHERE, floor_at, room_at
 
 _AHEAD = 16
 
@@ -36,7 +37,8 @@ class Truth:
 class Session:
     """Iterate, once or often, to get `(Observation, Truth)` pairs in the order of time.
 
-    Frames are rendered ahead by a thread that owns the GL context, so that rendering and LEXIS share two cores.
+    Frames are rendered ahead by a thread that owns the GL context, so that rendering and LEXIS share two cores. Raises
+    `SimError` where the tour leaves the house.
     """
 
     def __init__(self, house: House, tour: Tour, odometry: Odometry, camera: Camera) -> None:
@@ -79,6 +81,10 @@ class Session:
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:
     positions = tour.T_W_B[:, :3, 3]
     rooms, storeys = room_at(house, positions), floor_at(house, positions)
+    if (outside := rooms == NOWHERE).any():
+        frame = int(np.argmax(outside))
+        place = ", ".join(f"{coordinate:.2f}" for coordinate in positions[frame])
+        raise SimError(f"session: frame {frame} at ({place}) m is in no room; valid: a tour inside the house")
     return tuple(
         Truth(i, T, int(room), house.rooms[room].label, int(storey))
         for i, (T, room, storey) in enumerate(zip(tour.T_W_B, rooms, storeys, strict=True))

@@ -67,6 +67,15 @@ def test_random_points_lie_in_at_most_one_room_and_on_its_floor(house):
             assert floor == house.rooms[owner].storey
 
 
+def test_no_point_falls_between_two_rooms(house):
+    for level, pieces in enumerate(house.boundaries):
+        for boundary, _ in pieces:
+            height = house.storeys[level].floor_m + 1.4
+            points = np.array([[*boundary.point(a), height] for a in np.linspace(boundary.low, boundary.high, 5)])
+            sides = {house.rooms.index(house.room_by_id[name]) for name in boundary.rooms if name is not None}
+            assert set(room_at(house, points)[1:-1]) <= sides and NOWHERE not in room_at(house, points)
+
+
 def test_ambiguity_contains_the_truth_and_only_opens_at_open_boundaries(house):
     points = np.array([[*room.polygon.representative_point().coords[0], room.floor_m + 1.4] for room in house.rooms])
     owner, allowed = room_at(house, points), ambiguity_at(house, points)

@@ -1,12 +1,13 @@
 """A session yields what a robot sees, in order, and keeps the truth out of it."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from lexis.types import Observation
 from sim.camera import CameraRenderer, wide_camera
+from sim.errors import SimError
 from sim.odometry import PRESETS, simulate_odometry
 from sim.session import Session
 from sim.tour import Tour, plan_tour
@@ -58,6 +59,12 @@ def test_an_observation_has_no_place_for_truth(session, pairs):
     assert {field.name for field in fields(Observation)} == {"index", "stamp", "image", "T_O_B", "increment_covariance"}
     last_seen, last_true = pairs[-1]
     assert not np.allclose(last_seen.T_O_B, last_true.T_W_B)
+
+
+def test_a_tour_that_leaves_the_house_is_refused(session):
+    away = replace(session.tour, T_W_B=session.tour.T_W_B + np.array([0.0, 0.0, 0.0, 500.0])[None, None, :])
+    with pytest.raises(SimError, match=r"frame 0 at .* is in no room; valid"):
+        Session(session.house, away, session.odometry, session.camera)
 
 
 def test_truth_names_the_room_that_holds_the_camera(session, pairs):

@@ -14,12 +14,13 @@ NOWHERE = -1
 def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
     """Index into `house.rooms` of the room that holds each point of W [m], `NOWHERE` outside of all.
 
-    Walls are split at their centre lines; a room reaches from its floor to the underside of the next one.
+    Walls are split at their centre lines, of which a point right on one belongs to the later room of `house.rooms`; a room
+    reaches from its floor to the next one's.
     """
     owner = np.full(len(points), NOWHERE)
     for i, room in enumerate(house.rooms):
         in_height = (points[:, 2] >= room.floor_m) & (points[:, 2] < room.ceiling_m + house.spec.slab_m)
-        owner[in_height & shapely.contains_xy(room.polygon, points[:, 0], points[:, 1])] = i
+        owner[in_height & shapely.intersects_xy(room.polygon, points[:, 0], points[:, 1])] = i
     return owner
 
 

@@ -90,7 +90,7 @@ class Walkable:
         rooms = [self.free_space.room[self._free]]
         for stairs, line in zip(self.house.stairs, self._flights, strict=True):
             own, owner = self.house.rooms.index(self.house.room_by_id[stairs.room]), room_at(self.house, line)
-            rooms.append(np.where(owner < 0, own, owner))  # a point right on the cell's boundary is in no room
+            rooms.append(np.where(owner < 0, own, owner))  # where the way to the stairs lies in no room, no one gets there
         return np.concatenate(rooms)
 
     @cached_property
