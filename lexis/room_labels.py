@@ -35,6 +35,11 @@ def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "
     return np.asarray(embeddings @ text.T / norms)
 
 
+def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
+    """Index of the prompt that one image resembles most: its label before refinement."""
+    return int(similarities(embedding[None], text).argmax())
+
+
 def label_keyframes(
     similarities: Similarities, positions: Positions, room_names: tuple[str, ...], config: LabelConfig
 ) -> RoomLabels:

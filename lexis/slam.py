@@ -15,6 +15,7 @@ from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.place_recognition import propose
 from lexis.pose_graph import PoseGraph
+from lexis.room_labels import image_label
 from lexis.semantics import Semantics, derive
 from lexis.timing import StageTimer
 from lexis.types import Camera, Keyframe, LexisMap, Observation, RoomInstance
@@ -75,7 +76,7 @@ class Slam:
             self._add(keyframe)
 
     def finish(self) -> LexisMap:
-        """The map of all observations; this ends the run.
+        """The map of all observations; call it when there are no more, for the last keyframes stop waiting for frames.
 
         Raises:
             LexisError: there was no observation.
@@ -90,6 +91,7 @@ class Slam:
         return self._map(self._understand())
 
     def _add(self, keyframe: Keyframe) -> None:
+        """Loops are sought in the rooms as last derived, which happens every K keyframes and at every optimisation."""
         self._graph.add_keyframe(keyframe)
         self._close_loops(keyframe)
         optimised = self._optimise()
@@ -104,7 +106,7 @@ class Slam:
     def _close_loops(self, query: Keyframe) -> None:
         """Propose candidates in the room that the image shows, verify them by PnP, add the edges."""
         with self._timed("propose"):
-            label = self._room_names[int((self._text @ query.embedding).argmax())]
+            label = self._room_names[image_label(query.embedding, self._text)]
             candidates = propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             loops = verify(query, candidates, self._graph, self._camera, self._config.verification)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
-from lexis.room_labels import label_keyframes, propagate, similarities
+from lexis.room_labels import image_label, label_keyframes, propagate, similarities
 
 NAMES = ("kitchen", "office", "corridor")
 
@@ -25,6 +25,12 @@ def test_similarity_is_the_cosine(rng):
     expected = [[x @ y / (np.linalg.norm(x) * np.linalg.norm(y)) for y in b] for x in a]
     np.testing.assert_allclose(similarities(a, b), expected)
     np.testing.assert_allclose(similarities(3 * a, 0.2 * b), similarities(a, b))
+
+
+def test_an_image_by_itself_has_the_label_that_it_has_among_others(rng):
+    images, text = rng.normal(size=(30, 4)), rng.normal(size=(3, 4))
+    labels = label_keyframes(similarities(images, text), walk(rng, 30), NAMES, LabelConfig())
+    assert [image_label(image, text) for image in images] == labels.baseline.tolist()
 
 
 def slow_pass(labels, scores, positions, neighbours):
