@@ -49,9 +49,6 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
     """The map's arrays; without `features` the keyframes lose their key points and landmarks."""
     keyframes, loops = map.keyframes, map.loops
-    room_of = np.full(len(keyframes), -1)
-    for room in map.rooms:
-        room_of[list(room.keyframes)] = room.id
     seen = keyframes if features else ()
     nothing = np.zeros(len(keyframes))
     columns = {
@@ -65,7 +62,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "baseline_labels": map.baseline_labels,
         "labels": map.labels,
         "floors": map.floors,
-        "room_of": room_of,
+        "room_of": map.room_of,
         "room_mean": [room.mean for room in map.rooms],
         "feature_count": [len(k.features.keypoints) for k in seen] if features else nothing,
         "keypoints": _joined([k.features.keypoints for k in seen], (0, 2)),

@@ -82,9 +82,7 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
 
 
 def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:
-    room_of = np.full(len(positions), -1)
-    for room in map.rooms:
-        room_of[list(room.keyframes)] = room.id
+    room_of = map.room_of
     pairs = cKDTree(positions).query_pairs(shortcut_m, output_type="ndarray")
     return np.asarray(pairs[room_of[pairs[:, 0]] == room_of[pairs[:, 1]]])
 
@@ -113,8 +111,7 @@ def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
     label = map.room_names.index(room.label)
     others = np.delete(map.similarities, label, axis=1).max(axis=1, initial=-1.0)
     margin = map.similarities[:, label] - others
-    outside = np.ones(len(margin), bool)
-    outside[list(room.keyframes)] = False
+    outside = map.room_of != room.id
     margin[outside] = np.minimum(margin[outside], 0.0)
     positions = map.T_W_B[:, :3, 3]
     nearest = cKDTree(positions).query(positions, k=np.arange(1, min(EVIDENCE_NEIGHBOURS, len(positions)) + 1))[1]

@@ -150,6 +150,14 @@ class LexisMap:
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time by stage [s]."""
 
+    @property
+    def room_of(self) -> Int[np.ndarray, "n"]:
+        """Id of the room instance of every keyframe; -1 for one that is in none."""
+        room_of = np.full(len(self.keyframes), -1)
+        for room in self.rooms:
+            room_of[list(room.keyframes)] = room.id
+        return room_of
+
     def label_of(self, keyframe: int) -> str:
         """The room name of a keyframe."""
         return self.room_names[int(self.labels[keyframe])]
