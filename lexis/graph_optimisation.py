@@ -1,7 +1,6 @@
 """Robust optimisation of a pose graph (paper, Eq. 2)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import gtsam
 import numpy as np
@@ -16,23 +15,14 @@ _PRIOR_SIGMA = 1e-6
 """Of the first pose [rad, m]: it only fixes the gauge."""
 
 
-@dataclass(frozen=True, eq=False)
-class Optimised:
-    """The result of `optimise`."""
-
-    T_W_B: Poses
-    loop_weights: Float64[np.ndarray, "loops"]
-    """The DCS kernel's weight of every loop edge at the solution, in [0, 1]."""
-
-
 def optimise(
     T_W_B: Poses,
     steps: Float64[np.ndarray, "n_minus_1 4 4"],
     step_covariances: Float64[np.ndarray, "n_minus_1 6 6"],
     loops: Sequence[LoopEdge],
     config: PoseGraphConfig,
-) -> Optimised:
-    """Levenberg-Marquardt over all poses: odometry by least squares, loops under DCS, the first pose held.
+) -> Poses:
+    """The poses by Levenberg-Marquardt: odometry by least squares, loops under DCS, the first pose held.
 
     Args:
         T_W_B: where to start from.
@@ -57,12 +47,11 @@ def optimise(
     parameters = gtsam.LevenbergMarquardtParams()
     parameters.setMaxIterations(config.max_iterations)
     solution = gtsam.LevenbergMarquardtOptimizer(graph, initial, parameters).optimize()
-    poses = np.stack([solution.atPose3(i).matrix() for i in range(len(T_W_B))])
-    return Optimised(poses, loop_weights(poses, loops, config))
+    return np.stack([solution.atPose3(i).matrix() for i in range(len(T_W_B))])
 
 
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
-    """DCS weights (Agarwal et al., 2013) of loop edges at given poses; below 0.5 an edge counts as rejected."""
+    """DCS weights (Agarwal et al., 2013) in [0, 1] of loop edges at given poses; below 0.5 an edge counts as rejected."""
     kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
     return np.array([kernel.weight(np.sqrt(squared_residual(T_W_B, loop))) for loop in loops], dtype=np.float64)
 

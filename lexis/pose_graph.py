@@ -66,7 +66,6 @@ class PoseGraph:
             return False
         T_O_B = np.stack([keyframe.T_O_B for keyframe in self.keyframes])
         covariances = np.stack([keyframe.step_covariance for keyframe in self.keyframes[1:]])
-        result = optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config)
-        self._poses = list(result.T_W_B)
+        self._poses = list(optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config))
         self._unused_loops, self._last_optimised = False, len(self.keyframes)
         return True
