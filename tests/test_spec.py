@@ -37,6 +37,10 @@ def test_a_handwritten_house_needs_nothing_but_rooms():
         ('{"storeys": []}', "storeys"),
         ("{", "JSON"),
         (json.dumps({"storeys": [{"rooms": [{"id": "a", "label": "office", "polygon_m": SQUARE}] * 2}]}), "repeated: a"),
+        (spec_json().replace("4", "true", 1), "polygon_m[1][0]: Input should be a valid number"),
+        (spec_json(polygon_m=[[0, 0], ["4", 0], ["4", 3], [0, 3]]), "polygon_m[1][0]: Input should be a valid number"),
+        (spec_json(polygon_m=[[0, 0], [1000, 0], [1000, 1000], [0, 1000]]), "1000000 m²; at most 20000"),
+        (json.dumps(json.loads(spec_json()) | {"schema_version": 1}), "schema_version"),
     ],
 )
 def test_bad_json_is_refused_in_one_line_that_names_the_place(bad, place):
@@ -52,11 +56,24 @@ def test_an_opening_between_unknown_rooms_lists_the_known_ones():
         HouseSpec.from_json(json.dumps(data))
 
 
+def test_two_pieces_of_furniture_with_one_id_are_refused():
+    data = json.loads(spec_json())
+    piece = {"id": "f", "kind": "sofa", "room": "a", "position_m": [2, 1, 0], "yaw_rad": 0, "size_m": [2, 1, 1], "seed": 0}
+    data["storeys"][0]["furniture"] = [piece, piece]
+    with pytest.raises(SpecError, match="furniture ids must be unique in the house; repeated: f"):
+        HouseSpec.from_json(json.dumps(data))
+
+
 def test_files_that_cannot_be_a_house_are_not_read(tmp_path):
     huge = tmp_path / "huge.json"
     with huge.open("wb") as file:
         file.truncate(MAX_JSON_BYTES + 1)
-    with pytest.raises(SpecError, match="larger than"):
-        HouseSpec.load(huge)
+    binary = tmp_path / "binary.json"
+    binary.write_bytes(b"\xff\xfe")
+    for endless in (huge, "/dev/zero"):
+        with pytest.raises(SpecError, match="larger than"):
+            HouseSpec.load(endless)
+    with pytest.raises(SpecError, match="not text in UTF-8"):
+        HouseSpec.load(binary)
     with pytest.raises(SpecError, match="cannot be read"):
         HouseSpec.load(tmp_path / "missing.json")

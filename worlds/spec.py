@@ -6,16 +6,19 @@ the same house. Lengths are in metres, angles in radians; x east, y north, z up;
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from worlds.errors import SpecError
-from worlds.labels import ROOM_LABELS, STAIRS
+from worlds.labels import ROOM_LABELS
 
 MAX_JSON_BYTES = 16_000_000
 MAX_ROOMS = 200
+MAX_PLAN_M2 = 20_000.0
+"""Largest rectangle around all rooms, times the storeys: what is surveyed at 10 cm has to fit in memory."""
 
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Length = Annotated[float, Field(gt=0.0, le=1000.0)]
@@ -78,7 +81,7 @@ class FurnitureSpec(_Data):
         description="centre of the foot print and height of the underside above the storey's floor [m]"
     )
     yaw_rad: float = Field(
-        ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]; multiples of pi/2 for solid kinds"
+        ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]"
     )
     size_m: tuple[Length, Length, Length] = Field(description="width, depth, height in the piece's own frame [m]")
     seed: int = Field(ge=0, lt=2**32, description="of its colours and variants")
@@ -105,21 +108,26 @@ class HouseSpec(_Data):
     clutter: float = Field(default=1.0, ge=0.0, le=3.0, description="how much furniture is filled in; 0: none, 1: usual")
     storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
-
     @model_validator(mode="after")
     def _names_resolve(self) -> "HouseSpec":
-        ids = [room.id for storey in self.storeys for room in storey.rooms]
-        if len(ids) > MAX_ROOMS:
-            raise ValueError(f"{len(ids)} rooms; at most {MAX_ROOMS}")
-        duplicates = sorted({i for i in ids if ids.count(i) > 1})
-        if duplicates:
-            raise ValueError(f"room ids must be unique in the house; repeated: {', '.join(duplicates)}")
+        _check_unique("room", [room.id for storey in self.storeys for room in storey.rooms])
+        _check_unique("furniture", [piece.id for storey in self.storeys for piece in storey.furniture or ()])
         for level, storey in enumerate(self.storeys):
             known = {room.id for room in storey.rooms}
             named = [i for opening in storey.openings for i in opening.rooms] + [f.room for f in storey.furniture or ()]
             for missing in sorted(set(named) - known):
                 raise ValueError(f"storeys[{level}] names room {missing!r}; its rooms are {', '.join(sorted(known))}")
+        return self
+
+    @model_validator(mode="after")
+    def _bounded(self) -> "HouseSpec":
+        rooms = [room for storey in self.storeys for room in storey.rooms]
+        if len(rooms) > MAX_ROOMS:
+            raise ValueError(f"{len(rooms)} rooms; at most {MAX_ROOMS}")
+        x, y = zip(*(corner for room in rooms for corner in room.polygon_m), strict=True)
+        area = (max(x) - min(x)) * (max(y) - min(y)) * len(self.storeys)
+        if area > MAX_PLAN_M2:
+            raise ValueError(f"the rectangle around all rooms, times the storeys, is {area:.0f} m²; at most {MAX_PLAN_M2:.0f}")
         return self
 
     @property
@@ -136,7 +144,7 @@ class HouseSpec(_Data):
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":
         """Read a spec; `source` is named in errors. Raises `SpecError`."""
         try:
-            return cls.model_validate_json(text)
+            return cls.model_validate_json(text, strict=True)
         except ValidationError as error:
             raise SpecError(f"{source}: {_first_problem(error)}") from None
 
@@ -145,12 +153,22 @@ class HouseSpec(_Data):
         """Read a spec from a file of at most 16 MB. Raises `SpecError`."""
         path = Path(path)
         try:
-            if path.stat().st_size > MAX_JSON_BYTES:
-                raise SpecError(f"{path}: larger than {MAX_JSON_BYTES // 1_000_000} MB; not a house")
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise SpecError(f"{path}: cannot be read as a house spec: {error}") from None
-        return cls.from_json(text, source=str(path))
+            with path.open("rb") as file:
+                data = file.read(MAX_JSON_BYTES + 1)
+        except OSError as error:
+            raise SpecError(f"{path}: cannot be read: {error.strerror}; valid: a house as JSON") from None
+        if len(data) > MAX_JSON_BYTES:
+            raise SpecError(f"{path}: larger than {MAX_JSON_BYTES // 1_000_000} MB; valid: a house as JSON")
+        try:
+            return cls.from_json(data.decode("utf-8-sig"), source=str(path))
+        except UnicodeDecodeError:
+            raise SpecError(f"{path}: is not text in UTF-8; valid: a house as JSON") from None
+
+
+def _check_unique(what: str, ids: list[str]) -> None:
+    repeated = sorted(i for i, times in Counter(ids).items() if times > 1)
+    if repeated:
+        raise ValueError(f"{what} ids must be unique in the house; repeated: {', '.join(repeated)}")
 
 
 def _first_problem(error: ValidationError) -> str:
@@ -161,4 +179,4 @@ def _first_problem(error: ValidationError) -> str:
     return f"{place or 'spec'}: {first['msg'].removeprefix('Value error, ')}{more}"
 
 
-__all__ = ["STAIRS", "FurnitureSpec", "HouseSpec", "OpeningSpec", "RoomSpec", "StoreySpec"]
+__all__ = ["FurnitureSpec", "HouseSpec", "OpeningSpec", "RoomSpec", "StoreySpec"]
