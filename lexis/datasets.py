@@ -36,6 +36,9 @@ from lexis.files import replaced_folder
 from lexis.se3 import between, rotation_angle
 from lexis.types import Camera, Observation, Pose, Poses
 
+TURNING_M = 0.3
+"""Path that turning by one radian on the spot counts as [m/rad]."""
+
 
 @dataclass(frozen=True)
 class DatasetConfig:
@@ -109,7 +112,7 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
     """Covariances of increments that grow with the path, as a random walk; turning on the spot counts as path too."""
     increments = between(T_O_B[:-1], T_O_B[1:])
-    path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * 0.3
+    path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * TURNING_M
     variances = np.repeat([config.rotation_sigma**2, config.translation_sigma**2], 3)
     scaled = np.concatenate([[0.0], path])[:, None] * variances
     return np.asarray(scaled[:, :, None] * np.eye(6))

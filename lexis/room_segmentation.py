@@ -24,8 +24,6 @@ class Segmentation:
     """Ordered by their first keyframe; `rooms[i].id == i`."""
     floors: PerKeyframe
     """0 is the lowest; -1 on stairs."""
-    instance_of: PerKeyframe
-    """Id of the room instance of every keyframe."""
 
 
 def segment(
@@ -51,7 +49,7 @@ def segment(
     from_above = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
     clusters = _cluster(kinds, from_above, config.distance_m)
     instance_of = _by_first_appearance(_merge(clusters, kinds, positions, config.adjacency_m))
-    return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors, instance_of)
+    return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors)
 
 
 @dataclass

@@ -131,5 +131,5 @@ class Slam:
             loops=tuple(self._graph.loops),
             loop_weights=self._graph.loop_weights,
             candidates=tuple(self._candidates),
-            stage_seconds=self._timed.seconds,
+            stage_seconds=dict(self._timed.seconds),
         )
