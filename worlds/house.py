@@ -126,6 +126,11 @@ def _rooms(spec: HouseSpec, storeys: Sequence[Storey]) -> tuple[Room, ...]:
                     )
                 )
             else:
+                if below.ceiling_m != storeys[level - 1].ceiling_m:
+                    raise HouseError(
+                        f"stairs {room.id!r} on storeys[{level}] stand on {below.id!r}, but storeys[{level - 1}] has none "
+                        "there; stairs skip no storey"
+                    )
                 taller = Room(below.id, below.label, below.storey, polygon, below.floor_m, heights.ceiling_m, below.outdoor)
                 rooms[rooms.index(below)] = taller
     return tuple(rooms)
@@ -135,6 +140,8 @@ def _polygon(room: RoomSpec) -> Polygon:
     polygon = Polygon(room.polygon_m)
     if not polygon.is_valid or not polygon.exterior.is_ccw:
         raise HouseError(f"room {room.id!r}: its polygon must be simple (no self-crossing) and counter-clockwise")
+    if room.label == STAIRS and not math.isclose(polygon.area, box(*polygon.bounds).area):
+        raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
     return polygon
 
 

@@ -4,8 +4,10 @@ from itertools import combinations
 
 from worlds.errors import HouseError
 from worlds.house import House
+from worlds.labels import STAIRS
 from worlds.spec import OpeningSpec
 from worlds.walkable import Walkable
+from worlds.walls import opening_span
 
 BODY_RADIUS_M = 0.25
 _MIN_OPENING_M = 2 * BODY_RADIUS_M + 0.1
@@ -16,12 +18,13 @@ _TOLERANCE_M = 1e-3
 def validate(house: House) -> None:
     """Raise `HouseError` at the first rule that the house breaks.
 
-    Rooms of a storey do not overlap; every opening lies in the wall between its two rooms and lets the body through;
-    furniture stays in its room; every room can be reached on foot from every other.
+    Rooms of a storey do not overlap; every opening lies in the wall between its two rooms, clear of the others, and lets the
+    body through; stairs join storeys; furniture stays in its room; every room can be reached on foot from every other.
     """
     for level in range(len(house.storeys)):
         _check_overlap(house, level)
         _check_openings(house, level)
+    _check_stairs(house)
     _check_furniture(house)
     _check_reachable(house)
 
@@ -35,6 +38,7 @@ def _check_overlap(house: House, level: int) -> None:
 
 def _check_openings(house: House, level: int) -> None:
     height = house.storeys[level].ceiling_m - house.storeys[level].floor_m
+    _check_apart(house, level)
     for i, opening in enumerate(house.spec.storeys[level].openings):
         place = f"storeys[{level}].openings[{i}] ({opening.rooms[0]} - {opening.rooms[1]})"
         in_shared_wall = _length_in_shared_wall(house, level, opening)
@@ -48,8 +52,21 @@ def _check_openings(house: House, level: int) -> None:
             raise HouseError(f"{place}: {opening.height_m:.2f} m high; valid: {_MIN_HEIGHT_M} ... {height:.2f} m")
 
 
+def _check_apart(house: House, level: int) -> None:
+    spans = [opening_span(opening) for opening in house.spec.storeys[level].openings]
+    for (i, (*line, low, high)), (j, (*other, start, stop)) in combinations(enumerate(spans), 2):
+        if line == other and min(high, stop) - max(low, start) > _TOLERANCE_M:
+            raise HouseError(f"storeys[{level}]: openings[{i}] and openings[{j}] overlap; openings may only touch")
+
+
 def _length_in_shared_wall(house: House, level: int, opening: OpeningSpec) -> float:
     return sum(b.length for b, o in house.boundaries[level] if o is opening and set(b.rooms) == set(opening.rooms))
+
+
+def _check_stairs(house: House) -> None:
+    for room in house.rooms:
+        if room.label == STAIRS and room.ceiling_m == house.storeys[room.storey].ceiling_m:
+            raise HouseError(f"stairs {room.id!r} join no storeys; they need stairs with the same corners above or below")
 
 
 def _check_furniture(house: House) -> None:
@@ -57,6 +74,12 @@ def _check_furniture(house: House) -> None:
         room = house.room_by_id[piece.room]
         if not room.polygon.buffer(_TOLERANCE_M).contains(piece.footprint):
             raise HouseError(f"furniture {piece.id!r} ({piece.kind}) sticks out of its room {room.id!r}")
+        storey, bottom = house.storeys[piece.storey], piece.position[2]
+        if not storey.floor_m - _TOLERANCE_M <= bottom <= bottom + piece.size[2] <= storey.ceiling_m + _TOLERANCE_M:
+            raise HouseError(
+                f"furniture {piece.id!r} ({piece.kind}) reaches from {bottom:.2f} to {bottom + piece.size[2]:.2f} m; "
+                f"valid: {storey.floor_m:.2f} ... {storey.ceiling_m:.2f} m, floor to ceiling"
+            )
 
 
 def _check_reachable(house: House) -> None:
