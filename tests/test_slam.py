@@ -52,8 +52,20 @@ def observations(true):
     return [Observation(i, 0.4 * i, room.render(true[i]), T_O_B, COVARIANCE) for i, T_O_B in enumerate(T)]
 
 
-def run(observations, config=CONFIG):
-    slam = Slam(FORWARD_CAMERA, ThumbnailEncoder(), ROOMS, config)
+class MistakenEncoder(ThumbnailEncoder):
+    """Takes every fifth office for a kitchen."""
+
+    def __init__(self):
+        self._images = 0
+
+    def encode_image(self, image):
+        self._images += 1
+        embedding = super().encode_image(image)
+        return np.concatenate([embedding[1::-1], embedding[2:]]) if self._images % 5 == 0 else embedding
+
+
+def run(observations, config=CONFIG, encoder=None):
+    slam = Slam(FORWARD_CAMERA, encoder or ThumbnailEncoder(), ROOMS, config)
     for observation in observations:
         slam.process(observation)
     return slam.finish()
@@ -98,6 +110,19 @@ def test_everything_is_said_of_every_keyframe(result, observations):
 def test_edges_come_from_the_candidates(result):
     proposed = {(query, match) for query, matches in result.candidates for match in matches}
     assert {(loop.query, loop.match) for loop in result.loops} <= proposed
+
+
+def test_loops_are_sought_in_the_room_that_the_image_itself_shows(observations, monkeypatch):
+    sought = []
+
+    def nothing(query, label, *rest):
+        sought.append(label)
+        return ()
+
+    monkeypatch.setattr("lexis.slam.propose", nothing)
+    result = run(observations[:24], encoder=MistakenEncoder())
+    assert sought == [ROOMS[label] for label in result.baseline_labels]
+    assert "kitchen" in sought and (result.labels == 0).all()
 
 
 def test_without_candidates_the_result_is_the_odometry(observations):
