@@ -74,7 +74,7 @@ class LabelConfig:
 
     refine: bool = True
     """Whether neighbours vote and height finds the stairs; without, every keyframe keeps its image's label."""
-    neighbours: int = 7
+    neighbours: int = 5
     """C: the nearest keyframes that vote (paper: 3 to 7)."""
     every: int = 9
     """K: new keyframes between two refinements at most (paper: 7 to 12); an optimisation brings one as well."""

@@ -19,7 +19,7 @@ from worlds.labels import STAIRS
 from worlds.truth import room_at
 from worlds.walkable import Walkable
 
-_COMFORT_M = 0.45
+_COMFORT_M = 0.35
 """A stop keeps this far from obstacles where the room allows, and twice this is as good as it gets."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
@@ -52,6 +52,8 @@ class TourConfig:
         for name in ("frame_rate_hz", "speed_m_s", "turn_rate_rad_s", "eye_height_m"):
             if not 0.0 < (value := getattr(self, name)) < np.inf:
                 raise SimError(f"tour: {name} is {value}; valid: positive and finite")
+        if self.length_m is not None and not 0.0 < self.length_m < np.inf:
+            raise SimError(f"tour: length_m is {self.length_m}; valid: positive and finite, or None")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,7 @@ def _stops_in(walkable: Walkable, room: str) -> list[int]:
     """Free places of a room that together show it: the most central first, then each far from those before it."""
     inside = walkable.nodes_in(room)
     inside = inside[walkable.connected[inside]]
-    count = min(_MAX_STOPS, 1 + round(len(inside) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
+    count = min(_MAX_STOPS, 2 + round(len(inside) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
     clearance = walkable.clearance[inside]
     inside = inside[roomy := clearance >= min(_COMFORT_M, 0.8 * clearance.max())]
     points, comfort = walkable.nodes[inside, :2], np.minimum(clearance[roomy], 2 * _COMFORT_M)
