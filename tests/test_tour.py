@@ -101,6 +101,9 @@ def test_asked_length_is_met(length_m):
 def test_bad_settings_name_what_is_valid():
     with pytest.raises(SimError, match=r"speed_m_s is 0.*valid"):
         TourConfig(speed_m_s=0.0)
+    for endless in (np.inf, np.nan):
+        with pytest.raises(SimError, match=r"length_m is (inf|nan); valid"):
+            TourConfig(length_m=endless)
     cell = RoomSpec(id="cell", label="storage room", polygon_m=((0.0, 0.0), (1.2, 0.0), (1.2, 1.2), (0.0, 1.2)))
     with pytest.raises(SimError, match="can stop at 1 places in it; a tour needs two"):
         tour_of(build_house(HouseSpec(storeys=(StoreySpec(rooms=(cell,), furniture=()),))))
