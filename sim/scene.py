@@ -11,7 +11,7 @@ from sim.gl import mujoco
 from worlds.furniture.finishes import Finish, finish_of
 from worlds.house import House
 from worlds.materials import texture
-from worlds.meshes import QuadMesh, furniture_mesh, stairs_mesh
+from worlds.meshes import QuadMesh, furniture_mesh, stairs_mesh, triangles
 from worlds.parts import Colour
 from worlds.surfaces import OUTSIDE, Surface, SurfaceKind, surfaces
 
@@ -161,10 +161,8 @@ def _add_material(spec: "mujoco.MjSpec", name: str, image: UInt8[np.ndarray, "h 
 
 def _add_mesh(spec: "mujoco.MjSpec", name: str, material: str, quads: QuadMesh) -> None:
     mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
-    n = len(quads.corners)
-    triangles = (4 * np.arange(n)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
     mesh.uservert = quads.corners.reshape(-1)
-    mesh.userface = mesh.userfacetexcoord = mesh.userfacenormal = triangles.reshape(-1)
+    mesh.userface = mesh.userfacetexcoord = mesh.userfacenormal = triangles(len(quads.corners)).reshape(-1)
     mesh.usertexcoord = (quads.uv * (1.0, -1.0) + (0.0, 1.0)).reshape(-1)
     mesh.usernormal = np.repeat(quads.normals, 4, axis=0).reshape(-1)
     spec.worldbody.add_geom(

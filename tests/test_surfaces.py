@@ -7,6 +7,7 @@ import pytest
 
 from worlds.house import build_house
 from worlds.presets import sample_house
+from worlds.spec import RoomSpec
 from worlds.surfaces import OUTSIDE, rectangles, surfaces
 from worlds.walls import WALL_THICKNESS_M
 
@@ -24,6 +25,11 @@ def test_floor_faces_tile_the_rooms(house):
     for room in house.rooms:
         assert area[room.id] == pytest.approx(room.polygon.area)
         assert sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in rectangles(room.polygon)) == pytest.approx(room.polygon.area)
+
+
+def test_no_room_is_taken_for_the_outside():
+    with pytest.raises(ValueError, match="pattern"):
+        RoomSpec(id=OUTSIDE, label="kitchen", polygon_m=((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)))
 
 
 def test_faces_look_into_their_room(house):

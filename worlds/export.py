@@ -8,7 +8,7 @@ from jaxtyping import Float64, UInt8
 
 from worlds.furniture.finishes import finish_of
 from worlds.house import House
-from worlds.meshes import furniture_mesh, stairs_mesh
+from worlds.meshes import furniture_mesh, stairs_mesh, triangles
 from worlds.parts import Colour
 from worlds.surfaces import OUTSIDE, Surface, surfaces
 
@@ -39,7 +39,7 @@ def to_glb(house: House) -> bytes:
 
 
 def _triangles(quads: Float64[np.ndarray, "q 4 3"], colours: UInt8[np.ndarray, "q 4"]) -> trimesh.Trimesh:
-    faces = (4 * np.arange(len(quads))[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+    faces = triangles(len(quads))
     return trimesh.Trimesh(quads.reshape(-1, 3), faces, face_colors=np.repeat(colours, 2, axis=0), process=False)
 
 

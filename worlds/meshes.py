@@ -41,6 +41,11 @@ class ObjectMesh(QuadMesh):
     """Index into `finishes`."""
 
 
+def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
+    """Two triangles per quad, as rows of the flattened corners."""
+    return np.asarray(4 * np.arange(quads)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+
+
 def furniture_mesh(piece: Furniture) -> ObjectMesh:
     """The mesh of a piece of furniture in W."""
     mesh = _mesh(piece.parts)

@@ -80,9 +80,7 @@ class FurnitureSpec(_Data):
     position_m: tuple[Metres, Metres, Metres] = Field(
         description="centre of the foot print and height of the underside above the storey's floor [m]"
     )
-    yaw_rad: float = Field(
-        ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]"
-    )
+    yaw_rad: float = Field(ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]")
     size_m: tuple[Length, Length, Length] = Field(description="width, depth, height in the piece's own frame [m]")
     seed: int = Field(ge=0, lt=2**32, description="of its colours and variants")
 
@@ -127,7 +125,7 @@ class HouseSpec(_Data):
         x, y = zip(*(corner for room in rooms for corner in room.polygon_m), strict=True)
         area = (max(x) - min(x)) * (max(y) - min(y)) * len(self.storeys)
         if area > MAX_PLAN_M2:
-            raise ValueError(f"the rectangle around all rooms, times the storeys, is {area:.0f} m²; at most {MAX_PLAN_M2:.0f}")
+            raise ValueError(f"the rectangle around all rooms, times storeys, is {area:.0f} m²; at most {MAX_PLAN_M2:.0f}")
         return self
 
     @property

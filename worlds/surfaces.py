@@ -15,7 +15,8 @@ from worlds.labels import STAIRS
 from worlds.walls import FENCE_HEIGHT_M, WALL_THICKNESS_M, Boundary
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
-OUTSIDE = "outside"
+OUTSIDE = "(outside)"
+"""Not a possible room id."""
 _HALF = WALL_THICKNESS_M / 2
 
 
