@@ -22,6 +22,7 @@ from sim.errors import SimError
 from sim.harness import RunConfig, evaluate, run, try_plans, write_run
 from sim.harness.outputs import check_writable
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from sim.report.figures import shown
 from sim.report.house_plan import plan_png
 from sim.report.table import result_table
 from worlds.errors import HouseError, WorldsError
@@ -166,9 +167,9 @@ def _generate(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    house = build_house(HouseSpec.load(arguments.file))
+    spec = HouseSpec.load(arguments.file)
     try:
-        validate(house)
+        house = _checked(spec)
     except HouseError as error:
         print(f"{arguments.file}: {error}")
         return 1
@@ -214,9 +215,9 @@ def _bench_segmentation(arguments: argparse.Namespace) -> Table:
         RunConfig(preset=arguments.preset, encoder=arguments.encoder), range(arguments.seed, last + 1)
     ):
         rows.append(row)
-        table.add_row(str(house), *(f"{value:.3g}" for value in astuple(row)), end_section=house == last)
+        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
-        table.add_row(name, *(f"{value:.3g}" for value in values))
+        table.add_row(name, *(shown(value, "{:.3g}") for value in values))
     return table
 
 

@@ -2,8 +2,10 @@
 
 import json
 
+import cv2
 import pytest
 
+from sim.bench.segmentation import Row
 from sim.cli import main
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -68,6 +70,32 @@ def test_a_house_that_cannot_be_walked_fails_its_check(tmp_path, capsys):
     assert status_of(["house", "check", house]) == 1
     assert "kitchen 0.1" in capsys.readouterr().out
     assert build_house(HouseSpec.load(house))
+
+
+@pytest.mark.parametrize(("side", "status"), [(0.3, 1), (140.0, 0)])
+def test_houses_of_any_size_are_drawn(side, status, tmp_path):
+    room = {"id": "a", "label": "office", "polygon_m": [[0, 0], [side, 0], [side, side], [0, side]]}
+    house, plan = tmp_path / "house.json", tmp_path / "plan.png"
+    house.write_text(json.dumps({"storeys": [{"rooms": [room], "furniture": []}]}))
+    assert status_of(["house", "check", house]) == status
+    assert status_of(["house", "show", house, "-o", plan]) == 0
+    assert cv2.imread(str(plan)).size < 4e7
+
+
+def test_a_house_that_cannot_be_built_fails_its_check(tmp_path, capsys):
+    room = {"id": "a", "label": "office", "polygon_m": [[0, 0], [0, 4], [4, 4], [4, 0]]}
+    house = tmp_path / "clockwise.json"
+    house.write_text(json.dumps({"storeys": [{"rooms": [room]}]}))
+    assert status_of(["house", "check", house]) == 1
+    assert "counter-clockwise" in capsys.readouterr().out
+    assert status_of(["house", "show", house, "-o", tmp_path / "plan.png"]) == 2
+
+
+def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, capsys):
+    row = Row(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
+    monkeypatch.setattr("sim.cli.run_houses", lambda config, seeds: ((seed, row) for seed in seeds))
+    assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
+    assert "–" in capsys.readouterr().out
 
 
 def test_doctor_is_content_here(capsys):

@@ -1,7 +1,7 @@
 """`lexis-sim bench segmentation`: the whole chain on several houses of a preset, with the default encoder unless told."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -26,9 +26,10 @@ class Row:
     false_loops: int
     heavy_false_loops: int
     """False edges that keep a weight above 0.5."""
-    loop_recall: float
-    plans: float
-    """Share that reach their room."""
+    loop_recall: float | None
+    """None where nothing was revisited."""
+    plans: float | None
+    """Share that reach their room; None where none was asked for."""
 
 
 def run_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, Row]]:
@@ -55,7 +56,7 @@ def run_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, R
         )
 
 
-def mean_and_spread(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """Mean and standard deviation over houses of every figure; a figure that a run did not have is left out."""
-    table = np.array([[getattr(row, field.name) for field in fields(Row)] for row in rows], float)
-    return np.nanmean(table, axis=0).tolist(), np.nanstd(table, axis=0).tolist()
+def mean_and_spread(rows: Sequence[Row]) -> tuple[list[float | None], list[float | None]]:
+    """Mean and standard deviation of every figure over the houses that have it; None where none has."""
+    columns = [[value for value in column if value is not None] for column in zip(*map(astuple, rows), strict=True)]
+    return [float(np.mean(c)) if c else None for c in columns], [float(np.std(c)) if c else None for c in columns]

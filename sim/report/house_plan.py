@@ -12,6 +12,10 @@ from sim.report.png import to_image
 from worlds.house import House
 from worlds.parts import Part
 
+_PIXELS_PER_METRE = 60
+_MOST_PIXELS = 12e6
+"""Of one storey; larger plans are drawn at a smaller scale."""
+
 
 def floor_plans(house: House) -> tuple[FloorPlan, ...]:
     """The plan of every storey, lowest first."""
@@ -22,7 +26,10 @@ def plan_png(house: House) -> bytes:
     """A picture of the plans of all storeys, side by side from the lowest up, as a PNG file."""
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
-    pictures = [to_image(plan_drawing(plan, colours)) for plan in plans]
+    drawings = [plan_drawing(plan, colours) for plan in plans]
+    area = max(float(np.prod(drawing.high - drawing.low)) for drawing in drawings)
+    scale = int(min(_PIXELS_PER_METRE, np.sqrt(_MOST_PIXELS / area)))
+    pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
     height = max(len(picture) for picture in pictures)
     padded = [np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures]
     _, png = cv2.imencode(".png", np.hstack(padded)[..., ::-1])

@@ -12,6 +12,7 @@ from sim.report.drawing import Drawing, Mark
 _MARGIN_M = 0.5
 _INSET_M = 0.16
 _SCALE_M = 2.0
+_LEAST_TEXT_M = 0.02
 _OPENINGS = {"door": "door way", "cased": "cased opening", "open": "open boundary, no wall"}
 _GLYPH_ASPECT = 0.58  # width over height of an average letter
 
@@ -37,10 +38,12 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
 
 
 def _name(room: PlannedRoom) -> Iterator[Mark]:
-    """The name in the upper left corner, where few paths run: on as many lines as keep it large."""
+    """The name in the upper left corner, where few paths run: on as many lines as keep it large; none where none fits."""
     corner, width = _corner(room.outline)
     text = room.name if room.label in room.name else f"{room.name} ({room.label})"
     size, lines = max((_fitting_size(lines, width), lines) for lines in _layouts(text))
+    if size < _LEAST_TEXT_M:
+        return
     for i, line in enumerate(lines):
         yield Mark("text", "name", corner[None] - [0, (0.6 + 1.15 * i) * size], text=line, size=size)
 
