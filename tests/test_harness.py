@@ -52,6 +52,7 @@ def test_the_result_has_every_field_of_the_contract(result):
     for section, names in CONTRACT.items():
         assert result[section].keys() == names
     json.dumps(result, allow_nan=False)
+    assert result["time"]["realtime_factor"] == pytest.approx(result["run"]["duration_s"] / result["time"]["slam_s"])
 
 
 def test_lexis_beats_its_odometry_and_closes_no_false_loop(finished, result):
@@ -72,7 +73,7 @@ def test_a_single_floor_is_one_floor(result):
 def test_every_plan_reaches_its_room(result, trials):
     assert result["planning"]["queries"] == len(trials) > 0
     assert result["planning"]["success"] == 1.0 and result["planning"]["collisions"] == 0
-    assert all(trial.travelled_m >= 0.9 * trial.shortest_m for trial in trials)
+    assert all(trial.travelled_m >= 0.99 * trial.shortest_m for trial in trials)
 
 
 def test_the_same_seed_gives_the_same_result_apart_from_times(result):
@@ -81,7 +82,9 @@ def test_the_same_seed_gives_the_same_result_apart_from_times(result):
 
 
 def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
     out = tmp_path / "out"
+    out.symlink_to("elsewhere")
     write_run(finished, result, trials, out)
     assert {path.name for path in out.iterdir()} == {
         "result.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum", "map",

@@ -58,11 +58,8 @@ class RunConfig:
 
     def streams(self) -> dict[str, np.random.Generator]:
         """One generator per stage, so that a change to one stage leaves the others' draws alone."""
-        stages = ("tour", "odometry", "planning")
-        return {
-            stage: np.random.default_rng(s)
-            for stage, s in zip(stages, np.random.SeedSequence(self.seed).spawn(3), strict=True)
-        }
+        tour, odometry = np.random.SeedSequence(self.seed).spawn(2)
+        return {"tour": np.random.default_rng(tour), "odometry": np.random.default_rng(odometry)}
 
     def slam_config(self) -> Config:
         """The SLAM's settings with the run's switches applied."""

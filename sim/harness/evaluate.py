@@ -136,5 +136,5 @@ def _time(run: Run) -> dict[str, Any]:
     return run.seconds | {
         "slam_s": slam,
         "stages_s": dict(run.map.stage_seconds),
-        "realtime_factor": (run.stamps[-1] - run.stamps[0]) / slam if slam else None,
+        "realtime_factor": _walk(run)["duration_s"] / slam if slam else None,
     }

@@ -23,7 +23,7 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
 
     A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out, _MARKER) as folder:
+    with replaced_folder(out.resolve(), _MARKER) as folder:
         (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
         (folder / "house.json").write_text(run.house.spec.to_json())
         write_tum(folder / "trajectory.tum", run.stamps, run.map.T_W_B)
@@ -36,8 +36,8 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
 def check_writable(out: Path) -> None:
     """Raise before a long run what `write_run` would raise after it."""
     check_replaceable(out, _MARKER)
-    existing = next(folder for folder in (out.absolute(), *out.absolute().parents) if folder.exists())
+    existing = next(folder for folder in out.resolve().parents if folder.exists())
     try:
-        tempfile.TemporaryFile(dir=existing if existing != out.absolute() else existing.parent).close()
+        tempfile.TemporaryFile(dir=existing).close()
     except OSError as error:
         raise SimError(f"--out {out}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
