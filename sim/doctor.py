@@ -57,11 +57,11 @@ def _attempt(subject: str, attempt: Callable[[], str]) -> Finding:
 
 
 def _render() -> str:
-    from sim.gl import mujoco, require_rendering
+    from sim.gl import choose_backend, mujoco, require_rendering
 
     require_rendering()
     mujoco.GLContext(64, 64).free()
-    return os.environ["MUJOCO_GL"]
+    return choose_backend() or "the system's own"
 
 
 def _encode() -> str:
