@@ -128,7 +128,7 @@ class _Atlas:
     @staticmethod
     def of(finishes: Sequence[tuple[str, Colour]], rng: np.random.Generator) -> "_Atlas":
         distinct = list(dict.fromkeys(finishes))
-        # More finishes than places share patches with an earlier one of the same pattern.
+        # More finishes than places share the patches of earlier ones.
         places = {finish: i % _ATLAS_PATCHES**2 for i, finish in enumerate(distinct)}
         side = _ATLAS_PATCHES * _PATCH_PX
         image = np.zeros((side, side, 3), np.uint8)

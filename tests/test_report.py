@@ -137,6 +137,18 @@ def test_confusion_counts_every_keyframe_once(rng):
     assert hits.sum() == pytest.approx(140)
 
 
+def test_a_better_trajectory_is_owed_to_loops_and_not_to_the_alignment(rng):
+    data = example(rng, wrong=0)
+    table = data.keyframes
+    turned = table.true_poses.copy()
+    turned[:, 1, 3] += 0.05 * (turned[:, 0, 3] - turned[0, 0, 3])  # what an alignment takes away almost whole
+    worse = table.true_poses.copy()
+    worse[:, 1, 3] += rng.normal(0, 0.1, len(worse))
+    data = replace(data, keyframes=replace(table, odometry_poses=turned, optimised_poses=worse))
+    assert any("Loop closing" in finding.text and not finding.good for finding in findings(data))
+    assert not any("Loop closing" in finding.text for finding in findings(replace(data, loops=())))
+
+
 def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
     data = example(rng, wrong=0)
     assert all(finding.good for finding in findings(data))

@@ -31,7 +31,7 @@ class Run:
     session: Session
     map: LexisMap
     seconds: dict[str, float]
-    """Wall time of building the house, the scene, and of rendering [s]."""
+    """Wall time of house and tour, of building the scene, and of rendering [s]."""
 
     @property
     def observed(self) -> Int[np.ndarray, "n"]:

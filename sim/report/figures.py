@@ -90,7 +90,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "openness": Definition("openness", "{:.2f}", "open share of the boundary between rooms; 1: no walls"),
     },
     "time": {
-        "house_s": Definition("house", _SECONDS, "generate and furnish"),
+        "house_s": Definition("house", _SECONDS, "generate, furnish, prove, and plan the tour"),
         "scene_s": Definition("scene", _SECONDS, "build the MuJoCo model"),
         "render_s": Definition("rendering", _SECONDS),
         "slam_s": Definition("LEXIS", _SECONDS, "all stages"),
