@@ -12,7 +12,7 @@ from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
 from sim.report.findings import findings
-from sim.report.overlay import storey_of
+from sim.report.overlay import MOST_PATHS, run_marks, storey_of
 
 NAMES = ("kitchen", "office", "library")
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -147,6 +147,15 @@ def test_a_better_trajectory_is_owed_to_loops_and_not_to_the_alignment(rng):
     data = replace(data, keyframes=replace(table, odometry_poses=turned, optimised_poses=worse))
     assert any("Loop closing" in finding.text and not finding.good for finding in findings(data))
     assert not any("Loop closing" in finding.text for finding in findings(replace(data, loops=())))
+
+
+def test_a_plan_without_a_path_counts_as_failed_and_only_some_paths_are_drawn(rng):
+    data = example(rng)
+    paths = (*data.paths * 20, PlanPath("library", "office", np.zeros((0, 3)), False))
+    crowded = replace(data, paths=paths)
+    assert any("1 of 21 plans did not reach their room: from library to office." in f.text for f in findings(crowded))
+    lines = sum(mark.style == "path" for mark in run_marks(crowded, 0, dict.fromkeys(NAMES, "#000000")))
+    assert lines == MOST_PATHS < 20
 
 
 def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):

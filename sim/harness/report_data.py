@@ -17,7 +17,6 @@ from sim.report.house_plan import floor_plans
 
 _SAMPLES = 6
 _SCORES = 3
-_MAX_PATHS = 12
 
 
 def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) -> ReportData:
@@ -29,7 +28,7 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
         _keyframes(run),
         _loops(run),
         _samples(run),
-        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in trials if len(t.path))[:_MAX_PATHS],
+        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in trials),
     )
 
 

@@ -112,7 +112,7 @@ class PlanPath:
     start: str
     goal: str
     points: Float[np.ndarray, "k 3"]
-    """[m]"""
+    """[m]; none where no plan was found."""
     success: bool | None = None
     """None: it was not driven."""
 

@@ -103,10 +103,12 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
         yield Finding(optimised <= odometry, f"Loop closing took the ATE from {odometry:.2f} m to {optimised:.2f} m.")
 
 
-def _plans(data: ReportData) -> Iterator[Finding]:
+def _plans(data: ReportData, most: int = 3) -> Iterator[Finding]:
     driven = [path for path in data.paths if path.success is not None]
     failed = [path for path in driven if not path.success]
-    for path in failed:
-        yield Finding(False, f"The plan from {path.start} to {path.goal} did not reach its room.")
-    if driven and not failed:
+    if failed:
+        examples = ", ".join(f"from {path.start} to {path.goal}" for path in failed[:most])
+        more = f" and {len(failed) - most} more" if len(failed) > most else ""
+        yield Finding(False, f"{len(failed)} of {len(driven)} plans did not reach their room: {examples}{more}.")
+    elif driven:
         yield Finding(True, f"All {len(driven)} plans reached their room.")

@@ -8,17 +8,19 @@ from jaxtyping import Bool, Float, Float64, Int
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
 
+MOST_PATHS = 12
+"""More planned paths would hide the plan."""
 _HEADING_M = 0.28
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:
-    """Everything of the run that belongs to a storey."""
+    """Everything of the run that belongs to a storey; of the planned paths the first few."""
     table = data.keyframes
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
         *_trajectory(table.odometry_poses, table.storeys == level, "odometry"),
         *_trajectory(table.optimised_poses, table.storeys == level, "optimised"),
-        *(mark for path in data.paths for mark in _path(path, level, [plan.floor_m for plan in data.plans])),
+        *(mark for path in data.paths[:MOST_PATHS] for mark in _path(path, level, [plan.floor_m for plan in data.plans])),
         *_loops(data, level),
         *_keyframes(data, level, colours),
     ]
