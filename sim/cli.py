@@ -109,12 +109,12 @@ def _add_house(commands: Commands) -> None:
     check.add_argument("file", type=Path)
     show = add_command(actions, "show", _show, "draw the plan of every storey", "lexis-sim house show home.json -o home.png")
     show.add_argument("file", type=Path)
+    show.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.png")
     export = add_command(
         actions, "export", _export, "a 3-D model for other tools", "lexis-sim house export home.json -o home.glb"
     )
     export.add_argument("file", type=Path)
     export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.glb")
-    show.add_argument("-o", "--out", type=Path, required=True, metavar="FILE.png")
 
 
 def _add_seed_and_out(parser: argparse.ArgumentParser, out: Path) -> None:
