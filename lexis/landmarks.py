@@ -21,6 +21,8 @@ from lexis.types import Camera, Features, Intrinsics, Landmarks, Pose
 _MIN_BASELINE_M = 0.01
 """Below this, the epipolar lines and the parallax are odometry noise."""
 _ITERATIONS = 4
+_DAMPING = 1e-12
+"""Share of its trace that is added to a Hessian's diagonal."""
 _LENIENCY = 3.0
 """On the reprojection error of single views after the first fit, since one wrong view spoils that fit for all."""
 
@@ -114,7 +116,9 @@ def _fit(tracks: _Tracks) -> Thetas:
         jacobians = np.where(seen[..., None], project_jacobian(q, tracks.intrinsics) @ q_by_theta, 0.0)
         jacobians = jacobians.reshape(len(theta), 2 * len(tracks.T_V_R), 3)
         transposed = np.swapaxes(jacobians, 1, 2)
-        hessians = transposed @ jacobians + 1e-6 * np.eye(3)
+        hessians = transposed @ jacobians
+        # Damped in proportion: a false match can put a point into the plane of a camera, where the Hessian explodes.
+        hessians += (_DAMPING * np.trace(hessians, axis1=1, axis2=2) + 1e-6)[:, None, None] * np.eye(3)
         gradients = transposed @ residuals.reshape(len(theta), 2 * len(tracks.T_V_R), 1)
         theta = theta - np.linalg.solve(hessians, gradients)[..., 0]
     return theta

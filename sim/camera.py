@@ -15,7 +15,7 @@ _CV_FROM_MUJOCO = np.diag([1.0, -1.0, -1.0])
 
 def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Camera:
     """A pinhole looking forward from the body's origin, `hfov_deg` wide; square pixels."""
-    f = width / 2 / np.tan(np.radians(hfov_deg) / 2)
+    f = float(width / 2 / np.tan(np.radians(hfov_deg) / 2))
     T_B_C = np.eye(4)
     T_B_C[:3, :3] = _BODY_FROM_CAMERA
     # MuJoCo's raster has its principal point between the two middle pixels.

@@ -3,13 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_room import FORWARD_CAMERA, BoxRoom, walk
+from scipy.spatial.transform import Rotation
 
 from lexis import se3
 from lexis.config import LandmarkConfig
 from lexis.features import FeatureExtractor
-from lexis.landmarks import View, triangulate
+from lexis.landmarks import View, _fit, _Tracks, triangulate
 from lexis.projection import project
-from lexis.types import Features
+from lexis.types import Features, Intrinsics
 
 CONFIG = LandmarkConfig()
 
@@ -108,3 +109,15 @@ def _split_list(views):
 def _split(views):
     reference, *supports = _split_list(views)
     return reference, supports
+
+
+def test_a_false_match_whose_depth_is_that_of_a_camera_stops_nothing(rng):
+    """The linear depth of such a match lies in the plane of a camera that saw it, where projections explode."""
+    turn = Rotation.from_rotvec(np.radians([[0.0, 0.0, 0.0], [0.0, 18.51, 0.0], [0.0, -55.12, 0.0]]))
+    T_V_R = np.tile(np.eye(4), (3, 1, 1))
+    T_V_R[:, :3, :3] = turn.as_matrix()
+    T_V_R[1:, :3, 3] = [[-0.048343, 0.000139, 0.234008], [0.152942, -0.014453, -0.179848]]
+    pixels = np.array([[369.25036621, 141.45582581], [170.92623901, 184.57714844], [164.18553162, 141.71463013]])
+    intrinsics = Intrinsics(480, 360, 201.3839, 201.3839, 239.5, 179.5)
+    many = pixels + rng.normal(0.0, 0.5, (2000, 3, 2))
+    _fit(_Tracks(many, np.ones((2000, 3), bool), T_V_R, intrinsics))
