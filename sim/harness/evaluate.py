@@ -35,7 +35,7 @@ def evaluate(run: Run, trials: Sequence[Trial]) -> dict[str, Any]:
         "house": _house(run),
         "run": _walk(run),
         "labels": _labels(run),
-        "rooms": asdict(score_rooms(_instances(run), run.true_rooms)),
+        "rooms": asdict(score_rooms(run.map.room_of, run.true_rooms)),
         "floors": _floors(run),
         "loops": _loops(run),
         "place_recognition": {str(n): asdict(count_matches(run.map.candidates, run.true_poses, n)) for n in (1, 3, 5)},
@@ -77,13 +77,6 @@ def _labels(run: Run) -> dict[str, Any]:
         "accuracy_graded": graded_accuracy(run.map.labels, allowed),
         "per_room": accuracy_per_room(run.map.labels, run.true_labels, run.map.room_names),
     }
-
-
-def _instances(run: Run) -> np.ndarray:
-    instance_of = np.empty(len(run.map.keyframes), int)
-    for room in run.map.rooms:
-        instance_of[list(room.keyframes)] = room.id
-    return instance_of
 
 
 def _floors(run: Run) -> dict[str, Any]:
