@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from lexis.camera_io import CameraData
 from lexis.errors import DatasetError, LexisError
-from lexis.evaluation.trajectory import read_tum
 from lexis.files import numbered_lines
 from lexis.inputs import check_camera
+from lexis.tum import read_tum
 from lexis.types import Camera, Covariance, Image, Poses
 
 IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"

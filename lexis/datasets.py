@@ -31,9 +31,9 @@ from lexis.dataset_files import (
     write_image,
 )
 from lexis.errors import DatasetError
-from lexis.evaluation.trajectory import write_tum
 from lexis.files import replaced_folder
 from lexis.se3 import between, rotation_angle
+from lexis.tum import write_tum
 from lexis.types import Camera, Observation, Pose, Poses
 
 TURNING_M = 0.3

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lexis.errors import LexisError
-from lexis.evaluation.trajectory import write_tum
 from lexis.files import replaced_file
 from lexis.room_names import instance_names
 from lexis.se3 import between
+from lexis.tum import write_tum
 from lexis.types import Covariance, LexisMap, Pose
 
 TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])

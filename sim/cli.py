@@ -60,10 +60,10 @@ def _parser() -> Parser:
     bench.add_argument("--encoder", default="mini", help=f"{_ENCODERS} (default: %(default)s)")
     bench.add_argument("--seed", type=seed, default=0)
     train = add_command(
-        commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --houses 260 --epochs 12"
+        commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --houses 300 --epochs 9"
     )
-    train.add_argument("--houses", type=positive, default=260, help="training and tuning houses (default: %(default)s)")
-    train.add_argument("--epochs", type=positive, default=12, help="passes over the frames (default: %(default)s)")
+    train.add_argument("--houses", type=positive, default=300, help="training and tuning houses (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=9, help="passes over the frames (default: %(default)s)")
     train.add_argument("--seed", type=seed, default=0)
     train.add_argument(
         "--work", type=Path, default=Path("encoder-training"), help="frames and checkpoint; resumed when it exists"

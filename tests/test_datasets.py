@@ -8,8 +8,8 @@ import pytest
 
 from lexis.datasets import DatasetConfig, assumed_covariances, open_dataset, write_dataset
 from lexis.errors import LexisError
-from lexis.evaluation.trajectory import read_tum, write_tum
 from lexis.se3 import between, exp
+from lexis.tum import read_tum, write_tum
 from lexis.types import Camera, Intrinsics, Observation
 
 T_B_C = np.array([[0, 0, 1, 0.1], [-1, 0, 0, 0], [0, -1, 0, 0.3], [0, 0, 0, 1.0]])

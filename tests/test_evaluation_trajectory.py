@@ -1,4 +1,4 @@
-"""ATE equal to evo's, RPE by its definition, TUM files inverse of each other."""
+"""ATE equal to evo's, RPE by its definition."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ from evo.core.trajectory import PoseTrajectory3D
 from evo.tools import file_interface
 from scipy.spatial.transform import Rotation
 
-from lexis.errors import LexisError
-from lexis.evaluation.trajectory import align, ate_rmse, read_tum, rpe_translation, write_tum
+from lexis.evaluation.trajectory import align, ate_rmse, rpe_translation
+from lexis.tum import write_tum
 
 
 def random_walk(rng, n=80, noise=0.3):
@@ -82,28 +82,3 @@ def test_relative_errors_do_not_see_the_world_frame_but_see_drift(rng):
 def test_figures_that_cannot_exist_are_none():
     assert ate_rmse(np.zeros((2, 3)), np.zeros((2, 3))) is None
     assert rpe_translation(np.zeros((0, 4, 4)), np.zeros((0, 4, 4)), 1.0) is None
-
-
-def test_a_tum_file_gives_back_what_was_written(rng, tmp_path):
-    stamps, poses = np.arange(50) * 0.1, random_walk(rng, 50)
-    write_tum(tmp_path / "a.tum", stamps, poses)
-    read_stamps, read_poses = read_tum(tmp_path / "a.tum")
-    np.testing.assert_allclose(read_stamps, stamps, atol=1e-6)
-    np.testing.assert_allclose(read_poses, poses, atol=1e-7)
-    assert [path.name for path in tmp_path.iterdir()] == ["a.tum"]
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("", "holds no pose"),
-        ("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", ":2:"),
-        ("0 0 0 0 0 0 0 nan\n", ":1:"),
-        ("0 0 0 0 0 0 0 2\n", "unit quaternion"),
-        ("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "ascending"),
-    ],
-)
-def test_a_broken_tum_file_is_refused(text, says, tmp_path):
-    (tmp_path / "a.tum").write_text(text)
-    with pytest.raises(LexisError, match=says):
-        read_tum(tmp_path / "a.tum")

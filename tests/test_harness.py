@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from lexis.evaluation.trajectory import ate_rmse, read_tum
+from lexis.evaluation.trajectory import ate_rmse
 from lexis.map_io import load_map
+from lexis.tum import read_tum
 from sim.harness import RunConfig, evaluate, run, try_plans, write_run
 from sim.harness.loops import edge_truth
 from worlds.house import build_house

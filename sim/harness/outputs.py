@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lexis.evaluation.trajectory import write_tum
 from lexis.files import check_replaceable, replaced_folder
 from lexis.map_io import save_map
+from lexis.tum import write_tum
 from sim.errors import SimError
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data

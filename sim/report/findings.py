@@ -10,7 +10,7 @@ from lexis.evaluation.trajectory import ate_rmse
 from sim.report.data import ReportData
 
 _SUBSTANTIAL = 0.2
-"""The share of a room that must lie elsewhere before it counts as split or merged."""
+"""The share of a room that must lie in another one before that is worth a line."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,10 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
 
 def _rooms(data: ReportData, most: int = 3) -> Iterator[Finding]:
     true, said = data.keyframes.true_rooms, data.keyframes.predicted_rooms
-    for rooms, others, verb in ((true, said, "true rooms were split"), (said, true, "predicted rooms merge several")):
+    for rooms, others, verb in (
+        (true, said, "true rooms lie in several predicted ones"),
+        (said, true, "predicted rooms reach over several true ones"),
+    ):
         torn = _torn(rooms, others)
         if torn:
             examples = [f"{room} = {' + '.join(parts)}" for room, parts in list(torn.items())[:most]]

@@ -22,7 +22,7 @@ _TUNING_SHARE = 0.06
 class TrainingRun:
     """What `train_encoder` is asked for."""
 
-    houses: int = 260
+    houses: int = 300
     training: TrainingConfig = field(default_factory=TrainingConfig)
     work: Path = Path("encoder-training")
     """Folder for the rendered frames and the checkpoint; a run that was stopped goes on from there."""

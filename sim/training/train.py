@@ -32,7 +32,7 @@ _PRESENT = 0.004
 class TrainingConfig:
     """How long and how hard to train."""
 
-    epochs: int = 12
+    epochs: int = 9
     batch: int = 128
     learning_rate: float = 3e-3
     weight_decay: float = 0.02
