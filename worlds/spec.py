@@ -6,6 +6,7 @@ the same house. Lengths are in metres, angles in radians; x east, y north, z up;
 
 import json
 import math
+import re
 from collections import Counter
 from pathlib import Path
 from typing import Annotated, Literal
@@ -20,11 +21,17 @@ MAX_ROOMS = 200
 MAX_PLAN_M2 = 20_000.0
 """Largest rectangle around all rooms, times the storeys: what is surveyed at 10 cm has to fit in memory."""
 
+_SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
+"""In indented JSON: arrays of numbers, of points, and of strings."""
+
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Length = Annotated[float, Field(gt=0.0, le=1000.0)]
 Point = tuple[Metres, Metres]
 Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
-OpeningKind = Literal["door", "cased", "open"]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
+OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
+PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
+"""What one can walk through; over a half wall or a counter one can only look."""
 
 
 class _Data(BaseModel):
@@ -38,6 +45,10 @@ class RoomSpec(_Data):
     label: str = Field(description="one of worlds.labels.ROOM_LABELS")
     polygon_m: tuple[Point, ...] = Field(
         min_length=4, max_length=64, description="rectilinear, counter-clockwise, corners in [m]"
+    )
+    seed: Seed | None = Field(
+        default=None,
+        description="of its furniture and finishes; absent: from the house's. Twin rooms have the same seed and shape",
     )
 
     @field_validator("label")
@@ -56,19 +67,71 @@ class RoomSpec(_Data):
         return polygon
 
 
+class LeafSpec(_Data):
+    """The leaf of a door."""
+
+    hinge: Literal["start", "end"] = Field(default="start", description="at which end of the opening it hangs")
+    into: Identifier = Field(description="the room that it swings into, one of the opening's two")
+    angle_rad: float = Field(default=math.pi / 2, ge=0.0, le=2.0, description="0: closed; pi/2: square to the wall [rad]")
+
+
 class OpeningSpec(_Data):
-    """A gap in the wall between two rooms of a storey: a door way, a cased opening, or no wall at all."""
+    """A gap in the wall between two rooms of a storey."""
 
     rooms: tuple[Identifier, Identifier]
-    kind: OpeningKind = Field(description="door: a door way; cased: a wide gap with a lintel; open: no wall, to the ceiling")
+    kind: OpeningKind = Field(
+        description="door: a door way; cased: a gap with a lintel; arch: the same, round at the top; half wall: a wall up "
+        "to the sill; counter: a hatch between sill and height; open: no wall, floor to ceiling"
+    )
     start_m: Point = Field(description="one end on the shared wall's centre line [m]")
     end_m: Point = Field(description="the other end [m]")
-    height_m: Length = Field(default=2.05, description="clear height of a door or cased opening [m]")
+    height_m: Length = Field(
+        default=2.05,
+        description="upper end of the gap above the floor [m]; of an arch, its crown; not of half wall and open",
+    )
+    sill_m: Length = Field(
+        default=1.0, description="lower end of the gap above the floor [m]; of half wall and counter only"
+    )
+    leaf: LeafSpec | None = Field(default=None, description="of a door; absent: a door way without one")
+    leads: Literal["up", "down"] | None = Field(
+        default=None, description="between stairs and another room: to the flight up from this storey, or from the one below"
+    )
+
+    @model_validator(mode="after")
+    def _leaf_of_a_door(self) -> "OpeningSpec":
+        if self.leaf is not None and self.kind != "door":
+            raise ValueError(f"a leaf belongs to a door, not to {self.kind!r}")
+        if self.leaf is not None and self.leaf.into not in self.rooms:
+            raise ValueError(f"the leaf swings into {self.leaf.into!r}; valid: {' or '.join(map(repr, self.rooms))}")
+        if self.kind == "counter" and self.sill_m >= self.height_m:
+            raise ValueError(f"a counter's sill ({self.sill_m} m) is not below its height ({self.height_m} m)")
+        return self
 
     @property
     def width_m(self) -> float:
         """Clear width [m]."""
         return math.dist(self.start_m, self.end_m)
+
+    def gap_m(self, ceiling_m: float) -> tuple[float, float]:
+        """Lower and upper end of the gap above the floor, in a storey whose ceiling is `ceiling_m` above it [m]."""
+        match self.kind:
+            case "open":
+                return 0.0, ceiling_m
+            case "half wall":
+                return self.sill_m, ceiling_m
+            case "counter":
+                return self.sill_m, self.height_m
+        return 0.0, self.height_m
+
+
+class WindowSpec(_Data):
+    """A window in a wall that no other room is behind."""
+
+    room: Identifier
+    start_m: Point = Field(description="one end on the wall's centre line [m]")
+    end_m: Point = Field(description="the other end [m]")
+    sill_m: Length = Field(default=0.9, description="lower edge above the floor [m]")
+    height_m: Length = Field(default=2.1, description="upper edge above the floor [m]")
 
 
 class FurnitureSpec(_Data):
@@ -91,9 +154,22 @@ class StoreySpec(_Data):
     height_m: float = Field(default=2.6, gt=2.0, le=6.0, description="floor to ceiling [m]")
     rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS)
     openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS)
+    windows: tuple[WindowSpec, ...] | None = Field(
+        default=None, max_length=4 * MAX_ROOMS, description="absent: filled in from the house's seed"
+    )
     furniture: tuple[FurnitureSpec, ...] | None = Field(
         default=None, max_length=4000, description="absent: filled in from the house's seed"
     )
+
+
+class AppearanceSpec(_Data):
+    """How a house looks, apart from its shape."""
+
+    texture: Literal["rich", "poor", "repeating"] = Field(
+        default="rich", description="rich: nothing repeats; poor: few features; repeating: walls and floors with a period"
+    )
+    light: Literal["day", "evening", "dim"] = "day"
+    seed: Seed | None = Field(default=None, description="of materials and colours; absent: the house's")
 
 
 class HouseSpec(_Data):
@@ -101,9 +177,12 @@ class HouseSpec(_Data):
 
     schema_version: Literal[1] = Field(default=1, alias="schema")
     name: str = Field(default="house", max_length=200)
-    seed: int = Field(default=0, ge=0, lt=2**63, description="of furniture (when absent), textures and colours")
+    seed: Seed = Field(default=0, description="of windows and furniture (when absent), textures and colours")
     slab_m: float = Field(default=0.3, ge=0.1, le=1.0, description="thickness of the slab between storeys [m]")
-    clutter: float = Field(default=1.0, ge=0.0, le=3.0, description="how much furniture is filled in; 0: none, 1: usual")
+    clutter: float = Field(
+        default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in; 0: none, 1: usual, 4: a hoarder's"
+    )
+    appearance: AppearanceSpec = AppearanceSpec()
     storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
 
     @model_validator(mode="after")
@@ -112,7 +191,8 @@ class HouseSpec(_Data):
         _check_unique("furniture", [piece.id for storey in self.storeys for piece in storey.furniture or ()])
         for level, storey in enumerate(self.storeys):
             known = {room.id for room in storey.rooms}
-            named = [i for opening in storey.openings for i in opening.rooms] + [f.room for f in storey.furniture or ()]
+            named = [i for opening in storey.openings for i in opening.rooms]
+            named += [piece.room for piece in storey.furniture or ()] + [window.room for window in storey.windows or ()]
             for missing in sorted(set(named) - known):
                 raise ValueError(f"storeys[{level}] names room {missing!r}; its rooms are {', '.join(sorted(known))}")
         return self
@@ -136,7 +216,9 @@ class HouseSpec(_Data):
 
     def to_json(self) -> str:
         """The spec as JSON, one stable text per spec."""
-        return json.dumps(self.model_dump(mode="json", by_alias=True), indent=1) + "\n"
+        data = {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
+        # Points, polygons and names that belong together on one line: a plan is read by people too.
+        return _SHORT.sub(_on_one_line, json.dumps(data, indent=1)) + "\n"
 
     @classmethod
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":
@@ -163,6 +245,10 @@ class HouseSpec(_Data):
             raise SpecError(f"{path}: is not text in UTF-8; valid: a house as JSON") from None
 
 
+def _on_one_line(match: re.Match[str]) -> str:
+    return re.sub(r"\s+(?=\])|(?<=\[)\s+", "", re.sub(r"\s+", " ", match[0]))
+
+
 def _check_unique(what: str, ids: list[str]) -> None:
     repeated = sorted(i for i, times in Counter(ids).items() if times > 1)
     if repeated:
@@ -177,4 +263,13 @@ def _first_problem(error: ValidationError) -> str:
     return f"{place or 'spec'}: {first['msg'].removeprefix('Value error, ')}{more}"
 
 
-__all__ = ["FurnitureSpec", "HouseSpec", "OpeningSpec", "RoomSpec", "StoreySpec"]
+__all__ = [
+    "AppearanceSpec",
+    "FurnitureSpec",
+    "HouseSpec",
+    "LeafSpec",
+    "OpeningSpec",
+    "RoomSpec",
+    "StoreySpec",
+    "WindowSpec",
+]

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int, UInt8
 
 from sim.errors import SimError
+from worlds.spec import OpeningKind
 
 Outline = Float64[np.ndarray, "corners 2"]
 """A polygon of the plan, in W [m]."""
@@ -27,7 +28,7 @@ class PlannedRoom:
 class PlannedOpening:
     """A gap between two rooms."""
 
-    kind: Literal["door", "cased", "open"]
+    kind: OpeningKind
     ends: Float64[np.ndarray, "2 2"]
     """[m]"""
 
