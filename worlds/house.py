@@ -59,6 +59,8 @@ class Furniture:
     """In the piece's own frame."""
     solid: bool
     """Whether it blocks the way."""
+    seed: int = 0
+    """Of its colours, variants and the details of its materials."""
 
     @cached_property
     def footprint(self) -> Polygon:
@@ -205,4 +207,5 @@ def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
         piece.size_m,
         parts_of(piece),
         is_solid(piece.kind),
+        piece.seed,
     )
