@@ -1,0 +1,117 @@
+"""`Gap`: an opening while it is being planned, in plain floats along the wall that it is in."""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
+from worlds.walls import Boundary, opening_span
+
+Rectangle = tuple[float, float, float, float]
+"""x0, y0, x1, y1 [m]."""
+_TOLERANCE_M = 1e-6
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A door's leaf."""
+
+    at_low: bool
+    """Whether it hangs at the gap's lower end."""
+    into: str
+    angle: float
+    """[rad]"""
+
+    def spec(self) -> LeafSpec:
+        """As data, of a gap whose lower end comes first."""
+        return LeafSpec(hinge="start" if self.at_low else "end", into=self.into, angle_rad=self.angle)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """An opening from `low` to `high` on the line `at` along `axis` (0: x, 1: y) [m]."""
+
+    rooms: tuple[str, str]
+    """On the side of the smaller and of the larger cross coordinate."""
+    kind: OpeningKind
+    axis: int
+    at: float
+    low: float
+    high: float
+    height: float = 2.05
+    sill: float = 1.0
+    leaf: Leaf | None = None
+
+    @property
+    def width(self) -> float:
+        """[m]."""
+        return self.high - self.low
+
+    @property
+    def larger_side(self) -> str:
+        """The room on the side of the larger cross coordinate."""
+        return self.rooms[1]
+
+    def around(self, depth_m: float) -> Rectangle:
+        """The rectangle before and behind the gap."""
+        cross = self.at - depth_m, self.at + depth_m
+        return (self.low, cross[0], self.high, cross[1]) if self.axis == 0 else (cross[0], self.low, cross[1], self.high)
+
+    def spec(self) -> OpeningSpec:
+        """As data."""
+        ends = [(v, self.at) if self.axis == 0 else (self.at, v) for v in (self.low, self.high)]
+        return OpeningSpec(
+            rooms=self.rooms,
+            kind=self.kind,
+            start_m=ends[0],
+            end_m=ends[1],
+            height_m=self.height,
+            sill_m=self.sill,
+            leaf=None if self.leaf is None else self.leaf.spec(),
+        )
+
+    @staticmethod
+    def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "Gap":
+        """The gap of an opening that is placed already. Raises `HouseError` where it runs along neither x nor y."""
+        axis, at, low, high = opening_span(opening)
+        sides = opening.rooms
+        for wall in shared_walls(rooms[sides[0]], rooms[sides[1]]):
+            if (wall.axis, wall.at) == (axis, at) and wall.low < high and low < wall.high:
+                sides = str(wall.rooms[0]), str(wall.rooms[1])
+        leaf = None
+        if opening.leaf is not None:
+            at_low = (opening.leaf.hinge == "start") == (opening.start_m <= opening.end_m)
+            leaf = Leaf(at_low, opening.leaf.into, opening.leaf.angle_rad)
+        return Gap(sides, opening.kind, axis, at, low, high, opening.height_m, opening.sill_m, leaf)
+
+
+def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
+    """Where two rooms lie on either side of a line, in stretches."""
+    pieces = sorted(_facing(a, b), key=lambda wall: (wall.axis, wall.at, wall.low))
+    joined: list[Boundary] = []
+    for piece in pieces:
+        last = joined[-1] if joined else None
+        if last is not None and (last.axis, last.at, last.rooms) == (piece.axis, piece.at, piece.rooms) and (
+            piece.low <= last.high + _TOLERANCE_M
+        ):
+            joined[-1] = Boundary(last.axis, last.at, last.low, max(last.high, piece.high), last.rooms)
+        else:
+            joined.append(piece)
+    return joined
+
+
+def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
+    for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(_edges(a), _edges(b)):
+        start, stop = max(low, low_b), min(high, high_b)
+        if axis == axis_b and side != side_b and abs(at - at_b) < _TOLERANCE_M and stop - start > _TOLERANCE_M:
+            yield Boundary(axis, at, start, stop, (a.id, b.id) if side == 0 else (b.id, a.id))
+
+
+def _edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]:
+    """Axis, place, extent of every edge, and on which side of it the room lies (1: larger cross coordinate)."""
+    corners = room.polygon_m
+    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        if y0 == y1:
+            yield 0, round(y0, 6), min(x0, x1), max(x0, x1), int(x1 > x0)
+        else:
+            yield 1, round(x0, 6), min(y0, y1), max(y0, y1), int(y1 < y0)
