@@ -1,47 +1,51 @@
-"""Houses for other tools: a GLB of coloured triangles, one node per room's shell and per object."""
+"""Houses for other tools: a GLB of textured triangles, one node per room's surface and per object."""
 
-from collections import defaultdict
+from io import BytesIO
 
 import numpy as np
 import trimesh
-from jaxtyping import Float64, UInt8
+from jaxtyping import UInt8
+from PIL import Image
+from trimesh.visual.material import PBRMaterial
+from trimesh.visual.texture import TextureVisuals
 
-from worlds.furniture.finishes import finish_of
 from worlds.house import House
-from worlds.meshes import furniture_mesh, stairs_mesh, triangles
-from worlds.parts import Colour
-from worlds.surfaces import OUTSIDE, Surface, surfaces
+from worlds.meshes import triangles
+from worlds.visuals import Visual, visuals
+
+_JPEG_QUALITY = 88
+_Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 
 def to_trimesh(house: House) -> trimesh.Scene:
-    """The house as a scene in W [m, z up]; nodes are named by room id and surface, by furniture id, by stairs."""
-    scene = trimesh.Scene()
-    shell: dict[tuple[str, str], list[Surface]] = defaultdict(list)
-    for surface in surfaces(house):
-        shell[surface.room, surface.kind].append(surface)
-    labels = {room.id: room.label for room in house.rooms} | {OUTSIDE: "garden"}
-    for (room, kind), faces in shell.items():
-        finish = finish_of(labels[room], np.random.default_rng(house.spec.seed))
-        _, colour = getattr(finish, kind)
-        quads = np.array([face.corners for face in faces])
-        scene.add_geometry(_triangles(quads, np.repeat([_rgba(colour)], len(quads), axis=0)), node_name=f"{room}/{kind}")
-    objects = [(piece.id, furniture_mesh(piece)) for piece in house.furniture]
-    objects += [(f"stairs/{flight.storey}", stairs_mesh(flight)) for flight in house.stairs]
-    for name, mesh in objects:
-        colours = np.array([_rgba(colour) for _, colour in mesh.finishes], np.uint8).reshape(-1, 4)
-        scene.add_geometry(_triangles(mesh.corners, colours[mesh.finish_of_quad]), node_name=name)
+    """The house as a scene in W [m, z up]; nodes have the names of `worlds.visuals.Visual`."""
+    seen, scene = visuals(house), trimesh.Scene()
+    materials = {name: _material(name, image) for name, image in seen.images.items()}
+    for visual in seen.parts:
+        scene.add_geometry(_triangles(visual, materials[visual.image]), node_name=visual.name)
     return scene
 
 
 def to_glb(house: House) -> bytes:
-    """The house as a binary glTF file."""
-    return bytes(to_trimesh(house).export(file_type="glb"))  # type: ignore[no-untyped-call]
+    """The house as a binary glTF file, with y up as that format has it: x stays, z is up, y is -z."""
+    scene = to_trimesh(house)
+    scene.apply_transform(_Y_UP)  # type: ignore[no-untyped-call]
+    return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]
 
 
-def _triangles(quads: Float64[np.ndarray, "q 4 3"], colours: UInt8[np.ndarray, "q 4"]) -> trimesh.Trimesh:
-    faces = triangles(len(quads))
-    return trimesh.Trimesh(quads.reshape(-1, 3), faces, face_colors=np.repeat(colours, 2, axis=0), process=False)
+def _triangles(visual: Visual, material: PBRMaterial) -> trimesh.Trimesh:
+    return trimesh.Trimesh(
+        visual.corners.reshape(-1, 3),
+        triangles(len(visual.corners)),
+        vertex_normals=np.repeat(visual.normals, 4, axis=0),
+        visual=TextureVisuals(uv=visual.uv.reshape(-1, 2), material=material),  # type: ignore[no-untyped-call]
+        process=False,
+    )
 
 
-def _rgba(colour: Colour) -> UInt8[np.ndarray, "4"]:
-    return np.append(np.round(np.array(colour) * 255), 255).astype(np.uint8)
+def _material(name: str, image: UInt8[np.ndarray, "h w 3"]) -> PBRMaterial:
+    # Noise is a poor customer for PNG: JPEG makes the file several times smaller.
+    encoded = BytesIO()
+    Image.fromarray(image).save(encoded, "JPEG", quality=_JPEG_QUALITY)
+    picture = Image.open(encoded)
+    return PBRMaterial(name=name, baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)  # type: ignore[no-untyped-call]

@@ -24,6 +24,7 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
         function.__name__: function
         for function in (
+            building.bare,
             building.plain,
             building.plaster,
             building.concrete,
@@ -75,3 +76,15 @@ def texture(
     # Saturating conversion plane by plane is several times faster than arithmetic on interleaved pixels.
     bright = [np.maximum(plane, 0.0) for plane in planes] if shade.ndim == 3 else [np.maximum(shade, 0.0)] * 3
     return cv2.merge([cv2.convertScaleAbs(plane, alpha=255.0 * value) for plane, value in zip(bright, colour, strict=True)])
+
+
+def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "{side} {side} 3"]:
+    """A square texture of `side` [px] for `side_m` [m] that can be laid beside itself without a seam."""
+    over = max(1, side // 6)
+    whole, scale = side + over, side_m / side
+    image = texture(pattern, colour, rng, (whole, whole), (whole * scale, whole * scale)).astype(np.float32)
+    # What would come after the far edge fades into the near edge.
+    fade = np.linspace(0.0, 1.0, over, dtype=np.float32)[:, None, None]
+    image[:over] = fade * image[:over] + (1.0 - fade) * image[side:]
+    image[:, :over] = np.swapaxes(fade, 0, 1) * image[:, :over] + (1.0 - np.swapaxes(fade, 0, 1)) * image[:, side:]
+    return np.rint(image[:side, :side]).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Furniture and stairs as quads: parts to faces with metric texture coordinates, all vectorised over parts."""
+"""Furniture, stairs and leaves as quads: parts to faces with metric texture coordinates, vectorised over a whole house."""
 
 import itertools
 from collections.abc import Sequence
@@ -7,38 +7,58 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
-from worlds.house import Furniture
-from worlds.parts import Colour, Part
-from worlds.stairs import Stairs
+from worlds.parts import Part, Vector
 
 _SIDES = 10
 
 
 @dataclass(frozen=True, eq=False)
-class QuadMesh:
-    """Planar quads, visible from the side where their corners run counter-clockwise."""
+class Solid:
+    """An object made of parts, in its place."""
 
-    corners: Float64[np.ndarray, "q 4 3"]
-    """[m]"""
-    uv: Float64[np.ndarray, "q 4 2"]
-    """Texture coordinates."""
-
-    @property
-    def normals(self) -> Float64[np.ndarray, "q 3"]:
-        """Unit normals; from the diagonals, so that a quad with two equal corners still has one."""
-        c = self.corners
-        normal = np.cross(c[:, 2] - c[:, 0], c[:, 3] - c[:, 1])
-        return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
+    parts: Sequence[Part]
+    """In the object's own frame."""
+    position: Vector = (0.0, 0.0, 0.0)
+    """Of that frame's origin in W [m]."""
+    yaw: float = 0.0
+    """[rad]"""
 
 
 @dataclass(frozen=True, eq=False)
-class ObjectMesh(QuadMesh):
-    """The quads of one object; `uv` in metres on each quad's own sheet, from (0, 0)."""
+class SolidsMesh:
+    """The faces of many solids: planar quads, visible from the side where their corners run counter-clockwise."""
 
-    finishes: tuple[tuple[str, Colour], ...]
-    """The (material, colour) pairs in use."""
-    finish_of_quad: Int[np.ndarray, "q"]
-    """Index into `finishes`."""
+    corners: Float64[np.ndarray, "q 4 3"]
+    """In W [m]."""
+    uv: Float64[np.ndarray, "q 4 2"]
+    """In metres on each quad's own sheet, from (0, 0)."""
+    solid: Int[np.ndarray, "q"]
+    """Index of the solid that each quad belongs to, ascending."""
+    part: Int[np.ndarray, "q"]
+    """Index of the part, counted through all solids."""
+
+
+def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
+    """The faces of all `solids`."""
+    parts = [part for solid in solids for part in solid.parts]
+    owner = np.repeat(np.arange(len(solids)), [len(solid.parts) for solid in solids])
+    corners, part_of = [np.zeros((0, 4, 3))], [np.zeros(0, int)]
+    for shape, template in _TEMPLATES.items():
+        chosen = np.array([i for i, part in enumerate(parts) if part.shape == shape], int)
+        if len(chosen):
+            corners.append(_placed(template, [parts[i] for i in chosen]))
+            part_of.append(np.repeat(chosen, len(template)))
+    part = np.concatenate(part_of)
+    order = np.argsort(part, kind="stable")
+    part, local = part[order], np.concatenate(corners)[order]
+    solid = owner[part] if len(part) else part
+    return SolidsMesh(_in_world(local, solids, solid), _metric_uv(local), solid, part)
+
+
+def normals(corners: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 3"]:
+    """Unit normals of quads; from the diagonals, so that a quad with two equal corners still has one."""
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
 
 
 def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
@@ -46,40 +66,26 @@ def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
     return np.asarray(4 * np.arange(quads)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
-def furniture_mesh(piece: Furniture) -> ObjectMesh:
-    """The mesh of a piece of furniture in W."""
-    mesh = _mesh(piece.parts)
-    cos, sin = np.cos(piece.yaw), np.sin(piece.yaw)
-    rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    corners = mesh.corners @ rotation.T + np.array(piece.position)
-    return ObjectMesh(corners, mesh.uv, mesh.finishes, mesh.finish_of_quad)
-
-
-def stairs_mesh(stairs: Stairs) -> ObjectMesh:
-    """The mesh of both flights in W."""
-    return _mesh(stairs.treads)
-
-
-def _mesh(parts: Sequence[Part]) -> ObjectMesh:
-    finishes = list(dict.fromkeys((part.material, part.colour) for part in parts))
-    corners, owner = [np.zeros((0, 4, 3))], [np.zeros(0, int)]
-    for shape, template in _TEMPLATES.items():
-        chosen = [i for i, part in enumerate(parts) if part.shape == shape]
-        if chosen:
-            corners.append(_placed(template, [parts[i] for i in chosen]))
-            owner.append(np.repeat([finishes.index((parts[i].material, parts[i].colour)) for i in chosen], len(template)))
-    quads = np.concatenate(corners)
-    return ObjectMesh(quads, _metric_uv(quads), tuple(finishes), np.concatenate(owner))
-
-
 def _placed(template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part]) -> Float64[np.ndarray, "q 4 3"]:
     size, centre = np.array([p.size for p in parts]), np.array([p.centre for p in parts])
-    yaw = np.array([p.yaw for p in parts])
-    local = template[None] * size[:, None, None]
-    cos, sin = np.cos(yaw)[:, None, None], np.sin(yaw)[:, None, None]
-    x, y, z = np.moveaxis(local, -1, 0)
-    turned = np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
+    yaw = np.array([p.yaw for p in parts])[:, None, None]
+    turned = _turned(template[None] * size[:, None, None], yaw)
     return np.asarray(turned + centre[:, None, None]).reshape(-1, 4, 3)
+
+
+def _in_world(
+    local: Float64[np.ndarray, "q 4 3"], solids: Sequence[Solid], owner: Int[np.ndarray, "q"]
+) -> Float64[np.ndarray, "q 4 3"]:
+    if not solids:
+        return local
+    yaw, position = np.array([solid.yaw for solid in solids]), np.array([solid.position for solid in solids])
+    return np.asarray(_turned(local, yaw[owner][:, None]) + position[owner][:, None])
+
+
+def _turned(points: Float64[np.ndarray, "*n 3"], yaw: Float64[np.ndarray, "*m"]) -> Float64[np.ndarray, "*n 3"]:
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x, y, z = points[..., 0], points[..., 1], points[..., 2]
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
 
 
 def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 2"]:

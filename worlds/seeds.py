@@ -18,5 +18,14 @@ def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Gen
     seed of their own (twins) get the same draws.
     """
     own = [spec.seed, zlib.crc32(room.id.encode())] if room.seed is None else [room.seed]
-    painted = [spec.appearance.seed] if purpose == "finish" and spec.appearance.seed is not None else []
+    painted = _repaint(spec) if purpose == "finish" else []
     return np.random.default_rng([*own, *painted, _PURPOSES[purpose]])
+
+
+def house_rng(spec: HouseSpec, *key: int) -> np.random.Generator:
+    """The generator for the looks of what belongs to no room; a `key` for each thing."""
+    return np.random.default_rng([spec.seed, *_repaint(spec), _PURPOSES["finish"], *key])
+
+
+def _repaint(spec: HouseSpec) -> list[int]:
+    return [] if spec.appearance.seed is None else [spec.appearance.seed]

@@ -7,6 +7,11 @@ from numpy.random import Generator
 from worlds.patterns.surface import Planes, Shade, Surface, courses
 
 
+def bare(surface: Surface, rng: Generator) -> Shade:
+    """Even paint that shows next to nothing: a slow change of shade across metres."""
+    return 0.98 + 0.012 * surface.noise(rng, 3.0, octaves=1)
+
+
 def plain(surface: Surface, rng: Generator) -> Shade:
     """Paint: faint mottling, with here and there a scuff."""
     shade = 0.97 + 0.085 * surface.noise(rng, 0.24, octaves=4, gain=1.0)
