@@ -139,13 +139,15 @@ def _name(rooms: Sequence[tuple[str, Rectangle]], level: int) -> list[tuple[str,
 
 
 def _stairs_openings(named: Sequence[tuple[str, str, Rectangle]], level: int, levels: int) -> list[OpeningSpec]:
-    """Way up (first, it places the flights) over one half of the cell's front, way down over the other."""
+    """Way up over one half of the cell's front, way down over the other."""
     hall_id, _, _ = named[0]
     stairs_id, _, (x, y0, _, y1) = named[1]
     middle = (y0 + y1) / 2
-    up = OpeningSpec(rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(y0 + 0.05, 3)), end_m=(x, round(middle, 3)))
+    up = OpeningSpec(
+        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(y0 + 0.05, 3)), end_m=(x, round(middle, 3)), leads="up"
+    )
     down = OpeningSpec(
-        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(middle, 3)), end_m=(x, round(y1 - 0.05, 3))
+        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(middle, 3)), end_m=(x, round(y1 - 0.05, 3)), leads="down"
     )
     return ([up] if level + 1 < levels else []) + ([down] if level > 0 else [])
 
