@@ -15,11 +15,19 @@ from lexis.export import FORMATS, export_map
 from lexis.map_io import JSON_FILE, load_map, save_map
 from lexis.planner import plan
 from lexis.room_names import instance_names
+from lexis.types import LexisMap, RoomInstance
 
 if TYPE_CHECKING:
     from lexis.encoder import OpenClipEncoder
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
+
+FROM_HELP = 'an instance ("office 2") or a label ("office"): of its instances the one with the shortest way to the goal'
+TO_HELP = (
+    "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
+    "images look more like another room counts only where there is no other"
+)
+QUERY_NOTE = "mini knows names of rooms and little else; questions in free words want a map made with real CLIP weights."
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -43,13 +51,14 @@ def _parser() -> Parser:
         commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
     )
     path.add_argument("map", type=Path, metavar="MAP")
-    path.add_argument("--from", dest="start", required=True, metavar="ROOM", help='"office", or one of several: "office 2"')
-    path.add_argument("--to", dest="goal", required=True, metavar="ROOM")
+    path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
+    path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
     query = add_command(
-        commands, "query", _query, "the rooms that fit a question", 'lexis query map "where can I wash my hands"'
+        commands, "query", _query, "the rooms that fit a description best", 'lexis query map "a room with a bathtub"'
     )
+    query.epilog = f"{query.epilog}\n\n{QUERY_NOTE}"
     query.add_argument("map", type=Path, metavar="MAP")
-    query.add_argument("text")
+    query.add_argument("text", metavar="TEXT", help="in any words that the encoder understands")
     query.add_argument("--encoder", default="mini", help=f"the one the map was made with: {ENCODER_HELP}")
     query.add_argument("--top", type=positive, default=3, help="rooms to list (default: %(default)s)")
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
@@ -84,11 +93,17 @@ def _run(arguments: argparse.Namespace) -> int:
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     result = plan(lexis_map, arguments.start, arguments.goal)
-    print(f"{result.length_m:.1f} m over {len(result.keyframes)} keyframes")
+    start, goal = (_place(lexis_map, room) for room in (result.start, result.goal))
+    print(f"{start} to {goal}: {result.length_m:.1f} m, {len(result.keyframes)} keyframes")
     for i in result.keyframes:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
         print(f"{i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
     return 0
+
+
+def _place(lexis_map: LexisMap, room: RoomInstance) -> str:
+    where = "between floors" if room.floor is None else f"floor {room.floor}"
+    return f"{instance_names(lexis_map.rooms)[room.id]} ({where})"
 
 
 def _query(arguments: argparse.Namespace) -> int:

@@ -1,6 +1,7 @@
 """Paths from room to room over the graph (paper, Sec. IV, planning application)."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -25,40 +26,51 @@ EVIDENCE_NEIGHBOURS = 5
 class Plan:
     """A path over the graph."""
 
+    start: RoomInstance
+    goal: RoomInstance
     keyframes: tuple[int, ...]
     """Ids from start to goal, both included."""
     length_m: float
     """Sum of the straight lines between them [m]."""
 
 
-def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
-    """The shortest path between two rooms, named by label ("office") or as an instance ("office 2").
+class Inside(NamedTuple):
+    """The keyframe that is most certainly inside a room."""
 
-    It begins and ends at the keyframes that are most certainly inside: of a label's instances the one with most keyframes,
-    in it the keyframe around which the images tell the room from the others most clearly.
+    room: RoomInstance
+    keyframe: int
+    evidence: float
+    """How much more its images look like the room than like any other; not above zero where the room is doubtful."""
+
+
+def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
+    """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
+
+    A label stands for all its instances; of these, the two that are nearest to each other by the length of the way are
+    chosen. Doubtful instances stand for their label only where it has no other: most are a few misread keyframes in a room
+    of another label. In a room the path begins or ends where it is most certainly inside.
 
     Raises:
         PlanError: there is no such room in the map, or no way between the two.
     """
-    first, last = room_keyframe(map, start), room_keyframe(map, goal)
+    starts, goals = _ends(map, start), _ends(map, goal)
     graph = adjacency(map, config or PlannerConfig())
-    (distances,), (before,) = dijkstra(graph, indices=np.array([first]), return_predecessors=True)
-    if not np.isfinite(distances[last]):
+    distances, before = dijkstra(graph, indices=np.array([end.keyframe for end in starts]), return_predecessors=True)
+    lengths = distances[:, [end.keyframe for end in goals]]
+    s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))
+    if not np.isfinite(lengths[s, g]):
         raise PlanError(f"no way from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
-    path = [last]
-    while path[-1] != first:
-        path.append(int(before[path[-1]]))
-    return Plan(tuple(reversed(path)), float(distances[last]))
+    path = [goals[g].keyframe]
+    while path[-1] != starts[s].keyframe:
+        path.append(int(before[s, path[-1]]))
+    return Plan(starts[s].room, goals[g].room, tuple(reversed(path)), float(lengths[s, g]))
 
 
-def room_keyframe(map: LexisMap, name: str) -> int:
-    """The keyframe that is most certainly inside the room of that name. Raises PlanError for an unknown one."""
-    rooms = find_rooms(map.rooms, name)
-    if not rooms:
-        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
-    room = max(rooms, key=lambda r: (len(r.keyframes), -r.id))
-    members = np.array(room.keyframes)
-    return int(members[_evidence(map, room)[members].argmax()])
+def innermost(map: LexisMap, room: RoomInstance) -> Inside:
+    """Where in a room the images around a keyframe tell it from the others most clearly."""
+    evidence = _evidence(map, room)
+    keyframe = max(room.keyframes, key=lambda k: (evidence[k], -k))
+    return Inside(room, keyframe, float(evidence[keyframe]))
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
@@ -79,6 +91,14 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
     lengths = np.maximum(_lengths(ways, positions), 1e-9)
     both = np.concatenate([ways, ways[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
+
+
+def _ends(map: LexisMap, name: str) -> list[Inside]:
+    """Where a path to or from the rooms of that name may end. Raises PlanError for an unknown one."""
+    ends = [innermost(map, room) for room in find_rooms(map.rooms, name)]
+    if not ends:
+        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
+    return [end for end in ends if end.evidence > 0.0] or ends
 
 
 def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:

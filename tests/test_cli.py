@@ -1,6 +1,7 @@
 """`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -57,7 +58,18 @@ def test_from_a_recording_to_a_map_a_plan_an_answer_and_an_export(dataset, tmp_p
     assert cli.main(["export", str(out), "--format", "json", "-o", str(tmp_path / "map.json")]) == 0
     assert [room["name"] for room in json.loads((tmp_path / "map.json").read_text())["rooms"]] == ["kitchen", "office"]
     printed = capsys.readouterr()
-    assert "m over" in printed.out and printed.err == ""
+    assert "kitchen (floor 0) to office (floor 0): " in printed.out and printed.err == ""
+
+
+@pytest.mark.parametrize(
+    ("floor", "says"), [(2, "office 1 (floor 2) to office 1 (floor 2)"), (None, "office 1 (between floors) to office 1 (")]
+)
+def test_a_plan_says_which_rooms_on_which_floors_it_joins(rng, tmp_path, capsys, floor, says):
+    lexis_map = corridor_with_offices(rng)
+    rooms = (lexis_map.rooms[0], replace(lexis_map.rooms[1], floor=floor), lexis_map.rooms[2])
+    save_map(replace(lexis_map, rooms=rooms), tmp_path / "map")
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "office 1"]) == 0
+    assert says in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Plans: truly shortest, over ways that a robot may take, ending inside the room."""
 
 from dataclasses import replace
+from itertools import product
 
 import networkx as nx
 import numpy as np
@@ -9,7 +10,7 @@ from map_builder import build_map, corridor_with_offices
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
-from lexis.planner import adjacency, plan, room_keyframe
+from lexis.planner import adjacency, innermost, plan
 from lexis.room_names import instance_names
 
 
@@ -60,28 +61,57 @@ def test_only_trusted_loops_join_rooms(rng, weight, joined):
     assert (adjacency(lexis_map, PlannerConfig())[20, 10] > 0) == joined
 
 
-def test_the_goal_lies_deep_in_the_room_with_most_support(rng):
+def test_a_path_ends_deep_in_the_room(rng):
     lexis_map = corridor_with_offices(rng)
     similarities = lexis_map.similarities.copy()
     similarities[30, 1] = 0.99  # looks most like an office, on the office's doorstep
     similarities[34:38, 1] = 0.95
-    lexis_map = replace(
-        lexis_map,
-        similarities=similarities,
-        rooms=(*lexis_map.rooms[:1], _without_last(lexis_map.rooms[1]), lexis_map.rooms[2]),
-    )
-    assert room_keyframe(lexis_map, "office") in range(34, 38)
+    lexis_map = replace(lexis_map, similarities=similarities)
+    assert innermost(lexis_map, lexis_map.rooms[2]).keyframe in range(34, 38)
+    assert plan(lexis_map, "corridor", "office 2").keyframes[-1] in range(34, 38)
 
 
-def _without_last(room):
-    return replace(room, keyframes=room.keyframes[:-1])
+@pytest.mark.parametrize(
+    ("start", "goal", "chosen"),
+    [
+        ("kitchen", "office", ("kitchen", "office 1")),
+        ("office", "kitchen", ("office 1", "kitchen")),
+        ("office", "library", ("office 2", "library")),
+        ("office 1", "library", ("office 1", "library")),
+    ],
+)
+def test_a_label_alone_means_the_nearest_of_its_rooms(rng, start, goal, chosen):
+    """Along one line; the office that is near the kitchen is the smaller one. Agrees with all pairs one by one."""
+    members = [("kitchen", range(5)), ("office", range(5, 9)), ("corridor", range(9, 30)), ("office", range(30, 50))]
+    members.append(("library", range(50, 55)))
+    names = ("kitchen", "office", "corridor", "library")
+    labels = np.concatenate([[names.index(label)] * len(keyframes) for label, keyframes in members])
+    lexis_map = build_map(np.arange(55)[:, None] * [0.5, 0.0, 0.0], labels, members, names, rng)
+    result = plan(lexis_map, start, goal)
+    instances = instance_names(lexis_map.rooms)
+    assert (instances[result.start.id], instances[result.goal.id]) == chosen
+    pairs = product(*([name for name in instances if name.startswith(wanted)] for wanted in (start, goal)))
+    assert result.length_m == min(plan(lexis_map, *pair).length_m for pair in pairs)
+
+
+def test_a_doubtful_room_stands_for_its_label_only_where_there_is_no_other(rng):
+    lexis_map = corridor_with_offices(rng)
+    nearest = plan(lexis_map, "corridor", "office").goal
+    other = lexis_map.rooms[3 - nearest.id]
+    similarities = lexis_map.similarities.copy()
+    similarities[list(nearest.keyframes), 2] = 0.9  # looks like a kitchen
+    misread = replace(lexis_map, similarities=similarities)
+    assert plan(misread, "corridor", "office").goal is other
+    assert plan(misread, "corridor", f"office {nearest.id}").goal is nearest
+    similarities[list(other.keyframes), 2] = 0.9
+    assert plan(misread, "corridor", "office").goal is nearest
 
 
 def test_rooms_go_by_label_or_number(rng):
     lexis_map = corridor_with_offices(rng)
     assert instance_names(lexis_map.rooms) == ("corridor", "office 1", "office 2")
-    assert room_keyframe(lexis_map, " Office 1 ") in range(10, 20)
-    same = plan(lexis_map, "office 1", "office 1")
+    same = plan(lexis_map, " Office 1 ", "office 1")
+    assert same.start is same.goal is lexis_map.rooms[1]
     assert len(same.keyframes) == 1 and same.length_m == 0.0
 
 
