@@ -55,6 +55,13 @@ def test_unknown_figures_are_shown_by_their_key_and_groups_are_left_out():
     assert [(row.name, row.value) for row in rows] == [("ATE, optimised", MISSING), ("drift per m", "0.1")]
 
 
+@pytest.mark.parametrize(("preset", "name"), [("home", "home"), (None, "my [old] house")])
+def test_a_house_of_no_preset_goes_by_its_name(preset, name):
+    console = Console(width=140, record=True, file=io.StringIO())
+    console.print(result_table({"preset": preset, "seed": 3}, "my [old] house"))
+    assert f"house {name}, seed 3" in console.export_text()
+
+
 def test_the_table_holds_every_figure():
     console = Console(width=140, record=True, file=io.StringIO())
     console.print(result_table({"preset": "home", "seed": 3, "labels": {"accuracy": 0.75}, "loops": {"precision": None}}))

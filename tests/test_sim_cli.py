@@ -1,12 +1,18 @@
 """`lexis-sim`: bad input costs one line and exit status 2, and leaves nothing behind."""
 
 import json
+import re
+import subprocess
+import sys
 
 import cv2
 import pytest
 
 from sim.bench.segmentation import Row
+from sim.bench.speed import Timing
 from sim.cli import main
+from sim.commands.run import DEMO_SEED
+from sim.harness import RunConfig
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
@@ -31,6 +37,11 @@ def status_of(argv):
         (["run", "--out", "file.txt/inside"], "valid"),
         (["run", "--out", "/proc/nowhere"], "valid"),
         (["run", "--out", "occupied"], "valid"),
+        (["run", "--out", ""], "the name of a folder"),
+        (["run", "--out", "loop"], "loop"),
+        (["demo", "--out", "/proc/nowhere"], "cannot be written"),
+        (["train-encoder", "--work", "/proc/nowhere"], "--work in /proc/nowhere: cannot be written"),
+        (["train-encoder", "--work", "occupied", "--out", "file.txt/mini"], "--out in file.txt: cannot be written"),
         (["house", "generate", "--rooms", "kitchen,dungeon", "-o", "h.json"], "valid: kitchen"),
         (["house", "generate", "--rooms", "", "-o", "h.json"], "valid"),
         (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
@@ -44,6 +55,7 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "broken.json").write_text('{"storeys": [{"rooms": 3}]}')
     (tmp_path / "file.txt").write_text("a file, not a folder")
+    (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "occupied").mkdir()
     (tmp_path / "occupied" / "thesis.txt").write_text("years of work")
     before = sorted(tmp_path.rglob("*"))
@@ -51,6 +63,26 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and "Traceback" not in printed.err and printed.out == ""
     assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    [[], ["demo"], ["run"], ["bench"], ["train-encoder"], ["doctor"], ["house"]]
+    + [["house", action] for action in ("generate", "check", "show", "export")],
+)
+def test_help_has_an_example(words, capsys):
+    assert status_of([*words, "--help"]) == 0
+    assert f"  lexis-sim {' '.join(words)}" in re.split("examples?:\n", capsys.readouterr().out)[1]
+
+
+def test_help_waits_for_nothing_heavy():
+    """In a process of its own: here everything is imported already."""
+    code = "import sys, sim.cli; print(*{'torch', 'open_clip', 'mujoco', 'gtsam'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() == []
+
+
+def test_the_seed_of_a_run_is_the_harness_s():
+    assert RunConfig().seed == DEMO_SEED
 
 
 def test_generated_houses_check_and_show(tmp_path, capsys):
@@ -93,9 +125,15 @@ def test_a_house_that_cannot_be_built_fails_its_check(tmp_path, capsys):
 
 def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, capsys):
     row = Row(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
-    monkeypatch.setattr("sim.cli.run_houses", lambda config, seeds: ((seed, row) for seed in seeds))
+    monkeypatch.setattr("sim.bench.segmentation.run_houses", lambda config, seeds: ((seed, row) for seed in seeds))
     assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
     assert "–" in capsys.readouterr().out
+
+
+def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):
+    monkeypatch.setattr("sim.bench.speed.measure_speed", lambda preset, houses, seed: [Timing("tour", 1.0, 2.0, 3)])
+    assert status_of(["bench", "speed"]) == 0
+    assert re.search(r"step.*median \[ms\].*worst \[ms\].*runs \[count\]", capsys.readouterr().out)
 
 
 def test_doctor_is_content_here(capsys):

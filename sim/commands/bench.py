@@ -1,0 +1,61 @@
+"""`lexis-sim bench`: benchmarks, each a table. A new one is a function and an entry of `_BENCHMARKS`."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import astuple, fields
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from lexis.command_line import Commands, add_command, positive
+from sim.commands.arguments import ENCODER_HELP, SEED
+from worlds.presets import PRESETS
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command."""
+    bench = add_command(commands, "bench", _bench, "benchmarks", "lexis-sim bench segmentation --preset home --houses 5")
+    bench.add_argument("benchmark", choices=_BENCHMARKS)
+    bench.add_argument("--preset", choices=PRESETS, default="home")
+    bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
+    bench.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    SEED(bench)
+
+
+def _bench(arguments: argparse.Namespace) -> int:
+    Console().print(_BENCHMARKS[arguments.benchmark](arguments))
+    return 0
+
+
+def _segmentation(arguments: argparse.Namespace) -> Table:
+    from sim.bench.segmentation import Row, mean_and_spread, run_houses
+    from sim.harness import RunConfig
+    from sim.report.figures import shown
+
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    table = Table("seed", *(field.name for field in fields(Row)), title=title)
+    last = arguments.seed + arguments.houses - 1
+    rows = []
+    for house, row in run_houses(
+        RunConfig(preset=arguments.preset, encoder=arguments.encoder), range(arguments.seed, last + 1)
+    ):
+        rows.append(row)
+        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
+    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
+        table.add_row(name, *(shown(value, "{:.3g}") for value in values))
+    return table
+
+
+def _speed(arguments: argparse.Namespace) -> Table:
+    from sim.bench.speed import measure_speed
+
+    # Escaped, since rich would take a unit in brackets for a style and swallow it.
+    headers = map(escape, ("step", "median [ms]", "worst [ms]", "runs [count]"))
+    table = Table(*headers, title=f"{arguments.preset}, seeds from {arguments.seed}")
+    for timing in measure_speed(arguments.preset, arguments.houses, arguments.seed):
+        table.add_row(timing.name, f"{timing.median_ms:.1f}", f"{timing.worst_ms:.1f}", str(timing.runs))
+    return table
+
+
+_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Table]] = {"speed": _speed, "segmentation": _segmentation}

@@ -1,0 +1,140 @@
+"""`lexis-sim house`: houses as files. A new action is a function and a row of `_ACTIONS`."""
+
+import argparse
+from pathlib import Path
+from typing import NamedTuple
+
+from lexis.command_line import Command, Commands, add_command
+from lexis.files import replaced_file
+from sim.commands.arguments import PRESET_HELP, SEED, Argument, argument, out_file
+from worlds.errors import HouseError
+from worlds.house import House, build_house
+from worlds.presets import sample_from_rooms, sample_house
+from worlds.spec import HouseSpec
+from worlds.truth import floor_area, openness
+
+
+class Action(NamedTuple):
+    """A command below `lexis-sim house`."""
+
+    name: str
+    command: Command
+    help: str
+    example: str
+    arguments: tuple[Argument, ...]
+
+
+def add_to(commands: Commands) -> None:
+    """Add the actions."""
+    examples = "\n".join(f"  {action.example}" for action in _ACTIONS)
+    house = commands.add_parser(
+        "house",
+        help="generate, check and show houses",
+        description="Houses as files.",
+        epilog=f"examples:\n{examples}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    actions = house.add_subparsers(required=True, metavar="ACTION")
+    for action in _ACTIONS:
+        parser = add_command(actions, action.name, action.command, action.help, action.example)
+        for add_argument in action.arguments:
+            add_argument(parser)
+
+
+def _generate(arguments: argparse.Namespace) -> int:
+    if arguments.rooms is None:
+        spec = sample_house(arguments.preset, arguments.seed)
+    else:
+        spec = sample_from_rooms([label.strip() for label in arguments.rooms.split(",")], arguments.seed)
+    house = _checked(spec)
+    with replaced_file(arguments.out) as file:
+        file.write_text(spec.to_json())
+    print(f"{arguments.out}: {_describe(house)}")
+    return 0
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    spec = HouseSpec.load(arguments.file)
+    try:
+        house = _checked(spec)
+    except HouseError as error:
+        print(f"{arguments.file}: {error}")
+        return 1
+    print(f"{arguments.file}: {_describe(house)}; all checks passed")
+    return 0
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    from sim.report.house_plan import plan_png
+
+    house = build_house(HouseSpec.load(arguments.file))
+    with replaced_file(arguments.out) as file:
+        file.write_bytes(plan_png(house))
+    print(f"{arguments.out}: {_describe(house)}")
+    return 0
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    from worlds.export import to_glb
+
+    house = build_house(HouseSpec.load(arguments.file))
+    with replaced_file(arguments.out) as file:
+        file.write_bytes(to_glb(house))
+    print(f"{arguments.out}: {_describe(house)}")
+    return 0
+
+
+def _preset_or_rooms(parser: argparse.ArgumentParser) -> None:
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--preset", default="home", help=PRESET_HELP)
+    source.add_argument("--rooms", metavar="A,B,...", help="one storey with these rooms around a corridor")
+
+
+def _checked(spec: HouseSpec) -> House:
+    from worlds.validation import validate
+
+    house = build_house(spec)
+    validate(house)
+    return house
+
+
+def _describe(house: House) -> str:
+    floors = len(house.storeys)
+    return (
+        f"{len(house.rooms)} rooms on {floors} floor{'s' * (floors > 1)}, {floor_area(house):.0f} m², "
+        f"openness {openness(house):.2f}, {len(house.furniture)} pieces of furniture"
+    )
+
+
+_FILE = argument("file", type=Path, metavar="FILE.json")
+
+_ACTIONS = (
+    Action(
+        "generate",
+        _generate,
+        "write a house as JSON",
+        "lexis-sim house generate --preset home --seed 3 -o home.json",
+        (_preset_or_rooms, SEED, out_file("FILE.json")),
+    ),
+    Action(
+        "check",
+        _check,
+        "prove that a house can stand and be walked",
+        "lexis-sim house check home.json",
+        (_FILE,),
+    ),
+    Action(
+        "show",
+        _show,
+        "draw the plan of every storey",
+        "lexis-sim house show home.json -o home.png",
+        (_FILE, out_file("FILE.png")),
+    ),
+    Action(
+        "export",
+        _export,
+        "a 3-D model for other tools",
+        "lexis-sim house export home.json -o home.glb",
+        (_FILE, out_file("FILE.glb")),
+    ),
+)

@@ -1,0 +1,48 @@
+"""`lexis-sim train-encoder`: the weights of `mini`, anew."""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+
+from lexis.command_line import Commands, add_command, positive
+from sim.commands.arguments import SEED, folder
+from sim.errors import SimError
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command."""
+    train = add_command(
+        commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --houses 300 --epochs 9"
+    )
+    train.add_argument("--houses", type=positive, default=300, help="training and tuning houses (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=9, help="passes over the frames (default: %(default)s)")
+    SEED(train)
+    train.add_argument(
+        "--work", type=folder, default=Path("encoder-training"), help="frames and checkpoint; resumed when it exists"
+    )
+    train.add_argument("--out", type=Path, help="weights (default: those in the package)")
+
+
+def _train(arguments: argparse.Namespace) -> int:
+    from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
+    from sim.training.train import TrainingConfig
+
+    out: Path = arguments.out or MINI_WEIGHTS
+    _check_writable("--work", arguments.work)
+    _check_writable("--out", out.parent)
+    training = TrainingConfig(epochs=arguments.epochs, seed=arguments.seed)
+    train_encoder(TrainingRun(arguments.houses, training, arguments.work, out), Console())
+    return 0
+
+
+def _check_writable(option: str, folder: Path) -> None:
+    """Make the folder; raise before hours of training what would be raised after them."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise SimError(
+            f"{option} in {folder}: cannot be written: {error.strerror}; valid: a folder that can be made"
+        ) from None
