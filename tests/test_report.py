@@ -5,14 +5,19 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
+from hypothesis.strategies import integers
 
 from lexis.errors import LexisError
+from lexis.evaluation.rooms import score_rooms
 from sim.errors import SimError
 from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
 from sim.report.findings import findings
 from sim.report.overlay import MOST_PATHS, run_marks, storey_of
+from sim.report.room_errors import RoomErrors, room_errors, surplus
 
 NAMES = ("kitchen", "office", "library")
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -175,6 +180,35 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
         "from kitchen to library",
     ):
         assert fault in bad
+
+
+def test_a_house_of_no_preset_goes_by_its_name(rng):
+    data = example(rng)
+    named = replace(data, plans=tuple(replace(plan, house="my <old> house") for plan in data.plans))
+    assert "<h1>home " in render_report(named)
+    assert "<h1>my &lt;old&gt; house " in render_report(replace(named, result={**data.result, "preset": None}))
+
+
+@given(arrays(int, (2, 30), elements=integers(0, 5)))
+def test_splits_and_merges_are_those_of_the_result(rooms):
+    true, predicted = rooms
+    errors = room_errors([str(room) for room in true], [str(room) for room in predicted])
+    scores = score_rooms(predicted, true)
+    assert (surplus(errors.splits), surplus(errors.merges)) == (scores.splits, scores.merges)
+
+
+@pytest.mark.parametrize(
+    ("true", "predicted", "kind", "group"),
+    [
+        ("aaaabbbb", "xxyybbbb", "splits", {"a": ("x", "y")}),
+        ("aaaabbbb", "xxxxxxxx", "merges", {"x": ("a", "b")}),
+        ("aaaabbbb", "xxxyyyyy", "losses", {"a": ("y",)}),
+        ("aaaaaabbbbbb", "xxxxxyyyyyyy", "losses", {}),
+    ],
+)
+def test_every_kind_of_room_error_is_named_once(true, predicted, kind, group):
+    errors = room_errors(list(true), list(predicted))
+    assert errors == replace(RoomErrors({}, {}, {}), **{kind: group})
 
 
 @pytest.mark.parametrize(

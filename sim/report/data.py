@@ -45,6 +45,8 @@ class FloorPlan:
     openings: tuple[PlannedOpening, ...] = ()
     furniture: tuple[Outline, ...] = ()
     treads: tuple[Outline, ...] = ()
+    house: str | None = None
+    """Name of the house."""
 
 
 @dataclass(frozen=True, eq=False)

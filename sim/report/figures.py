@@ -45,8 +45,8 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "hydra_recall": Definition("Hydra's recall", _SHARE, "max-overlap; for comparison with published work"),
         "ari": Definition("adjusted Rand index", _SCORE, "agreement of the groupings of keyframes; 0 by chance, 1 if equal"),
         "v_measure": Definition("V-measure", _SCORE, "harmonic mean of homogeneity and completeness"),
-        "splits": Definition("splits", _COUNT, "true rooms that were cut into several"),
-        "merges": Definition("merges", _COUNT, "predicted rooms that cover several true ones"),
+        "splits": Definition("splits", _COUNT, "predicted rooms beyond the first that lie mostly (> half) in one true room"),
+        "merges": Definition("merges", _COUNT, "true rooms beyond the first that lie mostly (> half) in one predicted room"),
         "count_error": Definition("count error", _SIGNED, "predicted minus true number of rooms"),
     },
     "floors": {

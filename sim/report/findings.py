@@ -1,16 +1,14 @@
 """The few sentences that a reader wants first: what went wrong, where, and how badly."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from lexis.evaluation.trajectory import ate_rmse
 from sim.report.data import ReportData
-
-_SUBSTANTIAL = 0.2
-"""The share of a room that must lie in another one before that is worth a line."""
+from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 
 @dataclass(frozen=True)
@@ -49,30 +47,28 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
         yield Finding(mended >= spoiled, f"Label refinement mended {mended} keyframes and spoiled {spoiled}.", first)
 
 
-def _rooms(data: ReportData, most: int = 3) -> Iterator[Finding]:
-    true, said = data.keyframes.true_rooms, data.keyframes.predicted_rooms
-    for rooms, others, verb in (
-        (true, said, "true rooms lie in several predicted ones"),
-        (said, true, "predicted rooms reach over several true ones"),
+def _rooms(data: ReportData) -> Iterator[Finding]:
+    true, predicted = data.keyframes.true_rooms, data.keyframes.predicted_rooms
+    errors = room_errors(true, predicted)
+    for rooms, groups, count, kind, meaning in (
+        (true, errors.splits, surplus(errors.splits), "split", "several predicted rooms lie mostly in one true room"),
+        (predicted, errors.merges, surplus(errors.merges), "merge", "several true rooms lie mostly in one predicted room"),
     ):
-        torn = _torn(rooms, others)
-        if torn:
-            examples = [f"{room} = {' + '.join(parts)}" for room, parts in list(torn.items())[:most]]
-            more = f" and {len(torn) - most} more" if len(torn) > most else ""
-            text = f"{len(torn)} of {len(set(rooms))} {verb}: {', '.join(examples)}{more}."
-            yield Finding(False, text, rooms.index(next(iter(torn))))
+        if groups:
+            text = f"{count} {kind}{'s' * (count > 1)} ({meaning}): {_listed(groups, ' = ')}."
+            yield Finding(False, text, rooms.index(next(iter(groups))))
+    if errors.losses:
+        text = (
+            f"{len(errors.losses)} of {len(set(true))} true rooms have at least {SUBSTANTIAL:.0%} of their keyframes in a "
+            "predicted room that lies mostly elsewhere, which counts as neither split nor merge: "
+            f"{_listed(errors.losses, ' in part in ')}."
+        )
+        yield Finding(False, text, true.index(next(iter(errors.losses))))
 
 
-def _torn(rooms: Sequence[str], others: Sequence[str]) -> dict[str, list[str]]:
-    """The rooms of which several others hold a substantial share each, with these others, the largest first."""
-    counts: dict[str, Counter[str]] = {}
-    for room, other in zip(rooms, others, strict=True):
-        counts.setdefault(room, Counter())[other] += 1
-    large = {
-        room: [name for name, count in parts.most_common() if count >= _SUBSTANTIAL * parts.total()]
-        for room, parts in counts.items()
-    }
-    return {room: names for room, names in large.items() if len(names) > 1}
+def _listed(groups: Groups, joint: str, most: int = 3) -> str:
+    examples = [f"{room}{joint}{' + '.join(others)}" for room, others in list(groups.items())[:most]]
+    return ", ".join(examples) + (f" and {len(groups) - most} more" if len(groups) > most else "")
 
 
 def _loops(data: ReportData) -> Iterator[Finding]:

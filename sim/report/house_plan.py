@@ -50,6 +50,7 @@ def _plan(house: House, level: int) -> FloorPlan:
         openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m])) for o in storey.openings),
         furniture=tuple(_outline(piece.footprint) for piece in house.furniture if piece.storey == level),
         treads=tuple(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
+        house=house.spec.name,
     )
 
 

@@ -66,6 +66,7 @@ def render_report(data: ReportData) -> str:
     right, wrong = _samples(data)
     return _ENVIRONMENT.get_template("report.html").render(
         result=result,
+        name=result.get("preset") or next((plan.house for plan in data.plans if plan.house), "house"),
         headlines=_headlines(result),
         findings=findings(data),
         plans=[(drawing.title, share, to_svg(drawing)) for drawing, share in zip(drawings, _widths(drawings), strict=True)],
