@@ -1,20 +1,24 @@
-"""The rules of walkable stairs, and what follows from them: the steps of straight, L- and U-shaped stairs in a cell.
+"""The rules of walkable stairs, and the steps that follow from them: straight, L- and U-shaped stairs in a rectangular cell.
 
-Everything here is about one storey's climb in the cell's own plan coordinates, in metres: u from the side of the cell where
-the climb begins, v across; both start at wall centre lines.
+All is about one storey's climb, in the cell's own coordinates: u from the side where the climb begins, v across, both
+from wall centre lines, z above the lower floor [m].
 
-    straight            L                    U
-    +-----------+       +------+--------+    +-------------+
-    |     ^     |       | turn |  ====> |    |   landing   |
-    |     |     |       +------+--------+    +------+------+   u
-    |     |     |       |  ^   |             |  ^   |  |   |   ^
-    |     |     |       |  |   |   void      |  |   |  v   |   |
-    +-----------+       +------+--------+    +------+------+   +--> v
+    straight          L                     U
+    +---------+       +------+--------+     +-------------+
+    |    ^    |       | turn |  ====> |     |   landing   |
+    |    |    |       +------+--------+     +------+------+      u
+    |    |    |       |  ^   |              |  ^   |  |   |      ^
+    |    |    |       |  |   |   void       |  |   |  v   |      |
+    +---------+       +------+--------+     +------+------+      +--> v
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
+
+from worlds.walls import WALL_THICKNESS_M
 
 StairsKind = Literal["straight", "L", "U"]
 
@@ -22,17 +26,20 @@ MAX_RISER_M = 0.19
 MIN_TREAD_M = 0.22
 MIN_WIDTH_M = 0.8
 """Of a flight; a landing is at least as long as its flight is wide."""
-MIN_HEAD_ROOM_M = 1.95
-"""Above every tread, landing and way in or out."""
 MAX_FLIGHT_RISE_M = 3.7
 """Straight stairs that rise higher have a landing half way."""
-WALL_INSET_M = 0.05
+OPEN_SIDE_M = 1.0
+"""Where the open side of a slab is higher than this, it has a railing."""
+INSET_M = WALL_THICKNESS_M / 2
 """From a wall's centre line to its face."""
 _USUAL_TREAD_M = 0.3
-"""Where a cell is longer than needed, steps become no deeper than this."""
-_USUAL_WIDTHS_M = (1.0, 0.9)
+"""Where a cell is longer than needed, steps get no deeper than this."""
+_USUAL_L_WIDTHS_M = (1.0, 0.9)
 _USUAL_L_TREAD_M = 0.26
+"""An L has the widest flights that leave it such treads, and the narrowest ones where none does."""
 _TOLERANCE_M = 1e-6
+
+Point = tuple[float, float, float]
 
 
 def cell_needed(
@@ -40,25 +47,182 @@ def cell_needed(
 ) -> tuple[float, float]:
     """Least length (along the first flight) and width of a cell between wall centre lines, rounded up to the centimetre [m].
 
-    `rise_m` is from floor to floor; treads of at least `tread_m`, flights of at least `width_m`.
+    For a rise from floor to floor, treads of at least `tread_m` and flights of at least `width_m`.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
         landing = width_m - tread_m if rise_m > MAX_FLIGHT_RISE_M else 0.0
-        return _up(n * tread_m + landing), _up(width_m + 2 * WALL_INSET_M)
+        return _rounded_up(n * tread_m + landing), _rounded_up(width_m + 2 * INSET_M)
     first = (n + 1) // 2
-    length = (first - 0.5) * tread_m + width_m + WALL_INSET_M
+    length = _rounded_up((first - 0.5) * tread_m + width_m + INSET_M)
     if kind == "U":
-        return _up(length), _up(2 * width_m + 2 * WALL_INSET_M)
-    return _up(length), _up((n - first - 0.5) * tread_m + width_m + WALL_INSET_M)
+        return length, _rounded_up(2 * width_m + 2 * INSET_M)
+    return length, _rounded_up((n - first - 0.5) * tread_m + width_m + INSET_M)
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
-    """Number of risers; even for U, whose two flights are alike."""
+    """How many risers it takes; of a U, whose two flights are alike, an even number."""
     if kind == "U":
         return 2 * math.ceil(rise_m / 2 / MAX_RISER_M - _TOLERANCE_M)
     return math.ceil(rise_m / MAX_RISER_M - _TOLERANCE_M)
 
 
-def _up(length_m: float) -> float:
+def _rounded_up(length_m: float) -> float:
     return math.ceil(100 * length_m - _TOLERANCE_M) / 100
+
+
+@dataclass(frozen=True)
+class Slab:
+    """A rectangle to stand on."""
+
+    u: tuple[float, float]
+    v: tuple[float, float]
+    top: float
+
+
+@dataclass(frozen=True)
+class Rail:
+    """A straight railing on the open side of a slab, from end to end."""
+
+    start: Point
+    end: Point
+
+
+@dataclass(frozen=True)
+class Climb:
+    """The stairs of one storey."""
+
+    tread_m: float
+    width_m: float
+    """Of the flights."""
+    treads: tuple[Slab, ...]
+    """Steps and landings, upwards."""
+    foot: Slab
+    head: Slab
+    """Floor of the two storeys inside the cell, before the first riser and after the last."""
+    line: tuple[Point, ...]
+    """Walking line from the side of the cell where the climb begins to the one where it ends: straight along every flight,
+    at the height of a tread above its middle."""
+    rails: tuple[Rail, ...]
+
+    @property
+    def is_walkable(self) -> bool:
+        """Whether treads are deep and flights wide enough; risers and landings always are."""
+        return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_WIDTH_M - _TOLERANCE_M
+
+
+def climb(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> Climb:
+    """Fill a cell of `length` (along u) by `width` [m]. `above_void`: what is not stairs in it has no floor."""
+    match kind:
+        case "straight":
+            return _straight(length, width, rise)
+        case "U":
+            return _u_shaped(length, width, rise)
+        case "L":
+            return _l_shaped(length, width, rise, above_void)
+
+
+@dataclass(frozen=True)
+class _Flight:
+    """`risers` steps up, the last onto a landing or floor: `risers` - 1 treads."""
+
+    start: Point
+    """Middle of the first riser's foot."""
+    along: tuple[int, int]
+    risers: int
+    riser: float
+    tread: float
+    width: float
+
+    def treads(self) -> list[Slab]:
+        return [self.slab((i - 1) * self.tread, i * self.tread, i * self.riser) for i in range(1, self.risers)]
+
+    def slab(self, begin: float, end: float, rise: float) -> Slab:
+        """The flight's whole width between two distances from the first riser."""
+        (u, v, z), (du, dv), half = self.start, self.along, self.width / 2
+        us, vs = (u + du * begin, u + du * end), (v + dv * begin, v + dv * end)
+        across_u, across_v = half * abs(dv), half * abs(du)
+        return Slab((min(us) - across_u, max(us) + across_u), (min(vs) - across_v, max(vs) + across_v), z + rise)
+
+    def at(self, distance: float, rise: float) -> Point:
+        (u, v, z), (du, dv) = self.start, self.along
+        return u + du * distance, v + dv * distance, z + rise
+
+    def line(self) -> list[Point]:
+        """Half a tread before the first riser to half a tread after the last: over every tread's middle at its height."""
+        return [self.at(-self.tread / 2, 0.0), self.at((self.risers - 0.5) * self.tread, self.risers * self.riser)]
+
+
+def _straight(length: float, width: float, rise: float) -> Climb:
+    n, clear = risers("straight", rise), width - 2 * INSET_M
+    landing = clear if rise > MAX_FLIGHT_RISE_M else 0.0
+    steps = (n, 0) if not landing else ((n + 1) // 2, n // 2)
+    riser, going = rise / n, n - (landing > 0.0)
+    tread = min(_USUAL_TREAD_M, (length - landing) / going)
+    begin = (length - landing - (going - 1) * tread) / 2
+    middle = width / 2
+    flights = [_Flight((begin, middle, 0.0), (1, 0), steps[0], riser, tread, clear)]
+    treads, end = flights[0].treads(), begin + (steps[0] - 1) * tread
+    if landing:
+        treads.append(flights[0].slab(end - begin, end - begin + landing, steps[0] * riser))
+        flights.append(_Flight((end + landing, middle, steps[0] * riser), (1, 0), steps[1], riser, tread, clear))
+        treads += flights[1].treads()
+    side = (INSET_M, width - INSET_M)
+    foot, head = Slab((0.0, begin), side, 0.0), Slab((length - begin, length), side, rise)
+    line = _line((0.0, middle, 0.0), flights, (), (length, middle, rise))
+    return Climb(tread, clear, tuple(treads), foot, head, line, ())
+
+
+def _u_shaped(length: float, width: float, rise: float) -> Climb:
+    n, clear = risers("U", rise) // 2, (width - 2 * INSET_M) / 2
+    riser = rise / (2 * n)
+    tread = min(_USUAL_TREAD_M, (length - INSET_M - clear) / (n - 0.5))
+    begin, edge = tread / 2, (n - 0.5) * tread
+    near, far = INSET_M + clear / 2, INSET_M + 1.5 * clear
+    up = _Flight((begin, near, 0.0), (1, 0), n, riser, tread, clear)
+    back = _Flight((edge, far, rise / 2), (-1, 0), n, riser, tread, clear)
+    landing = Slab((edge, length - INSET_M), (INSET_M, width - INSET_M), rise / 2)
+    foot, head = Slab((0.0, begin), (INSET_M, width / 2), 0.0), Slab((0.0, begin), (width / 2, width - INSET_M), rise)
+    turn = (edge + length - INSET_M) / 2
+    line = _line((0.0, near, 0.0), [up, back], [(turn, near, rise / 2), (turn, far, rise / 2)], (0.0, far, rise))
+    # The first flight falls as the second rises: beside its k-th step the drop is 2 k risers.
+    open_sided = [slab for slab in (*back.treads(), head) if 2 * (slab.top - rise / 2) > OPEN_SIDE_M]
+    rails = [_rail(slab.u, (slab.v[0],) * 2, slab.top) for slab in open_sided]
+    return Climb(tread, clear, (*up.treads(), landing, *back.treads()), foot, head, line, tuple(rails))
+
+
+def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Climb:
+    n = risers("L", rise)
+    for clear in (*_USUAL_L_WIDTHS_M, MIN_WIDTH_M):
+        first, tread = _split(length - INSET_M - clear, width - INSET_M - clear, n)
+        if tread >= _USUAL_L_TREAD_M:
+            break
+    riser, tread, low = rise / n, min(_USUAL_TREAD_M, tread), first * rise / n
+    corner, middle = length - INSET_M - clear, INSET_M + clear / 2
+    begin, end = corner - (first - 1) * tread, INSET_M + clear + (n - first - 1) * tread
+    up = _Flight((begin, middle, 0.0), (1, 0), first, riser, tread, clear)
+    across = _Flight((corner + clear / 2, INSET_M + clear, low), (0, 1), n - first, riser, tread, clear)
+    landing = Slab((corner, corner + clear), (INSET_M, INSET_M + clear), low)
+    foot, head = Slab((0.0, begin), landing.v, 0.0), Slab(landing.u, (end, width), rise)
+    line = _line((0.0, middle, 0.0), [up, across], [(corner + clear / 2, middle, low)], (corner + clear / 2, width, rise))
+    lowest = -math.inf if above_void else OPEN_SIDE_M
+    rails = [_rail(slab.u, (slab.v[1],) * 2, slab.top) for slab in (foot, *up.treads()) if slab.top > lowest]
+    rails += [_rail((slab.u[0],) * 2, slab.v, slab.top) for slab in (*across.treads(), head) if slab.top > lowest]
+    return Climb(tread, clear, (*up.treads(), landing, *across.treads()), foot, head, line, tuple(rails))
+
+
+def _split(first_m: float, second_m: float, n: int) -> tuple[int, float]:
+    """The risers of an L's first flight, so that treads are deepest, and these treads' depth [m]."""
+    depth = {k: min(first_m / (k - 0.5), second_m / (n - k - 0.5)) for k in range(2, n - 1)}
+    first = max(depth, key=lambda k: depth[k])
+    return first, depth[first]
+
+
+def _line(start: Point, flights: Sequence[_Flight], turns: Sequence[Point], end: Point) -> tuple[Point, ...]:
+    first, *others = [flight.line() for flight in flights]
+    points = [start, *first, *turns, *(point for line in others for point in line), end]
+    return tuple([*(a for a, b in pairwise(points) if math.dist(a, b) > _TOLERANCE_M), end])
+
+
+def _rail(u: tuple[float, float], v: tuple[float, float], top: float) -> Rail:
+    return Rail((u[0], v[0], top), (u[1], v[1], top))
