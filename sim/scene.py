@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import UInt8
 
 from sim.gl import mujoco
 from worlds.house import House
@@ -83,8 +82,11 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
     return Scene(model, data, tuple(visual.shows for visual in seen.parts))
 
 
-def house_mjspec(house: House, seen: Visuals) -> "mujoco.MjSpec":
-    """The house as a model to compile or to save, with light and without a camera; geoms in the order of `seen`."""
+def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":
+    """The house as a model to compile, with light and without a camera; geoms in the order of `seen`.
+
+    To save it as XML, its images have to be in files: `texture_files` names them by image.
+    """
     spec = mujoco.MjSpec()
     bounds = np.array([room.polygon.bounds for room in house.rooms])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
@@ -93,7 +95,12 @@ def house_mjspec(house: House, seen: Visuals) -> "mujoco.MjSpec":
     spec.visual.map.znear, spec.visual.map.zfar = 0.005, 8.0
     _add_light(spec, LIGHTS[house.spec.appearance.light])
     for name, image in seen.images.items():
-        _add_material(spec, name, image)
+        texture = _add_material(spec, name)
+        if texture_files is None:
+            texture.height, texture.width, texture.nchannel = image.shape
+            texture.data = image.tobytes()
+        else:
+            texture.file = texture_files[name]
     for visual in seen.parts:
         _add_mesh(spec, visual)
     return spec
@@ -111,12 +118,11 @@ def _add_light(spec: "mujoco.MjSpec", light: Light) -> None:
     )  # fmt: skip
 
 
-def _add_material(spec: "mujoco.MjSpec", name: str, image: UInt8[np.ndarray, "h w 3"]) -> None:
-    texture_2d = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D)
-    texture_2d.height, texture_2d.width, texture_2d.nchannel = image.shape
-    texture_2d.data = image.tobytes()
+def _add_material(spec: "mujoco.MjSpec", name: str) -> "mujoco.MjsTexture":
+    texture: mujoco.MjsTexture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D)
     material = spec.add_material(name=name, specular=0.0, shininess=0.0, reflectance=0.0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    return texture
 
 
 def _add_mesh(spec: "mujoco.MjSpec", visual: Visual) -> None:

@@ -1,0 +1,60 @@
+"""What bodies bump into: a house as boxes, cylinders and ellipsoids, hidden beside the meshes that are seen."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from sim.gl import mujoco
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.parts import Part, Vector
+from worlds.surfaces import rectangles
+
+GROUP = 3
+"""Of collision geoms; viewers hide it until asked."""
+_FLOOR_M = 0.1
+_LEAST_M = 1e-3
+_TYPES = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "cone": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "ball": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+}
+
+
+def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
+    """Add walls, floors, treads and solid furniture to `spec` as static collision geoms, named "<id>#<number>"."""
+    for i, wall in enumerate(house.walls):
+        x0, y0, x1, y1 = wall.footprint.bounds
+        _add_box(spec, f"wall#{i}", (x0, y0, wall.bottom_m), (x1, y1, wall.top_m))
+    for room in house.rooms:
+        for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
+            _add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m))
+    for flight in house.stairs:
+        _add_parts(spec, f"{STAIRS}/{flight.room}/{flight.storey}", flight.treads, (0.0, 0.0, 0.0), 0.0)
+    for piece in house.furniture:
+        if piece.solid:
+            _add_parts(spec, piece.id, piece.parts, piece.position, piece.yaw)
+
+
+def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> None:
+    ends = np.array([low, high])
+    _add(spec, name, "box", ends.mean(axis=0), np.ptp(ends, axis=0), 0.0)
+
+
+def _add_parts(spec: "mujoco.MjSpec", name: str, parts: Iterable[Part], position: Vector, yaw: float) -> None:
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    for i, part in enumerate(parts):
+        x, y, z = part.centre
+        centre = np.array(position) + (cos * x - sin * y, sin * x + cos * y, z)
+        _add(spec, f"{name}#{i}", part.shape, centre, np.array(part.size), yaw + part.yaw)
+
+
+def _add(spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float) -> None:
+    half = np.maximum(size / 2, _LEAST_M)
+    if _TYPES[shape] == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        half = np.array([half[:2].max(), half[2], 0.0])
+    spec.worldbody.add_geom(
+        name=name, type=_TYPES[shape], pos=centre, size=half, quat=[np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)],
+        group=GROUP,
+    )  # fmt: skip
