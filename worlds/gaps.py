@@ -1,7 +1,7 @@
 """`Gap`: an opening while it is being planned, in plain floats along the wall that it is in."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
@@ -87,13 +87,16 @@ class Gap:
 
 def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
     """Where two rooms lie on either side of a line, in stretches."""
-    pieces = sorted(_facing(a, b), key=lambda wall: (wall.axis, wall.at, wall.low))
+    return join_stretches(_facing(a, b))
+
+
+def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
+    """Pieces that continue each other, between the same rooms, as one; sorted."""
     joined: list[Boundary] = []
-    for piece in pieces:
+    for piece in sorted(pieces, key=lambda wall: (wall.axis, wall.at, wall.low)):
         last = joined[-1] if joined else None
-        if last is not None and (last.axis, last.at, last.rooms) == (piece.axis, piece.at, piece.rooms) and (
-            piece.low <= last.high + _TOLERANCE_M
-        ):
+        same_line = last is not None and (last.axis, last.at, last.rooms) == (piece.axis, piece.at, piece.rooms)
+        if last is not None and same_line and piece.low <= last.high + _TOLERANCE_M:
             joined[-1] = Boundary(last.axis, last.at, last.low, max(last.high, piece.high), last.rooms)
         else:
             joined.append(piece)

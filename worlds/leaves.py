@@ -102,6 +102,15 @@ def _box(door: Gap, leaf: Leaf, start: float, stop: float, depth: float) -> Rect
     return (along[0], cross[0], along[1], cross[1]) if door.axis == 0 else (cross[0], along[0], cross[1], along[1])
 
 
+def is_in_front(door: Gap, other: Gap, depth_m: float) -> bool:
+    """Whether the door's leaf stands within `depth_m` before another opening, or swings through that one's leaf."""
+    if door.leaf is None or door.leaf.into not in other.rooms or other is door:
+        return False
+    if other.leaf is not None and other.leaf.into == door.leaf.into:
+        return _overlap(swing_box(door, door.leaf), swing_box(other, other.leaf))
+    return _overlap(resting_box(door, door.leaf), other.around(depth_m))
+
+
 def _swings_freely(
     door: Gap, leaf: Leaf, gaps: Sequence[Gap], rooms: Mapping[str, RoomSpec], obstacles: Sequence[Rectangle]
 ) -> bool:
