@@ -6,13 +6,15 @@ from itertools import pairwise
 from typing import Literal
 
 from worlds.errors import HouseError
-from worlds.flights import MIN_WIDTH_M, StairsKind
+from worlds.flights import StairsKind
 from worlds.labels import STAIRS
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 
 Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 _TOLERANCE_M = 1e-6
+_SAME_HALF_M = 0.2
+"""Openings whose middles are less far apart say nothing about which half of the cell is whose."""
 _INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """From the sides of low and high x, low and high y."""
 
@@ -105,7 +107,7 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     facing, turning = _dot(u, from_head), _dot(v, from_head)
     (fx, fy), (hx, hy) = _middle(foot), _middle(head)
     apart = _dot(v, (hx - fx, hy - fy))
-    if facing > 0 and abs(apart) < MIN_WIDTH_M / 2:
+    if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
             f"stairs {room.id!r}: the way up from storeys[{level}] and the way down from storeys[{level + 1}] lie in the "
             "same half of the same side; in U-shaped stairs each flight has a half of its own"

@@ -11,7 +11,9 @@ from worlds.stair_cells import CellFrame
 SLAB_THICKNESS_M = 0.3
 _WOOD = (0.62, 0.47, 0.33)
 _DARK_WOOD = (0.36, 0.26, 0.18)
-_RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.9, 0.05, 0.03
+_RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.95, 0.05, 0.03
+_RAIL_DEPTH_M = 0.2
+"""More than a riser, so that the rails of neighbouring steps make one."""
 _POST_SPACING_M = 0.3
 _MIN_SILL_M = 0.02
 
@@ -54,12 +56,12 @@ def _railing(rail: Rail, frame: CellFrame, floor_m: float) -> Iterator[Part]:
     bottom, top, half = floor_m + z, floor_m + z + _RAIL_HEIGHT_M, _RAIL_M / 2
     # From post to post along the edge, and half the rail's width to either side of it.
     du, dv = (0.0, half) if u1 > u0 else (half, 0.0)
-    yield _box(frame, (u0 - du, u1 + du), (v0 - dv, v1 + dv), (top - _RAIL_M, top), _DARK_WOOD)
+    yield _box(frame, (u0 - du, u1 + du), (v0 - dv, v1 + dv), (top - _RAIL_DEPTH_M, top), _DARK_WOOD)
     posts = max(1, round(math.dist(rail.start, rail.end) / _POST_SPACING_M))
     for k in range(posts):
         u, v = (a + (k + 0.5) / posts * (b - a) for a, b in ((u0, u1), (v0, v1)))
         half = _POST_M / 2
-        yield _box(frame, (u - half, u + half), (v - half, v + half), (bottom, top - _RAIL_M), _DARK_WOOD)
+        yield _box(frame, (u - half, u + half), (v - half, v + half), (bottom, top - _RAIL_DEPTH_M), _DARK_WOOD)
 
 
 def _box(frame: CellFrame, u: Interval, v: Interval, z: Interval, colour: Colour) -> Part:

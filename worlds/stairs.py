@@ -114,7 +114,8 @@ class _Site:
             slab_parts(steps.treads, self.frame, self.floor_m),
             slab_parts(floors, self.frame, self.floor_m),
             rail_parts([*steps.rails, *(rail for _, rail in beside)], self.frame, self.floor_m),
-            np.array([(*self.frame.world(u, v), self.floor_m + z) for u, v, z in line]),
+            # To the nanometre: floors are floors to the last bit, and level is level.
+            np.round([(*self.frame.world(u, v), self.floor_m + z) for u, v, z in line], 9),
         )
 
     def _check_size(self, steps: Climb) -> None:
