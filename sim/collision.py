@@ -31,7 +31,7 @@ def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
         for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
             _add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m))
     for flight in house.stairs:
-        _add_parts(spec, f"{STAIRS}/{flight.room}/{flight.storey}", flight.treads, (0.0, 0.0, 0.0), 0.0)
+        _add_parts(spec, f"{STAIRS}/{flight.room}/{flight.storey}", flight.parts, (0.0, 0.0, 0.0), 0.0)
     for piece in house.furniture:
         if piece.solid:
             _add_parts(spec, piece.id, piece.parts, piece.position, piece.yaw)
