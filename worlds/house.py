@@ -1,18 +1,20 @@
 """`build_house`: from a spec to exact geometry. Deterministic: the same spec is always the same house."""
 
+import functools
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 from shapely import affinity
 from shapely.geometry import Polygon, box
 
-from worlds.errors import HouseError
+from worlds.errors import HouseError, WorldsError
 from worlds.furniture.placement import furnish, is_solid, parts_of
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.parts import Part
+from worlds.seeds import room_rng
 from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec
 from worlds.stairs import Stairs, build_stairs
 from worlds.walls import FENCE_HEIGHT_M, WALL_THICKNESS_M, Boundary, Wall, boundaries, split_at_openings
@@ -186,17 +188,24 @@ def _stairs(spec: HouseSpec, storeys: Sequence[Storey]) -> list[Stairs]:
 
 
 def _furniture(spec: HouseSpec, storeys: Sequence[Storey]) -> list[Furniture]:
-    generators = np.random.default_rng(spec.seed).spawn(len(spec.storeys))
+    rng_of = functools.partial(room_rng, spec, purpose="furniture")
     pieces = []
-    for level, (storey, heights, rng) in enumerate(zip(spec.storeys, storeys, generators, strict=True)):
+    for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
         given = storey.furniture
-        specs = furnish(storey, rng, spec.clutter, prefix=f"{level}") if given is None else given
+        specs = furnish(storey, rng_of, spec.clutter, f"{level}", storey.windows or ()) if given is None else given
         pieces += [_place(piece, level, heights.floor_m) for piece in specs]
+    repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
+    if repeated:
+        raise HouseError(f"furniture ids are unique in a house, but given and filled in are both {', '.join(repeated)}")
     return pieces
 
 
 def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
     x, y, z = piece.position_m
+    try:
+        solid = is_solid(piece.kind)
+    except WorldsError as error:
+        raise HouseError(f"furniture {piece.id!r} in {piece.room!r}: {error}") from None
     return Furniture(
         piece.id,
         piece.kind,
@@ -206,6 +215,6 @@ def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
         piece.yaw_rad,
         piece.size_m,
         parts_of(piece),
-        is_solid(piece.kind),
+        solid,
         piece.seed,
     )

@@ -47,9 +47,8 @@ _TABLES = (
     width=(1.1, 1.7),
     depth=(0.06, 0.08),
     height=(1.1, 1.3),
-    rooms=dict.fromkeys((*_LIVED_IN, *_WORKED_IN), (1, 2))
-    | {"kitchen": (1, 1), "bathroom": 0.5, "toilet": 0.3, "corridor": 0.4, "entrance hall": 0.4, "laundry room": 0.5},
-    place=OnWall((0.92, 1.02), exterior=True),
+    rooms={},
+    place=OnWall((0.92, 1.02)),
 )
 def window(s: Size, rng: Generator) -> Parts:
     """A pale sky in a frame with a mullion and a sill."""

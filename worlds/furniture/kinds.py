@@ -11,9 +11,19 @@ from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
 
 Range = tuple[float, float]
-Count = float | tuple[int, int]
-"""An expected number, which clutter scales, or an inclusive range of what the room always has."""
 Parts = tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class Hoarded:
+    """What only a cluttered room has."""
+
+    per_clutter: float
+    """Expected number for every step of clutter above 1."""
+
+
+Count = float | tuple[int, int] | Hoarded
+"""An expected number; or an inclusive range of what the room always has; or what clutter brings."""
 
 
 class Size(NamedTuple):
@@ -100,8 +110,6 @@ class OnWall:
     height_m: Range = (1.25, 1.6)
     above: tuple[str, ...] = ()
     """Kinds that it hangs over, one to each; if none is named it hangs on any free wall."""
-    exterior: bool = False
-    """Only on walls that no other room is behind."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,117 @@
+"""`RoomShape`: the outline of a room in its own coordinates, whose origin is the low corner of its bounding box."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from worlds.spec import RoomSpec
+
+Rectangle = tuple[float, float, float, float]
+"""x0, y0, x1, y1 [m]"""
+Interval = tuple[float, float]
+Point = tuple[float, float]
+
+EPS_M = 1e-4
+AXES: tuple[Point, ...] = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+"""Where the x axis of a piece points after so many quarter turns; its front is a quarter turn further on."""
+_DIGITS = 6
+"""Coordinates are rounded to the micrometre, so that rooms alike but for their place are alike to the last bit."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side of a room: a directed line with the room on its left."""
+
+    start: Point
+    """[m]"""
+    turn: int
+    """Its direction is `AXES[turn]`; a piece with its back to the wall is turned as much."""
+    length: float
+    """[m]"""
+
+    def at(self, t: float, off: float) -> Point:
+        """The point at distance `t` along the side and `off` into the room [m]."""
+        (tx, ty), (nx, ny) = AXES[self.turn], AXES[self.turn - 3]
+        return self.start[0] + t * tx + off * nx, self.start[1] + t * ty + off * ny
+
+    def along(self, point: Point) -> float:
+        """How far along the side a point is [m]."""
+        tx, ty = AXES[self.turn]
+        return (point[0] - self.start[0]) * tx + (point[1] - self.start[1]) * ty
+
+    def rectangle(self, low: float, high: float, depth: float) -> Rectangle:
+        """What lies before the stretch `low` ... `high` of the side, `depth` into the room [m]."""
+        (ax, ay), (bx, by) = self.at(low, 0.0), self.at(high, depth)
+        return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
+
+    def interval(self, a: Point, b: Point) -> Interval | None:
+        """Where the segment a - b lies on the side, as distances from its start; None if it does not [m]."""
+        off = 1 if self.turn % 2 == 0 else 0
+        if abs(a[off] - self.start[off]) > EPS_M or abs(b[off] - self.start[off]) > EPS_M:
+            return None
+        ta, tb = self.along(a), self.along(b)
+        low, high = max(0.0, min(ta, tb)), min(self.length, max(ta, tb))
+        return (low, high) if high - low > EPS_M else None
+
+
+@dataclass(frozen=True)
+class RoomShape:
+    """A rectilinear room."""
+
+    origin: Point
+    """The low corner of the bounding box, in the storey's coordinates [m]."""
+    corners: tuple[Point, ...]
+    """[m]"""
+
+    @staticmethod
+    def of(room: RoomSpec) -> "RoomShape":
+        """The shape of a room's polygon."""
+        polygon = room.polygon_m
+        origin = min(x for x, _ in polygon), min(y for _, y in polygon)
+        return RoomShape(origin, tuple(_less(point, origin) for point in polygon))
+
+    def local(self, point: Point) -> Point:
+        """A point of the storey in the room's coordinates [m]."""
+        return _less(point, self.origin)
+
+    @cached_property
+    def size(self) -> Point:
+        """Of the bounding box [m]."""
+        return max(x for x, _ in self.corners), max(y for _, y in self.corners)
+
+    @cached_property
+    def area_m2(self) -> float:
+        """[m²]."""
+        corners = self.corners
+        return 0.5 * abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise((*corners, corners[0]))))
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """In the polygon's order."""
+        sides = []
+        for (x0, y0), (x1, y1) in pairwise((*self.corners, self.corners[0])):
+            turn = (0 if x1 > x0 else 2) if y0 == y1 else (1 if y1 > y0 else 3)
+            sides.append(Side((x0, y0), turn, abs(x1 - x0) + abs(y1 - y0)))
+        return tuple(sides)
+
+    @cached_property
+    def notches(self) -> tuple[Rectangle, ...]:
+        """Rectangles that cover the bounding box, less the room [m]."""
+        if len(self.corners) == 4:
+            return ()
+        xs, ys = (sorted(set(values)) for values in zip(*self.corners, strict=True))
+        cells = [(x0, y0, x1, y1) for x0, x1 in pairwise(xs) for y0, y1 in pairwise(ys)]
+        return tuple(cell for cell in cells if not self._contains((cell[0] + cell[2]) / 2, (cell[1] + cell[3]) / 2))
+
+    def _contains(self, x: float, y: float) -> bool:
+        upright = [side for side in self.sides if side.turn % 2 and side.start[0] > x]
+        return sum(0.0 < side.along((x, y)) < side.length for side in upright) % 2 == 1
+
+
+def grown(r: Rectangle, by: float) -> Rectangle:
+    """The rectangle, larger by `by` [m] on every side."""
+    return r[0] - by, r[1] - by, r[2] + by, r[3] + by
+
+
+def _less(point: Point, origin: Point) -> Point:
+    return round(point[0] - origin[0], _DIGITS), round(point[1] - origin[1], _DIGITS)
