@@ -47,7 +47,7 @@ def test_waypoints_that_are_off_by_the_maps_error_still_lead_there(rng):
 
 
 def test_the_robot_goes_round_what_the_map_does_not_know_and_touches_nothing():
-    table = Furniture("table", "table", "office", 0, (2.0, 1.5, 0.0), 0.3, (0.8, 1.0, 0.7), (), True)
+    table = Furniture("table", "table", "office", 0, (2.0, 1.5, 0.0), 0.3, (0.8, 1.0, 0.7), True)
     house = replace(two_rooms(), furniture=(table,))
     result = go(house, (0.6, 1.5, 0.0), (3.4, 1.5, 0.0), (6.0, 1.5, 0.0))
     assert (result.room, result.collisions) == ("kitchen", 0)

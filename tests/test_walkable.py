@@ -31,7 +31,7 @@ DOOR = OpeningSpec(rooms=("office", "kitchen"), kind="door", start_m=(4.0, 0.4),
 
 
 def block(x, y, yaw, size, bottom=0.0):
-    return Furniture("block", "block", "office", 0, (x, y, bottom), yaw, size, (), True)
+    return Furniture("block", "block", "office", 0, (x, y, bottom), yaw, size, True)
 
 
 @cache
@@ -52,7 +52,8 @@ def walkable(house):
 def obstacles_at(house, floor_m):
     """Footprints between ankle and head height: computed here anew, from the house alone."""
     solids = [(w.footprint, w.bottom_m, w.top_m) for w in house.walls]
-    solids += [(f.footprint, f.position[2], f.position[2] + f.size[2]) for f in house.furniture if f.solid]
+    objects = [*(piece for piece in house.furniture if piece.solid), *house.leaves]
+    solids += [(o.footprint, o.position[2], o.position[2] + o.size[2]) for o in objects]
     return [shape for shape, low, high in solids if low < floor_m + 1.9 and high > floor_m + 0.05]
 
 

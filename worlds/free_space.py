@@ -47,6 +47,12 @@ class Obstacles:
         meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 
+    def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
+        """Those that may be so near to a point of the plan (perhaps some more)."""
+        reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m
+        near = (np.abs(self.centre - point) <= reach[:, None]).all(axis=1)
+        return Obstacles(self.centre[near], self.size[near], self.yaw[near], self.span[near])
+
     def clear(
         self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float
     ) -> Bool[np.ndarray, "m"]:
@@ -61,13 +67,12 @@ class Obstacles:
         return free
 
 
-def solid_obstacles(house: House) -> Obstacles:
-    """Walls, fences and solid furniture."""
-    rows = [(*_box(wall.footprint.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
-    for piece in house.furniture:
-        if piece.solid:
-            (x, y, z), (width, depth, height) = piece.position, piece.size
-            rows.append((x, y, width, depth, piece.yaw, z, z + height))
+def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
+    """Walls, fences, solid furniture, and door leaves as they stand."""
+    rows = [(*_box(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
+    for thing in (*(piece for piece in house.furniture if piece.solid), *(house.leaves if leaves else ())):
+        (x, y, z), (width, depth, height) = thing.position, thing.size
+        rows.append((x, y, width, depth, thing.yaw, z, z + height))
     return _obstacles(rows)
 
 
@@ -104,23 +109,32 @@ class FreeSpace:
 
 def survey(house: House, resolution_m: float) -> FreeSpace:
     """Measure the free space of a house."""
-    x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
-    x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
-    y = np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
+    x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house), stair_wells(house)
     floors = np.array([storey.floor_m for storey in house.storeys])
-    clearance = [_clearance(x, y, (solids.at_height(floor), wells.at_height(floor))) for floor in floors]
+    clearance = [clearance_on(x, y, (solids.at_height(floor), wells.at_height(floor))) for floor in floors]
     return FreeSpace(x, y, floors, np.stack(clearance), np.stack([_rooms(house, x, y, floor) for floor in floors]))
 
 
-def _clearance(
-    x: Float64[np.ndarray, "nx"], y: Float64[np.ndarray, "ny"], groups: Sequence[Obstacles]
+def lattice(house: House, resolution_m: float) -> tuple[Float64[np.ndarray, "nx"], Float64[np.ndarray, "ny"]]:
+    """Coordinates of grid points all over the plan of a house [m]."""
+    x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
+    x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
+    return x, np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
+
+
+def clearance_on(
+    x: Float64[np.ndarray, "nx"],
+    y: Float64[np.ndarray, "ny"],
+    groups: Sequence[Obstacles],
+    cap_m: float = CLEARANCE_CAP_M,
 ) -> Float64[np.ndarray, "nx ny"]:
-    squared = np.full((len(x), len(y)), CLEARANCE_CAP_M**2)
+    """Distance of every grid point to the nearest obstacle of any group, up to `cap_m` [m]."""
+    squared = np.full((len(x), len(y)), cap_m**2)
     for obstacles in groups:
         cos, sin = np.cos(obstacles.yaw), np.sin(obstacles.yaw)
         reach = np.abs(np.stack([cos, -sin, sin, cos], axis=-1).reshape(-1, 2, 2)) @ obstacles.size[..., None] / 2
-        low, high = obstacles.centre - reach[..., 0] - CLEARANCE_CAP_M, obstacles.centre + reach[..., 0] + CLEARANCE_CAP_M
+        low, high = obstacles.centre - reach[..., 0] - cap_m, obstacles.centre + reach[..., 0] + cap_m
         i0, i1 = np.searchsorted(x, low[:, 0]).tolist(), np.searchsorted(x, high[:, 0]).tolist()
         j0, j1 = np.searchsorted(y, low[:, 1]).tolist(), np.searchsorted(y, high[:, 1]).tolist()
         quarter_turns = obstacles.yaw / (np.pi / 2)

@@ -1,23 +1,41 @@
 """`build_house`: from a spec to exact geometry. Deterministic: the same spec is always the same house."""
 
 import functools
-import math
-from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+import itertools
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
-from shapely import affinity
-from shapely.geometry import Polygon, box
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
 
+from worlds.doors import Leaf, hang_leaves
 from worlds.errors import HouseError, WorldsError
-from worlds.furniture.placement import furnish, is_solid, parts_of
+from worlds.furniture.catalogue import kind_of
+from worlds.furniture.kinds import Size
+from worlds.furniture.placement import furnish, is_solid
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.parts import Part
+from worlds.placed import Placed
 from worlds.seeds import room_rng
-from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec
+from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec, WindowSpec
 from worlds.stairs import Stairs, build_stairs
-from worlds.walls import FENCE_HEIGHT_M, WALL_THICKNESS_M, Boundary, Wall, boundaries, split_at_openings
+from worlds.walls import (
+    FENCE_HEIGHT_M,
+    Boundary,
+    Wall,
+    arch_curve,
+    boundaries,
+    corners,
+    extent,
+    split_at_openings,
+    wall_spans,
+)
+from worlds.windows import Window, hang_windows, sample_windows
+
+_Pieces = tuple[tuple[Boundary, OpeningSpec | None], ...]
 
 
 @dataclass(frozen=True)
@@ -44,7 +62,7 @@ class Room:
 
 
 @dataclass(frozen=True, eq=False)
-class Furniture:
+class Furniture(Placed):
     """A piece of furniture in its place."""
 
     id: str
@@ -52,24 +70,17 @@ class Furniture:
     room: str
     storey: int
     position: tuple[float, float, float]
-    """Centre of the underside in W [m]."""
     yaw: float
-    """[rad]"""
     size: tuple[float, float, float]
-    """Width, depth, height [m]."""
-    parts: tuple[Part, ...]
-    """In the piece's own frame."""
     solid: bool
     """Whether it blocks the way."""
     seed: int = 0
     """Of its colours, variants and the details of its materials."""
 
     @cached_property
-    def footprint(self) -> Polygon:
-        """What it covers of the plan [m]."""
-        x, y, _ = self.position
-        w, d, _ = self.size
-        return affinity.rotate(box(x - w / 2, y - d / 2, x + w / 2, y + d / 2), self.yaw, origin=(x, y), use_radians=True)
+    def parts(self) -> tuple[Part, ...]:
+        """In the piece's own frame. Raises `WorldsError` for an unknown kind."""
+        return kind_of(self.kind).build(Size(*self.size), np.random.default_rng(self.seed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,34 +90,55 @@ class House:
     spec: HouseSpec
     storeys: tuple[Storey, ...]
     rooms: tuple[Room, ...]
-    boundaries: tuple[tuple[tuple[Boundary, OpeningSpec | None], ...], ...]
+    boundaries: tuple[_Pieces, ...]
     """Per storey: every stretch of room boundary and the opening in it."""
     walls: tuple[Wall, ...]
     stairs: tuple[Stairs, ...]
     furniture: tuple[Furniture, ...]
+    leaves: tuple[Leaf, ...] = ()
+    """Of doors, as they stand."""
+    windows: tuple[Window, ...] = ()
 
     @cached_property
     def room_by_id(self) -> dict[str, Room]:
         """Rooms by the ids of the spec; the cells of one staircase all lead to the same room."""
         by_id = {room.id: room for room in self.rooms}
-        by_cell = {_cell(room.polygon): room for room in self.rooms if room.label == STAIRS}
+        by_cell: dict[tuple[float, ...], Room] = {}
         for storey in self.spec.storeys:
-            for room in storey.rooms:
-                if room.id not in by_id:
-                    by_id[room.id] = by_cell[_cell(Polygon(room.polygon_m))]
+            for cell in (room for room in storey.rooms if room.label == STAIRS):
+                by_id[cell.id] = by_cell.setdefault(_cell(cell), by_id.get(cell.id))  # type: ignore[arg-type]
         return by_id
+
+    def wall_height(self, level: int, boundary: Boundary) -> float:
+        """How high a wall along a boundary of a storey is: to the ceiling, or a fence's height where all is outdoors [m]."""
+        return _wall_height(self.storeys[level], boundary, self._indoors)
+
+    @cached_property
+    def _indoors(self) -> frozenset[str]:
+        return _indoors(self.spec)
 
 
 def build_house(spec: HouseSpec) -> House:
-    """Build the house that `spec` describes; furniture is filled in where the spec has none. Raises `HouseError`."""
+    """Build the house that `spec` describes; windows and furniture are filled in where it has none. Raises `HouseError`."""
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)
     stretches = tuple(
         tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
         for storey in spec.storeys
     )
-    walls = tuple(_walls(storeys, rooms, stretches))
-    return House(spec, storeys, rooms, stretches, walls, tuple(_stairs(spec, storeys)), tuple(_furniture(spec, storeys)))
+    outer = [_outer_walls(pieces) for pieces in stretches]
+    windows = [_windows(spec, level, walls) for level, walls in enumerate(outer)]
+    return House(
+        spec,
+        storeys,
+        rooms,
+        stretches,
+        walls=tuple(_walls(spec, storeys, stretches)),
+        stairs=build_stairs(spec, [storey.floor_m for storey in storeys]),
+        furniture=tuple(_furniture(spec, storeys, windows)),
+        leaves=tuple(_leaves(spec, storeys, stretches)),
+        windows=tuple(_hung(spec, storeys, windows, outer)),
+    )
 
 
 def _storeys(spec: HouseSpec) -> tuple[Storey, ...]:
@@ -119,80 +151,123 @@ def _storeys(spec: HouseSpec) -> tuple[Storey, ...]:
 
 def _rooms(spec: HouseSpec, storeys: Sequence[Storey]) -> tuple[Room, ...]:
     rooms: list[Room] = []
+    flights: dict[tuple[float, ...], int] = {}
+    polygons = _polygons(spec)
     for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
         for room in storey.rooms:
-            polygon = _polygon(room)
-            below = next((r for r in rooms if r.label == room.label == STAIRS and _cell(r.polygon) == _cell(polygon)), None)
-            if below is None:
-                rooms.append(
-                    Room(
-                        room.id, room.label, level, polygon, heights.floor_m, heights.ceiling_m, room.label in OUTDOOR_LABELS
-                    )
-                )
-            else:
-                if below.ceiling_m != storeys[level - 1].ceiling_m:
-                    raise HouseError(
-                        f"stairs {room.id!r} on storeys[{level}] stand on {below.id!r}, but storeys[{level - 1}] has none "
-                        "there; stairs skip no storey"
-                    )
-                taller = Room(below.id, below.label, below.storey, polygon, below.floor_m, heights.ceiling_m, below.outdoor)
-                rooms[rooms.index(below)] = taller
+            below = flights.get(_cell(room)) if room.label == STAIRS else None
+            if below is not None:
+                rooms[below] = _taller(rooms[below], room, level, storeys)
+                continue
+            if room.label == STAIRS:
+                flights[_cell(room)] = len(rooms)
+            outdoor = room.label in OUTDOOR_LABELS
+            rooms.append(Room(room.id, room.label, level, polygons[room.id], heights.floor_m, heights.ceiling_m, outdoor))
     return tuple(rooms)
 
 
-def _polygon(room: RoomSpec) -> Polygon:
-    polygon = Polygon(room.polygon_m)
-    if not polygon.is_valid or not polygon.exterior.is_ccw:
-        raise HouseError(f"room {room.id!r}: its polygon must be simple (no self-crossing) and counter-clockwise")
-    if room.label == STAIRS and not math.isclose(polygon.area, box(*polygon.bounds).area):
-        raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
-    return polygon
+def _taller(below: Room, cell: RoomSpec, level: int, storeys: Sequence[Storey]) -> Room:
+    if below.ceiling_m != storeys[level - 1].ceiling_m:
+        raise HouseError(
+            f"stairs {cell.id!r} on storeys[{level}] stand on {below.id!r}, but storeys[{level - 1}] has none "
+            "there; stairs skip no storey"
+        )
+    return replace(below, ceiling_m=storeys[level].ceiling_m)
 
 
-def _cell(polygon: Polygon) -> tuple[float, ...]:
-    return tuple(round(bound, 6) for bound in polygon.bounds)
+def _polygons(spec: HouseSpec) -> dict[str, Polygon]:
+    rooms = [room for storey in spec.storeys for room in storey.rooms]
+    points = np.array([point for room in rooms for point in (*room.polygon_m, room.polygon_m[0])])
+    rings = shapely.linearrings(points, indices=np.repeat(np.arange(len(rooms)), [len(r.polygon_m) + 1 for r in rooms]))
+    polygons = np.asarray(shapely.polygons(rings))
+    simple = shapely.is_valid(polygons) & shapely.is_ccw(rings)
+    rectangular = np.isclose(shapely.area(polygons), shapely.area(shapely.envelope(polygons)))
+    for room, is_simple, is_rectangle in zip(rooms, simple.tolist(), rectangular.tolist(), strict=True):
+        if not is_simple:
+            raise HouseError(f"room {room.id!r}: its polygon must be simple (no self-crossing) and counter-clockwise")
+        if room.label == STAIRS and not is_rectangle:
+            raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
+    return {room.id: polygon for room, polygon in zip(rooms, polygons, strict=True)}
 
 
-def _walls(
-    storeys: Sequence[Storey], rooms: Sequence[Room], stretches: Sequence[Sequence[tuple[Boundary, OpeningSpec | None]]]
-) -> list[Wall]:
-    outdoor = {room.id for room in rooms if room.outdoor}
-    walls = []
+def _cell(stairs: RoomSpec) -> tuple[float, ...]:
+    """What the cells of one staircase have in common: the rectangle that they cover."""
+    xs, ys = zip(*stairs.polygon_m, strict=True)
+    return tuple(round(bound, 6) for bound in (min(xs), min(ys), max(xs), max(ys)))
+
+
+def _indoors(spec: HouseSpec) -> frozenset[str]:
+    return frozenset(room.id for storey in spec.storeys for room in storey.rooms if room.label not in OUTDOOR_LABELS)
+
+
+def _wall_height(storey: Storey, boundary: Boundary, indoors: frozenset[str]) -> float:
+    return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else storey.ceiling_m - storey.floor_m
+
+
+def _walls(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[Wall]:
+    indoors = _indoors(spec)
     for level, (heights, pieces) in enumerate(zip(storeys, stretches, strict=True)):
+        meeting = corners([boundary for boundary, _ in pieces])
         for boundary, opening in pieces:
-            fence = all(room is None or room in outdoor for room in boundary.rooms)
-            top = heights.floor_m + FENCE_HEIGHT_M if fence else heights.ceiling_m
-            bottom = heights.floor_m if opening is None else heights.floor_m + _clear_height(opening)
-            if bottom < top:
-                walls.append(Wall(level, boundary, bottom, top))
-    return walls
+            height = _wall_height(heights, boundary, indoors)
+            ends = extent(boundary, meeting)
+            for low, high in wall_spans(opening, height):
+                yield Wall(level, boundary, *ends, heights.floor_m + low, heights.floor_m + high)
+            if opening is not None and opening.kind == "arch":
+                yield from _spandrels(level, boundary, opening, heights.floor_m, height)
 
 
-def _clear_height(opening: OpeningSpec) -> float:
-    return math.inf if opening.kind == "open" else opening.height_m
+def _spandrels(level: int, boundary: Boundary, opening: OpeningSpec, floor_m: float, height_m: float) -> Iterator[Wall]:
+    """The corners of an arch, in upright strips that reach down as far as the curve does."""
+    top = min(opening.height_m, height_m)
+    for (a0, z0), (a1, z1) in itertools.pairwise(arch_curve(boundary, opening, top)):
+        if min(z0, z1) < top:
+            yield Wall(level, boundary, a0, a1, floor_m + min(z0, z1), floor_m + top, spandrel=True)
 
 
-def _stairs(spec: HouseSpec, storeys: Sequence[Storey]) -> list[Stairs]:
-    stairs = []
-    for level, (lower, upper) in enumerate(zip(spec.storeys, spec.storeys[1:], strict=False)):
-        cells_above = {_cell(Polygon(room.polygon_m)) for room in upper.rooms if room.label == STAIRS}
-        for room in lower.rooms:
-            if room.label != STAIRS or _cell(Polygon(room.polygon_m)) not in cells_above:
-                continue
-            foot = next((opening for opening in lower.openings if room.id in opening.rooms), None)
-            if foot is None:
-                raise HouseError(f"stairs {room.id!r} have no opening on storeys[{level}]; give the first flight one")
-            floors = storeys[level].floor_m, storeys[level + 1].floor_m
-            stairs.append(build_stairs(room.id, level, Polygon(room.polygon_m), foot, floors, WALL_THICKNESS_M / 2))
-    return stairs
+def _outer_walls(pieces: _Pieces) -> dict[str, list[Boundary]]:
+    """By room: the stretches that no other room is behind."""
+    outer: dict[str, list[Boundary]] = defaultdict(list)
+    for boundary, opening in pieces:
+        if None in boundary.rooms and opening is None:
+            outer[boundary.rooms[0] or boundary.rooms[1] or ""].append(boundary)
+    return outer
 
 
-def _furniture(spec: HouseSpec, storeys: Sequence[Storey]) -> list[Furniture]:
+def _windows(spec: HouseSpec, level: int, outer: Mapping[str, Sequence[Boundary]]) -> tuple[WindowSpec, ...]:
+    storey = spec.storeys[level]
+    if storey.windows is not None:
+        return storey.windows
+    sampled = (
+        sample_windows(room, outer[room.id], storey.height_m, room_rng(spec, room, "windows"))
+        for room in storey.rooms
+        if room.id in outer
+    )
+    return tuple(itertools.chain.from_iterable(sampled))
+
+
+def _hung(
+    spec: HouseSpec,
+    storeys: Sequence[Storey],
+    windows: Sequence[Sequence[WindowSpec]],
+    outer: Sequence[Mapping[str, Sequence[Boundary]]],
+) -> Iterator[Window]:
+    for level, (heights, own, walls) in enumerate(zip(storeys, windows, outer, strict=True)):
+        yield from hang_windows(spec, level, own, walls, heights.floor_m)
+
+
+def _leaves(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[Leaf]:
+    style = spec.seed if spec.appearance.seed is None else spec.appearance.seed
+    for level, (heights, pieces) in enumerate(zip(storeys, stretches, strict=True)):
+        yield from hang_leaves(level, pieces, spec.storeys[level].openings, heights.floor_m, style)
+
+
+def _furniture(spec: HouseSpec, storeys: Sequence[Storey], windows: Sequence[Sequence[WindowSpec]]) -> list[Furniture]:
     rng_of = functools.partial(room_rng, spec, purpose="furniture")
     pieces = []
     for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
         given = storey.furniture
-        specs = furnish(storey, rng_of, spec.clutter, f"{level}", storey.windows or ()) if given is None else given
+        specs = furnish(storey, rng_of, spec.clutter, f"{level}", windows[level]) if given is None else given
         pieces += [_place(piece, level, heights.floor_m) for piece in specs]
     repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
     if repeated:
@@ -214,7 +289,6 @@ def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
         (x, y, floor_m + z),
         piece.yaw_rad,
         piece.size_m,
-        parts_of(piece),
         solid,
         piece.seed,
     )

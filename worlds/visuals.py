@@ -1,6 +1,7 @@
 """All that is seen of a house, as textured quads: what renderers and exporters draw."""
 
 import itertools
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -25,7 +26,7 @@ class Visual:
     name: str
     """Unique in the house."""
     shows: str
-    """A furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    """The id of furniture, a door leaf or a window, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
     image: str
     corners: Float64[np.ndarray, "q 4 3"]
     """In W [m]."""
@@ -52,7 +53,7 @@ class _Object:
 
 
 def visuals(house: House) -> Visuals:
-    """The shell room by room, then every piece of furniture and flight of stairs."""
+    """The shell room by room, then furniture, flights of stairs, door leaves and windows."""
     images, parts = {}, []
     for sheet in sheets(house, surfaces(house)):
         name = f"{sheet.room}/{sheet.kind}"
@@ -69,7 +70,11 @@ def _objects(house: House) -> Iterator[_Object]:
     for piece in house.furniture:
         yield _Object(piece.id, piece.id, Solid(piece.parts, piece.position, piece.yaw), piece.seed)
     for flight in house.stairs:
-        yield _Object(f"{STAIRS_OBJECT}/{flight.storey}/{flight.room}", STAIRS_OBJECT, Solid(flight.treads), flight.storey)
+        yield _Object(f"{STAIRS_OBJECT}/{flight.storey}/{flight.room}", STAIRS_OBJECT, Solid(flight.parts), flight.storey)
+    for leaf in house.leaves:
+        yield _Object(leaf.id, leaf.id, Solid(leaf.parts, leaf.position, leaf.yaw), zlib.crc32(leaf.id.encode()))
+    for window in house.windows:
+        yield _Object(window.id, window.id, Solid(window.parts, window.position, window.yaw), window.style)
 
 
 def _drawn(house: House, objects: Sequence[_Object]) -> tuple[UInt8[np.ndarray, "h w 3"], Iterator[Visual]]:

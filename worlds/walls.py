@@ -1,17 +1,21 @@
 """Walls: the pieces of the room boundaries that are left when the openings are cut out."""
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from shapely.geometry import Polygon, box
 
+from worlds.arch import arch_drop
 from worlds.errors import HouseError
 from worlds.spec import OpeningSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
 FENCE_HEIGHT_M = 1.5
+ARCH_STRIPS = 12
+"""Straight pieces that the curve of an arch is made of."""
 _TOLERANCE_M = 1e-6
 
 
@@ -41,12 +45,18 @@ class Boundary:
 
 @dataclass(frozen=True)
 class Wall:
-    """A solid piece of wall."""
+    """A solid piece of wall: an upright box."""
 
     storey: int
     boundary: Boundary
+    """The stretch that it stands on."""
+    low: float
+    high: float
+    """Extent along the boundary, with the corners that it fills [m]."""
     bottom_m: float
     top_m: float
+    spandrel: bool = False
+    """Whether it stands for a strip of an arch's corner, whose underside slants up from `bottom_m`."""
 
     @property
     def rooms(self) -> tuple[str | None, str | None]:
@@ -56,20 +66,23 @@ class Wall:
     @property
     def start(self) -> tuple[float, float]:
         """One end of the centre line [m]."""
-        return self.boundary.point(self.boundary.low)
+        return self.boundary.point(self.low)
 
     @property
     def end(self) -> tuple[float, float]:
         """The other end [m]."""
-        return self.boundary.point(self.boundary.high)
+        return self.boundary.point(self.high)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """What it covers of the plan: x0, y0, x1, y1 [m]."""
+        (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
+        return (x0, y0 - half, x1, y1 + half) if self.boundary.axis == 0 else (x0 - half, y0, x1 + half, y1)
 
     @property
     def footprint(self) -> Polygon:
         """What it covers of the plan [m]."""
-        (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
-        if self.boundary.axis == 0:
-            return box(x0, y0 - half, x1, y1 + half)
-        return box(x0 - half, y0, x1 + half, y1)
+        return box(*self.bounds)
 
 
 def boundaries(storey: StoreySpec) -> list[Boundary]:
@@ -103,17 +116,25 @@ def _place(axis: int, at: float, low: float, high: float) -> str:
     return f"({middle:.2f}, {at:.2f}) m" if axis == 0 else f"({at:.2f}, {middle:.2f}) m"
 
 
-def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
-    """(axis, at, low, high) of an opening on its line. Raises `HouseError` where it runs along neither x nor y."""
-    (x0, y0), (x1, y1) = opening.start_m, opening.end_m
+def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[int, float, float, float] | None:
+    """(axis, at, low, high) of a segment along x or y; None for others."""
+    (x0, y0), (x1, y1) = start, end
     if abs(y0 - y1) <= _TOLERANCE_M < abs(x0 - x1):
         return 0, round(y0, 6), min(x0, x1), max(x0, x1)
     if abs(x0 - x1) <= _TOLERANCE_M < abs(y0 - y1):
         return 1, round(x0, 6), min(y0, y1), max(y0, y1)
-    raise HouseError(
-        f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
-        "must lie apart along x or along y"
-    )
+    return None
+
+
+def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
+    """(axis, at, low, high) of an opening on its line. Raises `HouseError` where it runs along neither x nor y."""
+    span = segment_span(opening.start_m, opening.end_m)
+    if span is None:
+        raise HouseError(
+            f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
+            "must lie apart along x or along y"
+        )
+    return span
 
 
 def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:
@@ -134,3 +155,35 @@ def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> It
 
 def _cut(boundary: Boundary, low: float, high: float) -> Boundary:
     return Boundary(boundary.axis, boundary.at, low, high, boundary.rooms)
+
+
+def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
+    """The points where walls along x and along y meet: a wall that ends there is drawn out to fill the corner."""
+    ends: tuple[set[tuple[float, float]], set[tuple[float, float]]] = set(), set()
+    for stretch in stretches:
+        ends[stretch.axis].update((stretch.point(stretch.low), stretch.point(stretch.high)))
+    return ends[0] & ends[1]
+
+
+def extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
+    """How far a wall along a piece of boundary reaches where walls meet at the `corners` in `meeting` [m]."""
+    half = WALL_THICKNESS_M / 2
+    low = piece.low - half if piece.point(piece.low) in meeting else piece.low
+    return low, piece.high + half if piece.point(piece.high) in meeting else piece.high
+
+
+def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:
+    """Lower and upper end of what stands of a wall of `height_m` below and above an opening [m]."""
+    if opening is None:
+        return [(0.0, height_m)]
+    low, high = opening.gap_m(height_m)
+    return [span for span in ((0.0, min(low, height_m)), (high, height_m)) if span[1] > span[0]]
+
+
+def arch_curve(boundary: Boundary, opening: OpeningSpec, top_m: float) -> list[tuple[float, float]]:
+    """Points of the underside of an arch: place along its boundary, height above the floor, but at most `top_m` [m]."""
+    _, _, low, high = opening_span(opening)
+    half = (high - low) / 2
+    turns = [math.pi * i / ARCH_STRIPS for i in range(ARCH_STRIPS + 1)]
+    places = [max(boundary.low, min(boundary.high, low + half * (1.0 - math.cos(turn)))) for turn in turns]
+    return [(a, min(top_m, opening.height_m - arch_drop(2 * half, a - low - half))) for a in dict.fromkeys(places)]

@@ -1,0 +1,121 @@
+"""Door leaves: panels on hinges, standing open as far as the spec says."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from shapely.geometry import Polygon
+
+from worlds.parts import Colour, Part, Vector
+from worlds.placed import Placed
+from worlds.spec import LeafSpec, OpeningSpec
+from worlds.walls import Boundary
+
+LEAF_THICKNESS_M = 0.04
+_GAP_M = 0.01
+"""Between leaf and lintel."""
+_ARC_STEPS = 8
+_STEEL: Colour = (0.72, 0.72, 0.74)
+_PAINTS: tuple[tuple[Colour, str], ...] = (
+    ((0.93, 0.92, 0.89), "plain"),
+    ((0.8, 0.84, 0.84), "plain"),
+    ((0.66, 0.47, 0.3), "wood"),
+    ((0.5, 0.34, 0.22), "wood"),
+    ((0.78, 0.63, 0.44), "wood"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Leaf(Placed):
+    """The leaf of a door as it stands; in its own frame it runs along x, the hinge at the left end."""
+
+    id: str
+    storey: int
+    opening: int
+    """Index among the storey's openings."""
+    into: str
+    """Id of the room that it swings into."""
+    hinge: tuple[float, float]
+    """On the wall's centre line [m]."""
+    shut_yaw: float
+    """Direction from the hinge to the free end when it is shut [rad]."""
+    turn: float
+    """How far it stands open from there, counter-clockwise [rad]."""
+    position: Vector
+    size: Vector
+    style: int
+    """Seed of what it looks like."""
+
+    @property
+    def yaw(self) -> float:  # type: ignore[override]
+        """Direction from the hinge to the free end [rad]."""
+        return self.shut_yaw + self.turn
+
+    @cached_property
+    def swing(self) -> Polygon:
+        """The sector that it sweeps from shut to where it stands, and at least to square with the wall [m]."""
+        return Polygon([self.hinge, *self.arc(math.copysign(max(abs(self.turn), math.pi / 2), self.turn))])
+
+    def arc(self, turn: float) -> list[tuple[float, float]]:
+        """The way of its free end from shut through `turn` [rad], as points [m]."""
+        (x, y), radius = self.hinge, self.size[0]
+        angles = (self.shut_yaw + turn * i / _ARC_STEPS for i in range(_ARC_STEPS + 1))
+        return [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """A panel with two fields, a handle on either side."""
+        (width, thickness, height), rng = self.size, np.random.default_rng(self.style)
+        paint, material = _PAINTS[int(rng.integers(len(_PAINTS)))]
+        shade: Colour = (0.88 * paint[0], 0.88 * paint[1], 0.88 * paint[2])
+        grip = width / 2 - 0.07
+        return (
+            Part("box", (0.0, 0.0, height / 2), self.size, paint, material),
+            *(
+                Part("box", (0.0, 0.0, z * height), (0.66 * width, thickness + 0.008, share * height), shade, material)
+                for z, share in ((0.27, 0.34), (0.71, 0.4))
+            ),
+            Part("box", (grip, 0.0, 1.02), (0.035, thickness + 0.012, 0.18), _STEEL, "metal"),
+            Part("box", (grip, 0.0, 1.04), (0.018, thickness + 0.1, 0.018), _STEEL, "metal"),
+            *(Part("box", (grip - 0.05, y, 1.04), (0.12, 0.014, 0.02), _STEEL, "metal") for y in (-0.065, 0.065)),
+        )
+
+
+def hang_leaves(
+    level: int,
+    pieces: Sequence[tuple[Boundary, OpeningSpec | None]],
+    openings: Sequence[OpeningSpec],
+    floor_m: float,
+    style: int,
+) -> Iterator[Leaf]:
+    """The leaves of a storey with these `openings`, whose boundaries with the openings in them are `pieces`."""
+    wall_of = {id(opening): boundary for boundary, opening in pieces if opening is not None}
+    for index, opening in enumerate(openings):
+        wall = wall_of.get(id(opening))
+        if opening.leaf is not None and wall is not None:
+            yield _hung(level, index, opening, opening.leaf, wall, floor_m, style)
+
+
+def _hung(level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Boundary, floor_m: float, style: int) -> Leaf:
+    hinge, free = (opening.start_m, opening.end_m) if leaf.hinge == "start" else (opening.end_m, opening.start_m)
+    width, along = opening.width_m, (free[0] - hinge[0], free[1] - hinge[1])
+    across = 1.0 if wall.rooms[1] == leaf.into else -1.0
+    # The room's side of the wall is to the left of the shut leaf where the leaf opens counter-clockwise.
+    left = along[0] if wall.axis == 0 else -along[1]
+    turn = math.copysign(leaf.angle_rad, across * left)
+    shut = math.atan2(along[1], along[0])
+    x, y = hinge[0] + width / 2 * math.cos(shut + turn), hinge[1] + width / 2 * math.sin(shut + turn)
+    return Leaf(
+        id=f"door/{level}/{index}",
+        storey=level,
+        opening=index,
+        into=leaf.into,
+        hinge=hinge,
+        shut_yaw=shut,
+        turn=turn,
+        position=(x, y, floor_m),
+        size=(width, LEAF_THICKNESS_M, opening.height_m - _GAP_M),
+        style=style,
+    )

@@ -1,0 +1,196 @@
+"""Windows: where rooms get them when the spec is silent, and what they look like from inside."""
+
+import math
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.random import Generator
+
+from worlds.errors import HouseError
+from worlds.furniture.decor import window as window_parts
+from worlds.furniture.kinds import Range, Size
+from worlds.parts import Part, Vector
+from worlds.placed import Placed
+from worlds.spec import HouseSpec, RoomSpec, WindowSpec
+from worlds.walls import WALL_THICKNESS_M, Boundary, segment_span
+
+WINDOW_DEPTH_M = 0.07
+"""That frame, sill and curtains stand out from the wall into the room [m]."""
+_CORNER_M = 0.2
+_APART_M = 0.3
+_UNDER_CEILING_M = 0.12
+_TRIES = 4
+_TOLERANCE_M = 1e-6
+
+
+@dataclass(frozen=True)
+class _Look:
+    """The windows of a kind of room."""
+
+    count: Range
+    """Expected number, drawn between these."""
+    width: Range
+    """[m]"""
+    sill: Range
+    """[m]"""
+    height: Range
+    """From sill to upper edge [m]."""
+
+
+_USUAL = _Look((1.0, 2.0), (1.1, 1.7), (0.92, 1.02), (1.1, 1.3))
+_SELDOM = _Look((0.4, 0.5), (1.1, 1.5), (0.92, 1.02), (1.1, 1.3))
+_LARGE = _Look((1.0, 2.0), (1.4, 2.0), (0.7, 0.95), (1.3, 1.5))
+_ROW = _Look((2.0, 4.0), (1.4, 2.0), (0.9, 1.0), (1.2, 1.4))
+_HIGH = _Look((0.5, 0.5), (0.6, 0.9), (1.45, 1.55), (0.5, 0.6))
+_LOOKS: Mapping[str, _Look] = {
+    **dict.fromkeys(("dining room", "bedroom", "children's room", "office", "meeting room", "gym", "print room"), _USUAL),
+    **dict.fromkeys(("library", "laboratory", "lobby"), _USUAL),
+    "living room": _LARGE,
+    **dict.fromkeys(("open-plan office", "classroom"), _ROW),
+    "kitchen": _Look((1.0, 1.0), (1.1, 1.4), (1.05, 1.1), (0.95, 1.1)),
+    "bathroom": _HIGH,
+    "toilet": _Look((0.3, 0.3), (0.5, 0.7), (1.5, 1.6), (0.45, 0.55)),
+    **dict.fromkeys(("corridor", "entrance hall", "laundry room"), _SELDOM),
+}
+"""Rooms that are not named have none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Window(Placed):
+    """A window in its wall; the object is what stands out of the wall on the inside."""
+
+    id: str
+    room: str
+    storey: int
+    wall: Boundary
+    """The stretch of outer wall that it is in."""
+    start: tuple[float, float]
+    """One end on the wall's centre line [m]."""
+    end: tuple[float, float]
+    position: Vector
+    yaw: float
+    size: Vector
+    style: int
+    """Seed of what it looks like."""
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Frame, panes, sill, and curtains or none."""
+        return window_parts(Size(*self.size), np.random.default_rng(self.style))
+
+
+def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, rng: Generator) -> tuple[WindowSpec, ...]:
+    """Windows for a room under a ceiling at `height_m`; `outer` are the stretches of its walls with nothing behind them.
+
+    They keep clear of corners and of each other; rooms that usually have none, and rooms without outer walls, get none.
+    """
+    look = _LOOKS.get(room.label)
+    if look is None or not outer:
+        return ()
+    low, high = look.count
+    share, *sizes = rng.random(4).tolist()
+    wanted = math.floor(low + share * (high - low) + rng.random())
+    width, sill, height = (a + t * (b - a) for (a, b), t in zip((look.width, look.sill, look.height), sizes, strict=True))
+    top = min(sill + height, height_m - _UNDER_CEILING_M)
+    placed: list[tuple[Boundary, float, float]] = []
+    for place in rng.random((wanted, _TRIES)).tolist():
+        found = next((spot for t in place if (spot := _spot(outer, (width, look.width[0]), t, placed)) is not None), None)
+        if found is not None:
+            placed.append(found)
+    return tuple(
+        WindowSpec(
+            room=room.id,
+            start_m=wall.point(round(start, 3)),
+            end_m=wall.point(round(stop, 3)),
+            sill_m=round(sill, 3),
+            height_m=round(top, 3),
+        )
+        for wall, start, stop in placed
+    )
+
+
+def _spot(
+    outer: Sequence[Boundary], widths: tuple[float, float], t: float, placed: Sequence[tuple[Boundary, float, float]]
+) -> tuple[Boundary, float, float] | None:
+    """A place at share `t` of all that is free for a window of the first of `widths` that fits anywhere."""
+    for width in widths:
+        rooms = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
+        left = t * sum(rooms)
+        for wall, room in zip(outer, rooms, strict=True):
+            if room > 0.0 and left <= room:
+                start = wall.low + _CORNER_M + left
+                clear = all(
+                    other is not wall or start >= stop + _APART_M or start + width <= begin - _APART_M
+                    for other, begin, stop in placed
+                )
+                return (wall, start, start + width) if clear else None
+            left -= room
+    return None
+
+
+def hang_windows(
+    spec: HouseSpec, level: int, windows: Sequence[WindowSpec], outer: Mapping[str, Sequence[Boundary]], floor_m: float
+) -> Iterator[Window]:
+    """The `windows` of a storey, whose rooms have the stretches `outer` of outer wall.
+
+    Raises `HouseError` for a window that lies in no outer wall of its room, or upside down.
+    """
+    rooms = {room.id: room for room in spec.storeys[level].rooms}
+    count: Counter[str] = Counter()
+    for index, window in enumerate(windows):
+        place = f"storeys[{level}].windows[{index}] ({window.room})"
+        wall = _wall_of(window, outer.get(window.room, ()))
+        if wall is None:
+            raise HouseError(
+                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room that no other room is behind"
+            )
+        if window.sill_m >= window.height_m:
+            raise HouseError(f"{place}: its sill ({window.sill_m} m) is not below its upper edge ({window.height_m} m)")
+        style = _style(spec, rooms[window.room], count[window.room])
+        count[window.room] += 1
+        yield _hung(f"window/{level}/{index}", level, window, wall, floor_m, style)
+
+
+def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
+    """A seed that depends on the room alone, and is the same for twins."""
+    own = (spec.seed, room.id) if room.seed is None else (room.seed,)
+    return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())
+
+
+def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:
+    span = segment_span(spec.start_m, spec.end_m)
+    if span is None:
+        return None
+    axis, at, low, high = span
+    for wall in outer:
+        inside = wall.low <= low + _TOLERANCE_M and high <= wall.high + _TOLERANCE_M
+        if (wall.axis, wall.at) == (axis, at) and inside:
+            return wall
+    return None
+
+
+def _hung(name: str, level: int, spec: WindowSpec, wall: Boundary, floor_m: float, style: int) -> Window:
+    inward = 1.0 if wall.rooms[1] == spec.room else -1.0
+    off = inward * (WALL_THICKNESS_M + WINDOW_DEPTH_M) / 2
+    x, y = (spec.start_m[0] + spec.end_m[0]) / 2, (spec.start_m[1] + spec.end_m[1]) / 2
+    if wall.axis == 0:
+        position, yaw = (x, y + off, floor_m + spec.sill_m), 0.0 if inward > 0 else math.pi
+    else:
+        position, yaw = (x + off, y, floor_m + spec.sill_m), math.copysign(math.pi / 2, -inward)
+    width = math.dist(spec.start_m, spec.end_m)
+    return Window(
+        id=name,
+        room=spec.room,
+        storey=level,
+        wall=wall,
+        start=spec.start_m,
+        end=spec.end_m,
+        position=position,
+        yaw=yaw,
+        size=(width, WINDOW_DEPTH_M, spec.height_m - spec.sill_m),
+        style=style,
+    )
