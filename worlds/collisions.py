@@ -1,0 +1,74 @@
+"""Which upright boxes run into each other, or into convex outlines in the plan: separating axes, all pairs at once."""
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Float64, Int
+
+from worlds.free_space import Obstacles
+
+Pairs = Int[np.ndarray, "k 2"]
+
+
+def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
+    """Pairs (index in `a`, index in `b`) of boxes that run into each other by more than a tolerance, in order.
+
+    Exact for boxes turned about z; boxes of no thickness are lines.
+    """
+    i, j = _near(_corners(a), _corners(b), tolerance_m).T
+    meet = _at_one_height(a.span[i], b.span[j], tolerance_m)
+    i, j = i[meet], j[meet]
+    axes_a, axes_b = _axes(a)[i], _axes(b)[j]
+    axes = np.concatenate([axes_a, axes_b], axis=1)
+    apart = np.abs(np.einsum("kad,kd->ka", axes, b.centre[j] - a.centre[i]))
+    reach = _reach(axes, axes_a, a.size[i]) + _reach(axes, axes_b, b.size[j])
+    meet = (apart < reach - tolerance_m).all(axis=1)
+    return np.stack([i[meet], j[meet]], axis=1)
+
+
+def outlines_over(
+    outlines: Float64[np.ndarray, "m v 2"], spans: Float64[np.ndarray, "m 2"], boxes: Obstacles, tolerance_m: float
+) -> Pairs:
+    """Pairs (outline, box) that overlap by more than a tolerance: convex outlines, counter-clockwise or not, and heights."""
+    i, j = _near(outlines, corners := _corners(boxes), tolerance_m).T
+    meet = _at_one_height(spans[i], boxes.span[j], tolerance_m)
+    i, j = i[meet], j[meet]
+    sides = np.roll(outlines[i], -1, axis=1) - outlines[i]
+    normals = np.stack([-sides[..., 1], sides[..., 0]], axis=-1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
+    axes = np.concatenate([normals, _axes(boxes)[j]], axis=1)
+    one, other = (np.einsum("kad,kvd->kav", axes, shape) for shape in (outlines[i], corners[j]))
+    depth = np.minimum(one.max(axis=2), other.max(axis=2)) - np.maximum(one.min(axis=2), other.min(axis=2))
+    meet = (depth > tolerance_m).all(axis=1)
+    return np.stack([i[meet], j[meet]], axis=1)
+
+
+def _near(a: Float64[np.ndarray, "n v 2"], b: Float64[np.ndarray, "m w 2"], tolerance_m: float) -> Pairs:
+    """Pairs whose bounding rectangles meet, in order."""
+    half = tolerance_m / 2
+    rectangles = [shapely.box(*(c.min(axis=1) + half).T, *(c.max(axis=1) - half).T) for c in (a, b)]
+    pairs = shapely.STRtree(rectangles[1]).query(rectangles[0])
+    return np.asarray(pairs[:, np.lexsort(pairs[::-1])].T)
+
+
+def _at_one_height(
+    a: Float64[np.ndarray, "k 2"], b: Float64[np.ndarray, "k 2"], tolerance_m: float
+) -> Bool[np.ndarray, "k"]:
+    return np.asarray(np.minimum(a[:, 1], b[:, 1]) - np.maximum(a[:, 0], b[:, 0]) > tolerance_m)
+
+
+def _axes(boxes: Obstacles) -> Float64[np.ndarray, "n 2 2"]:
+    """Unit vectors along width and depth."""
+    cos, sin = np.cos(boxes.yaw), np.sin(boxes.yaw)
+    return np.stack([cos, sin, -sin, cos], axis=-1).reshape(-1, 2, 2)
+
+
+def _corners(boxes: Obstacles) -> Float64[np.ndarray, "n 4 2"]:
+    signs = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    return np.asarray(boxes.centre[:, None] + (signs * boxes.size[:, None]) @ _axes(boxes))
+
+
+def _reach(
+    directions: Float64[np.ndarray, "k 4 2"], axes: Float64[np.ndarray, "k 2 2"], size: Float64[np.ndarray, "k 2"]
+) -> Float64[np.ndarray, "k 4"]:
+    """How far a box reaches from its centre in each direction."""
+    return np.asarray(np.einsum("kab,kb->ka", np.abs(np.einsum("kad,kbd->kab", directions, axes)), size / 2))
