@@ -1,0 +1,297 @@
+"""Houses that grow room by room: each room says for itself where it stands and how it is entered.
+
+    row 1  | room | room    |          The first room of a row starts at x = 0, on top of the first room of the row below;
+    -------+------+---+-----+          the others follow to its east. Whatever is said about the rooms, the house stands and
+    stairs | room     | room|  row 0   can be walked; leaving a room out changes nothing about the rooms before it.
+
+`worlds.strategies` draws the sayings. All arithmetic is in whole decimetres, so that walls meet exactly.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.spec import PASSABLE, HouseSpec, LeafSpec, OpeningKind, OpeningSpec, Point, RoomSpec, StoreySpec
+
+Start = Literal["beside", "row", "storey"]
+Shape = Literal["rectangle", "L", "T"]
+DoorState = Literal["no leaf", "open", "ajar", "closed"]
+MIN_SIZE_DM = 20
+"""Least width and depth of a room; the front of the stairs is as wide."""
+MIN_WIDTH_DM, MAX_DOOR_DM = 8, 10
+_MIN_CONTACT_DM = 7
+"""Where two rooms touch, they share at least so much wall: enough to leave it out and walk through."""
+_MARGIN_DM = 2
+_STAIRS_DM = 34
+_ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
+Box = tuple[int, int, int, int]
+"""x0, y0, x1, y1 [dm]."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """What is in the wall to a neighbour."""
+
+    kind: OpeningKind | None = "door"
+    """None: nothing but wall."""
+    width_dm: int = MIN_WIDTH_DM
+    """Wished for; cut down to what the wall has. An "open" boundary is open all along."""
+    offset_dm: int = 0
+    """From the western or southern end of the wall, as far as there is room."""
+    leaf: DoorState = "no leaf"
+    """Of a door; left out where it would hit something."""
+    hinge: Literal["start", "end"] = "start"
+    into_first: bool = True
+    """Whether the leaf swings into the older of the two rooms."""
+
+
+@dataclass(frozen=True)
+class GrownRoom:
+    """What a room says about itself."""
+
+    label: str
+    width_dm: int = MIN_SIZE_DM
+    depth_dm: int = MIN_SIZE_DM
+    """At most that of the first room in its row, which says how deep the row is."""
+    start: Start = "beside"
+    """Whether it stands beside the room before it, or starts a row or a storey."""
+    shape: Shape = "rectangle"
+    height_m: float = 2.6
+    """Floor to ceiling, of the storey that the room starts."""
+    way_in: Way = Way()
+    """To a neighbour that was there before; where it lets nobody through, it has a door beside it."""
+    other: Way = Way(None)
+    """To a second such neighbour, if there is one."""
+    from_south: bool = False
+    """Whether the way in is from the row below rather than from the room to the west."""
+
+
+def grow(
+    sayings: Sequence[GrownRoom], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
+) -> HouseSpec:
+    """The house of some rooms, bare unless `clutter` says how much furniture is to be filled in.
+
+    With `min_openness`, boundaries are opened all along, one after another, as soon as the share of closed boundary would
+    exceed 1 - `min_openness`.
+    """
+    floors: list[list[GrownRoom]] = []
+    for saying in sayings:
+        if not floors or (saying.start == "storey" and len(floors) < max_storeys):
+            floors.append([])
+        floors[-1].append(saying)
+    bare = {"furniture": ()} if clutter is None else {}
+    storeys, count = [], 0
+    for level, floor in enumerate(floors):
+        plan = _Plan.of(floor, first_number=count + 1)
+        count += len(floor)
+        storeys.append(plan.storey(level, len(floors), min_openness, bare))
+    return HouseSpec(name="grown", clutter=1.0 if clutter is None else clutter, storeys=tuple(storeys))
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """A room with its place."""
+
+    id: str
+    saying: GrownRoom
+    box: Box
+    notch_east: bool
+    notch_west: bool
+
+    @property
+    def notch(self) -> tuple[int, int]:
+        """Width and depth of what is cut out of the northern corners."""
+        x0, y0, x1, y1 = self.box
+        return (x1 - x0) // 3, (y1 - y0) // 3
+
+    @property
+    def top(self) -> tuple[int, int]:
+        """Extent of the northernmost wall."""
+        x0, _, x1, _ = self.box
+        return x0 + self.notch_west * self.notch[0], x1 - self.notch_east * self.notch[0]
+
+    @property
+    def sides(self) -> tuple[int, int]:
+        """Northern ends of the western and of the eastern wall."""
+        y1 = self.box[3]
+        return y1 - self.notch_west * self.notch[1], y1 - self.notch_east * self.notch[1]
+
+    @property
+    def polygon(self) -> tuple[Point, ...]:
+        x0, y0, x1, y1 = self.box
+        (left, right), (west, east) = self.top, self.sides
+        corners = [(x0, y0), (x1, y0)]
+        corners += [(x1, east), (right, east), (right, y1)] if self.notch_east else [(x1, y1)]
+        corners += [(left, y1), (left, west), (x0, west)] if self.notch_west else [(x0, y1)]
+        return tuple(_metres(corner) for corner in corners)
+
+    def has_room_for(self, box: Box) -> bool:
+        """Whether a box lies in the room, a decimetre clear of the notches and the walls across from it."""
+        x0, y0, x1, y1 = box
+        (left, right), (west, east) = self.top, self.sides
+        inside = self.box[0] <= x0 and self.box[1] <= y0 and x1 <= self.box[2] and y1 <= self.box[3]
+        hits_east = self.notch_east and x1 + 1 > right and y1 + 1 > east
+        hits_west = self.notch_west and x0 - 1 < left and y1 + 1 > west
+        return inside and not hits_east and not hits_west
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """A stretch of wall between an older and a younger room."""
+
+    rooms: tuple[_Placed, _Placed]
+    along_x: bool
+    at: int
+    low: int
+    high: int
+    way: Way
+    needed: bool
+    """Whether the younger room is entered here."""
+
+    @property
+    def length(self) -> int:
+        return self.high - self.low
+
+
+@dataclass(frozen=True)
+class _Plan:
+    rooms: tuple[_Placed, ...]
+    contacts: tuple[_Contact, ...]
+    height_m: float
+
+    @staticmethod
+    def of(sayings: Sequence[GrownRoom], first_number: int) -> "_Plan":
+        rows: list[list[_Placed]] = []
+        contacts: list[_Contact] = []
+        for number, saying in enumerate(sayings, start=first_number):
+            if not rows or saying.start == "row":
+                rows.append([])
+            below = [room for room in rows[-2] if room.box[3] == rows[-2][0].box[3]] if len(rows) > 1 else []
+            room = _place(f"{saying.label} {number}", saying, rows[-1], below)
+            contacts += _contacts(room, rows[-1][-1] if rows[-1] else None, below)
+            rows[-1].append(room)
+        return _Plan(tuple(room for row in rows for room in row), tuple(contacts), sayings[0].height_m)
+
+    def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
+        rooms = [RoomSpec(id=room.id, label=room.saying.label, polygon_m=room.polygon) for room in self.rooms]
+        openings: list[OpeningSpec] = []
+        swings: list[Box] = []
+        if levels > 1:
+            cell, ways = _stairs(level, levels, self.rooms[0].id)
+            rooms.append(cell)
+            openings += ways
+            swings.append((0, 0, 2 * MAX_DOOR_DM, MIN_SIZE_DM))
+        inner = [contact for contact in self.contacts if not _outdoor(contact)]
+        closed_dm = (1.0 - min_openness) * sum(contact.length for contact in inner)
+        for contact in self.contacts:
+            here = _openings(contact, swings)
+            if contact in inner and min_openness > 0.0:
+                closed = contact.length - sum(_gap_dm(opening, self.height_m) for opening in here)
+                if closed > closed_dm:
+                    here, closed = [_opening(contact, "open", contact.low, contact.high)], 0.0
+                closed_dm -= closed
+            openings += here
+        return StoreySpec(height_m=self.height_m, rooms=tuple(rooms), openings=tuple(openings), **more)  # type: ignore[arg-type]
+
+
+def _place(name: str, saying: GrownRoom, row: Sequence[_Placed], below: Sequence[_Placed]) -> _Placed:
+    x0, y0 = (row[-1].box[2], row[0].box[1]) if row else (0, below[0].box[3] if below else 0)
+    x1 = x0 + saying.width_dm
+    # Rooms touch along a good piece of wall or not at all: an opening fits wherever two rooms meet.
+    ends = [end for room in below for end in room.top]
+    while any(0 < abs(x1 - end) < _MIN_CONTACT_DM for end in ends):
+        x1 += 1
+    depth = min(saying.depth_dm, row[0].box[3] - y0) if row else saying.depth_dm
+    stem = (x1 - x0) - 2 * ((x1 - x0) // 3)
+    is_t = saying.shape == "T" and bool(row) and stem >= 12
+    return _Placed(name, saying, (x0, y0, x1, y0 + depth), notch_east=saying.shape == "L" or is_t, notch_west=is_t)
+
+
+def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> list[_Contact]:
+    x0, y0, x1, _ = room.box
+    spans = [(other, max(x0, other.top[0]), min(x1, other.top[1])) for other in below]
+    south = sorted((span for span in spans if span[2] > span[1]), key=lambda span: span[1] - span[2])
+    from_south = bool(south) and (west is None or (room.saying.from_south and south[0][2] - south[0][1] >= 12))
+    contacts = []
+    if west is not None:
+        way = room.saying.other if from_south else room.saying.way_in
+        contacts.append(_Contact((west, room), False, x0, y0, min(west.sides[1], room.sides[0]), way, not from_south))
+    for k, (other, low, high) in enumerate(south):
+        way = Way(None) if k else room.saying.way_in if from_south else room.saying.other
+        contacts.append(_Contact((other, room), True, y0, low, high, way, from_south and k == 0))
+    return contacts
+
+
+def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
+    """What is in a stretch of wall; doors' leaves are added to `swings`."""
+    way, low, high = contact.way, contact.low, contact.high
+    if way.kind == "open":
+        return [_opening(contact, "open", low, high)]
+    openings = []
+    if contact.needed and way.kind not in PASSABLE:
+        openings.append(_opening(contact, "door", low + _MARGIN_DM, low + _MARGIN_DM + MIN_WIDTH_DM))
+        low += _MARGIN_DM + MIN_WIDTH_DM
+    width = min(way.width_dm, high - low - 2 * _MARGIN_DM)
+    if way.kind in ("door", "arch"):
+        width = min(width, MAX_DOOR_DM)
+    if way.kind is None or width < MIN_WIDTH_DM:
+        return openings
+    start = low + _MARGIN_DM + min(way.offset_dm, high - low - 2 * _MARGIN_DM - width)
+    leaf = _leaf(contact, start, start + width, swings) if way.kind == "door" else None
+    return [*openings, _opening(contact, way.kind, start, start + width, leaf)]
+
+
+def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSpec | None:
+    way, width = contact.way, stop - start
+    if way.leaf == "no leaf":
+        return None
+    room = contact.rooms[0] if way.into_first else contact.rooms[1]
+    near, far = (contact.at - width, contact.at) if way.into_first else (contact.at, contact.at + width)
+    swing = (start, near, stop, far) if contact.along_x else (near, start, far, stop)
+    if not room.has_room_for(swing) or any(_overlap(swing, other) for other in swings):
+        return None
+    swings.append(swing)
+    return LeafSpec(hinge=way.hinge, into=room.id, angle_rad=_ANGLES[way.leaf])
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def _opening(contact: _Contact, kind: OpeningKind, low: int, high: int, leaf: LeafSpec | None = None) -> OpeningSpec:
+    a, b = (low, contact.at), (high, contact.at)
+    start, end = (a, b) if contact.along_x else (a[::-1], b[::-1])
+    rooms = contact.rooms[0].id, contact.rooms[1].id
+    return OpeningSpec(rooms=rooms, kind=kind, start_m=_metres(start), end_m=_metres(end), leaf=leaf)
+
+
+def _gap_dm(opening: OpeningSpec, ceiling_m: float) -> float:
+    """Length of fully open wall that an opening is worth, or a little less; doors are closed."""
+    if opening.kind in ("door", "arch"):
+        return 0.0
+    low, high = opening.gap_m(ceiling_m)
+    return 10.0 * opening.width_m * (high - low) / ceiling_m
+
+
+def _outdoor(contact: _Contact) -> bool:
+    return any(room.saying.label in OUTDOOR_LABELS for room in contact.rooms)
+
+
+def _stairs(level: int, levels: int, hall: str) -> tuple[RoomSpec, list[OpeningSpec]]:
+    """West of the storey's first room: the way up over the southern half of the cell's front, the way down beside it."""
+    name, depth = f"{STAIRS} {level}", MIN_SIZE_DM / 10
+    corners = ((-_STAIRS_DM / 10, 0.0), (0.0, 0.0), (0.0, depth), (-_STAIRS_DM / 10, depth))
+    ends = {"up": (0.05, depth / 2), "down": (depth / 2, depth - 0.05)}
+    there = {"up": level + 1 < levels, "down": level > 0}
+    openings = [
+        OpeningSpec(rooms=(hall, name), kind="open", start_m=(0.0, low), end_m=(0.0, high), leads=leads)  # type: ignore[arg-type]
+        for leads, (low, high) in ends.items()
+        if there[leads]
+    ]
+    return RoomSpec(id=name, label=STAIRS, polygon_m=corners), openings
+
+
+def _metres(point: tuple[int, int]) -> Point:
+    return point[0] / 10, point[1] / 10

@@ -1,0 +1,174 @@
+"""Hypothesis strategies that draw houses: the spec itself, never a seed, so that a failing house shrinks to a small one.
+
+Every drawn house is valid: `build_house` and `validate` accept it. Houses are bare unless asked otherwise, rooms shrink to
+rectangles of 2 x 2 m, labels and opening kinds to the first in the lists that were given. With the package installed,
+`st.from_type(HouseSpec)` draws `houses()`. Bad arguments raise `hypothesis.errors.InvalidArgument`.
+"""
+
+from collections.abc import Sequence
+from typing import TypeVar, get_args
+
+from hypothesis import strategies as st
+from hypothesis.errors import InvalidArgument
+from hypothesis.strategies import SearchStrategy
+
+from worlds.grown_plan import MIN_SIZE_DM, MIN_WIDTH_DM, DoorState, GrownRoom, Shape, Start, Way, grow
+from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
+from worlds.spec import HouseSpec, OpeningKind
+
+MAX_ROOMS, MAX_STOREYS = 40, 4
+DRAWABLE = tuple(label for label in ROOM_LABELS if label != STAIRS)
+"""Labels that can be asked for; stairs come with the second storey."""
+INDOOR = tuple(label for label in DRAWABLE if label not in OUTDOOR_LABELS)
+KINDS: tuple[OpeningKind, ...] = ("door", "open", "cased", "arch", "half wall", "counter")
+_MAX_SIZE_DM, _MAX_WIDTH_DM = 60, 40
+_HEIGHTS_M = (2.6, 2.4, 3.0)
+_CLUTTER = (1.0, 0.5, 2.0)
+_T = TypeVar("_T", bound=str)
+
+
+def houses(
+    *,
+    min_rooms: int = 2,
+    max_rooms: int = 8,
+    max_storeys: int = 2,
+    furnished: bool = False,
+    labels: Sequence[str] = INDOOR,
+    kinds: Sequence[str] = KINDS,
+    doors: Sequence[str] = ("no leaf", "open"),
+    openness: tuple[float, float] | None = None,
+) -> SearchStrategy[HouseSpec]:
+    """Houses of `min_rooms` to `max_rooms` rooms (stairs not counted) on 1 to `max_storeys` storeys.
+
+    Args:
+        min_rooms: at least 1.
+        max_rooms: at most 40.
+        max_storeys: at most 4; houses of several storeys have one staircase through all of them.
+        furnished: whether `build_house` fills in furniture; its amount is drawn.
+        labels: what the rooms can be, the simplest first.
+        kinds: what can be in the walls, the simplest first; where nobody could walk through, there is a door beside it.
+        doors: how door leaves can stand, the simplest first; "closed" doors end a walk that cannot open them.
+        openness: if given, inner walls are opened or closed with doors (see `worlds.openness`) until the house's openness
+            is within 0.05 of a value drawn from this range.
+    """
+    _check_rooms(min_rooms, max_rooms)
+    _check_int("max_storeys", max_storeys, 1, MAX_STOREYS)
+    _check_bool("furnished", furnished)
+    starts: tuple[Start, ...] = ("beside", "row", "storey") if max_storeys > 1 else ("beside", "row")
+    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), starts)
+    clutter = {"clutter": st.sampled_from(_CLUTTER)} if furnished else {}
+    rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
+    drawn = st.builds(grow, rooms, max_storeys=st.just(max_storeys), **clutter)
+    return drawn if openness is None else _opened(drawn, *_range("openness", openness))
+
+
+def open_plans(
+    *,
+    min_openness: float = 0.5,
+    min_rooms: int = 2,
+    max_rooms: int = 6,
+    labels: Sequence[str] = INDOOR,
+) -> SearchStrategy[HouseSpec]:
+    """Bare one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
+
+    Openness is the share of the area of all boundaries between indoor rooms that is gap for good; doors count as closed.
+    """
+    _check_rooms(min_rooms, max_rooms)
+    if isinstance(min_openness, bool) or not isinstance(min_openness, int | float) or not 0.0 <= min_openness <= 1.0:
+        raise InvalidArgument(f"min_openness={min_openness!r} is not in 0 ... 1")
+    kinds = ("open", "cased", "half wall", "counter", "arch", "door")
+    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, ("no leaf",)), ("beside", "row"))
+    rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
+    return st.builds(grow, rooms, min_openness=st.just(min_openness))
+
+
+def room_pairs(
+    *,
+    labels: Sequence[str] = INDOOR,
+    kinds: Sequence[str] = KINDS,
+    doors: Sequence[str] = ("no leaf", "open"),
+) -> SearchStrategy[HouseSpec]:
+    """Bare houses of exactly two rooms with one boundary, of any kind; see `houses` for the arguments."""
+    room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), ("beside", "row"))
+    return st.builds(grow, st.lists(room, min_size=2, max_size=2))
+
+
+def register() -> None:
+    """Make `st.from_type(HouseSpec)` draw `houses()`; Hypothesis calls it, through the entry point."""
+    st.register_type_strategy(HouseSpec, houses())
+
+
+def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> SearchStrategy[HouseSpec]:
+    from worlds.openness import openness_of, with_openness  # heavy, and Hypothesis imports us in every run
+
+    target = st.integers(0, 100).map(lambda percent: low + (high - low) * percent / 100)
+    # Houses without a wall between two rooms have no openness to change.
+    return st.builds(with_openness, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
+
+
+def _rooms(label: SearchStrategy[str], way: SearchStrategy[Way], starts: Sequence[Start]) -> SearchStrategy[GrownRoom]:
+    """Hypothesis deletes at most five draws in a row at once: what a plain room takes, with its place in the list."""
+    size = st.integers(MIN_SIZE_DM, _MAX_SIZE_DM)
+    plain = st.builds(GrownRoom, label, size, size)
+    elaborate = st.builds(
+        GrownRoom,
+        label,
+        size,
+        size,
+        start=st.sampled_from(starts),
+        shape=st.sampled_from(get_args(Shape)),
+        height_m=st.sampled_from(_HEIGHTS_M),
+        way_in=way,
+        other=st.one_of(st.just(Way(None)), way),
+        from_south=st.booleans(),
+    )
+    return st.one_of(plain, elaborate, elaborate, elaborate)
+
+
+def _ways(kinds: Sequence[str], doors: Sequence[str]) -> SearchStrategy[Way]:
+    return st.builds(
+        Way,
+        kind=_choices("kinds", kinds, KINDS),
+        width_dm=st.integers(MIN_WIDTH_DM, _MAX_WIDTH_DM),
+        offset_dm=st.integers(0, _MAX_SIZE_DM),
+        leaf=_choices("doors", doors, get_args(DoorState)),
+        hinge=st.sampled_from(("start", "end")),
+        into_first=st.booleans(),
+    )
+
+
+def _choices(name: str, given: Sequence[str], valid: Sequence[_T]) -> SearchStrategy[_T]:
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        raise InvalidArgument(f"{name}={given!r} is not a list of at least one of {', '.join(valid)}")
+    by_name = {str(value): value for value in valid}
+    for value in given:
+        if value not in by_name:
+            raise InvalidArgument(f"{name} has {value!r}; valid: {', '.join(valid)}")
+    return st.sampled_from([by_name[value] for value in given])
+
+
+def _check_rooms(min_rooms: int, max_rooms: int) -> None:
+    _check_int("min_rooms", min_rooms, 1, MAX_ROOMS)
+    _check_int("max_rooms", max_rooms, 1, MAX_ROOMS)
+    if min_rooms > max_rooms:
+        raise InvalidArgument(f"min_rooms={min_rooms} exceeds max_rooms={max_rooms}")
+
+
+def _check_int(name: str, value: int, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise InvalidArgument(f"{name}={value!r} is not a whole number in {low} ... {high}")
+
+
+def _range(name: str, given: tuple[float, float]) -> tuple[float, float]:
+    try:
+        low, high = (float(value) for value in given)
+    except (TypeError, ValueError):
+        low, high = 1.0, 0.0
+    if not 0.0 <= low <= high <= 1.0:
+        raise InvalidArgument(f"{name}={given!r} is not a range within 0 ... 1, the lower end first")
+    return low, high
+
+
+def _check_bool(name: str, value: bool) -> None:
+    if not isinstance(value, bool):
+        raise InvalidArgument(f"{name}={value!r} is not True or False")
