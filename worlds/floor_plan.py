@@ -1,221 +1,225 @@
-"""The first layout sampler: rooms in bands on both sides of a hall, stairs at the hall's end, storeys stacked.
+"""From programmes to layouts: a shell for all storeys, then the rooms of each; valid by construction, without retries.
 
-+-----------+-----------+---------+   north band
-+-----------+-----------+---------+
-|  hall                   stairs  |
-+-------+---------+---------------+
-| room  |  room   |  room         |   south band
-+-------+---------+---------------+
-|  garden                         |
-+---------------------------------+
+Every storey stands on the one below: a band of rooms is at least as long as the one above it.
 """
 
-import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float64
 
-from worlds.errors import WorldsError
-from worlds.labels import STAIRS
-from worlds.spec import HouseSpec, OpeningKind, OpeningSpec, RoomSpec, StoreySpec
+from worlds.bays import DOOR_FRONT, bay_width, share_out
+from worlds.flights import StairsKind
+from worlds.layout import StoreyLayout
+from worlds.programmes import Bay, Run, StoreyProgramme
+from worlds.rectangles import Symmetry, area_m2
+from worlds.storey_draft import Placed, draft_storey
+from worlds.wings import BANDS, Band, Depths, Shell, StairsBay, distribute, stairs_bay
 
-Rectangle = tuple[float, float, float, float]
-_STAIRS_LENGTH_M = 3.4
-_DOOR_M = 0.95
-_MIN_ROOM_M = 1.9
-_CORNER_MARGIN_M = 0.15
-_WEIGHTS = {
-    "living room": 1.6, "open-plan office": 2.2, "meeting room": 1.3, "classroom": 1.8, "library": 1.5, "garage": 1.4,
-    "gym": 1.4, "kitchen": 1.1, "bathroom": 0.85, "toilet": 0.6, "storage room": 0.7, "pantry": 0.6, "laundry room": 0.75,
-    "print room": 0.7,
-}  # fmt: skip
+SLAB_M = 0.3
+_SHORTEST_BAND = 250
+"""A band planned for less [cm] is left out."""
+_STRETCH = 1.4
+"""Bands are widened to their shell up to this factor; shorter ones leave the storey's end open."""
 
 
 @dataclass(frozen=True)
-class StoreyPlan:
-    """What a storey holds; rooms in each band run from west to east."""
+class Style:
+    """Measures of a kind of building; ranges to draw from."""
 
-    south: tuple[str, ...]
-    north: tuple[str, ...] = ()
-    hall: str = "corridor"
-    open_pairs: tuple[tuple[str, str], ...] = ()
-    """Labels of neighbours in a band that have no wall between them."""
-    garden: str | None = None
-    """Label of the room south of the south band, reached from it."""
-
-
-@dataclass(frozen=True)
-class BandSizes:
-    """Dimensions of the plan [m]."""
-
-    width: float
-    south: float
-    hall: float
-    north: float
-    garden: float = 4.0
+    spine_m: tuple[float, float] = (1.4, 2.0)
+    depth_m: tuple[float, float] = (3.7, 4.6)
+    heights_m: tuple[float, ...] = (2.6,)
+    stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
+    """To choose from; None: U-shaped, at the spine's end."""
+    one_sided_m: tuple[float, float] = (9.0, 16.0)
+    """Below the first total length of its rooms a plan has rooms on one side of the spine, above the second on both."""
+    winged_m: float = 26.0
+    """Above this total length there may be a second wing."""
+    wings: float = 0.7
+    """Share of such plans that have one."""
 
 
-def sample_sizes(
-    rng: np.random.Generator,
-    width: tuple[float, float],
-    depth: tuple[float, float] = (3.7, 4.6),
-    hall: tuple[float, float] = (2.0, 2.3),
-) -> BandSizes:
-    """Draw the dimensions, each uniform in its range [m], to the centimetre."""
+@dataclass
+class _Storey:
+    """A storey's runs by band, and how far they reach."""
 
-    def draw(low: float, high: float) -> float:
-        return round(float(rng.uniform(low, high)), 2)
+    bands: dict[Band, list[Run]]
+    slot: Run | None = None
+    lengths: dict[Band, int] = field(default_factory=dict)
+    past_spine: frozenset[Band] = frozenset()
+    """Bands that go on beside stairs at the spine's end."""
 
-    return BandSizes(draw(*width), draw(*depth), draw(*hall), draw(*depth), draw(3.6, 4.6))
-
-
-def lay_out(name: str, seed: int, plans: Sequence[StoreyPlan], sizes: BandSizes, rng: np.random.Generator) -> HouseSpec:
-    """Place the rooms and openings of every storey and turn the whole plan to a random orientation.
-
-    Raises `WorldsError` where a band is too short for its rooms.
-    """
-    turn = _random_symmetry(rng)
-    storeys = [_storey(level, plan, plans, sizes, rng, turn) for level, plan in enumerate(plans)]
-    return HouseSpec(name=name, seed=seed, storeys=tuple(storeys))
+    def bays(self, band: Band) -> list[Bay]:
+        return [bay for run in self.bands.get(band, ()) for bay in run.bays]
 
 
-def _storey(
-    level: int, plan: StoreyPlan, plans: Sequence[StoreyPlan], sizes: BandSizes, rng: np.random.Generator, turn: "_Symmetry"
-) -> StoreySpec:
-    has_stairs = len(plans) > 1
-    hall_end = round(sizes.width - _STAIRS_LENGTH_M, 2) if has_stairs else sizes.width
-    y0, y1, y2 = 0.0, sizes.south, round(sizes.south + sizes.hall, 2)
-    hall: Rectangle = (0.0, y1, hall_end, y2)
-    rooms: list[tuple[str, Rectangle]] = [(plan.hall, hall)]
-    if has_stairs:
-        rooms.append((STAIRS, (hall_end, y1, sizes.width, y2)))
-    south = [(label, (x0, y0, x1, y1)) for label, x0, x1 in _share(plan.south, sizes.width, hall_end, rng)]
-    north = [
-        (label, (x0, y2, x1, round(y2 + sizes.north, 2))) for label, x0, x1 in _share(plan.north, sizes.width, hall_end, rng)
-    ]
-    rooms += south + north
-    if plan.garden:
-        rooms.append((plan.garden, (0.0, -sizes.garden, sizes.width, 0.0)))
-    named = _name(rooms, level)
-    openings = _stairs_openings(named, level, len(plans)) if has_stairs else []
-    openings += _hall_doors(named, hall, hall_end, plan, rng) + _neighbours(named, plan) + _garden_door(named, plan, rng)
-    return StoreySpec(
-        rooms=tuple(RoomSpec(id=i, label=label, polygon_m=turn.polygon(r)) for i, label, r in named),
-        openings=tuple(
-            o.model_copy(update={"start_m": turn.point(o.start_m), "end_m": turn.point(o.end_m)}) for o in openings
-        ),
+def lay_out(programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
+    """Layouts of all storeys, lowest first, turned to a random orientation."""
+    depths, room = _topology(programmes, style, rng)
+    height = float(rng.choice(style.heights_m))
+    stairs, at_end, depths = _stairs(depths, room, style, len(programmes), height, rng)
+    shell = Shell(depths, dict.fromkeys(BANDS, 0), stairs, at_end)
+    storeys = _assign(programmes, shell, room, rng)
+    shell = _measured(shell, storeys)
+    swap, flip_x, flip_y = (bool(k) for k in rng.integers(0, 2, 3))
+    turn = Symmetry(swap, flip_x, flip_y)
+    cross_apart = bool(rng.random() < 0.5)
+    return tuple(
+        draft_storey(level, len(programmes), programme, shell, _placed(storey, shell), storey.slot, cross_apart, rng).layout(
+            level, turn, height
+        )
+        for level, (programme, storey) in enumerate(zip(programmes, storeys, strict=True))
     )
 
 
-def _share(labels: Sequence[str], width: float, hall_end: float, rng: np.random.Generator) -> list[tuple[str, float, float]]:
-    """Divide a band among its rooms by weight; every room keeps enough of the hall's wall for a door."""
-    if not labels:
-        return []
-    weights = np.array([_WEIGHTS.get(label, 1.0) for label in labels]) * rng.uniform(0.85, 1.15, len(labels))
-    cuts = _divide(width, weights)
-    # The last room has to reach back to the hall past the stairs; the others make way.
-    if (limit := hall_end - 1.4) < cuts[-2]:
-        cuts = np.append(_divide(limit, weights[:-1]), width)
-    if np.min(np.diff(cuts)) < _MIN_ROOM_M - 0.02:
-        raise WorldsError(f"{len(labels)} rooms ({', '.join(labels)}) do not fit in a band of {width:.2f} m; make it wider")
-    return [(label, float(x0), float(x1)) for label, x0, x1 in zip(labels, cuts[:-1], cuts[1:], strict=True)]
+def _topology(
+    programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.Generator
+) -> tuple[Depths, dict[Band, int]]:
+    """Measures across, and how much length each band is to get."""
+
+    def draw(bounds: tuple[float, float]) -> int:
+        return round(100 * float(rng.uniform(*bounds)))
+
+    bays = [bay for programme in programmes for run in programme.runs for bay in run.bays]
+    deep = round(100 * min(8.0, max(0.62 * max((sum(bay.areas) for bay in bays), default=0.0), 0.0) ** 0.5))
+    south, north, spine = max(draw(style.depth_m), deep), draw(style.depth_m), draw(style.spine_m)
+    total = max(sum(bay_width(bay, (south + north) // 2) for run in p.runs for bay in run.bays) for p in programmes)
+    if total < 100 * rng.uniform(*style.one_sided_m):
+        return Depths(spine, south), {"south": total}
+    if total < 100 * style.winged_m or rng.random() > style.wings:
+        share = float(rng.choice([0.0, 0.3, 0.5]))
+        half = total // 2
+        rooms: dict[Band, int] = {"south": half, "north 0": round(half * share), "north 2": half - round(half * share)}
+        return Depths(spine, south, north), _worth_while(rooms)
+    share = float(rng.choice([0.0, 0.5, 0.5, 1.0]))
+    main, wing = round(0.33 * total), round(0.17 * total)
+    rooms = {
+        "south": main, "north 0": round(main * share), "north 2": main - round(main * share), "west": wing, "east": wing,
+    }  # fmt: skip
+    west, east = draw(style.depth_m), max(draw(style.depth_m), deep if rng.random() < 0.5 else 0)
+    return Depths(spine, south, north, max(150, spine - 10), west, east), _worth_while(rooms)
 
 
-def _divide(length: float, weights: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n+1"]:
-    """Cut `length` [m] so that each part has the least width of a room, and what is left by weight; to the centimetre."""
-    parts = _MIN_ROOM_M + (length - len(weights) * _MIN_ROOM_M) * weights / weights.sum()
-    return np.round(np.concatenate([[0.0], np.cumsum(parts)]), 2)
+def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
+    return {band: length for band, length in room.items() if length > _SHORTEST_BAND or band == "south"}
 
 
-def _name(rooms: Sequence[tuple[str, Rectangle]], level: int) -> list[tuple[str, str, Rectangle]]:
-    count: dict[str, int] = {}
-    named = []
-    for label, rectangle in rooms:
-        count[label] = count.get(label, 0) + 1
-        named.append((f"{label} {level}.{count[label]}", label, rectangle))
-    return named
+def _stairs(
+    depths: Depths, room: dict[Band, int], style: Style, storeys: int, height_m: float, rng: np.random.Generator
+) -> tuple[StairsBay | None, bool, Depths]:
+    if storeys == 1:
+        return None, False, depths
+    kind = style.stairs[int(rng.integers(len(style.stairs)))]
+    rise, flipped = height_m + SLAB_M, bool(rng.integers(2))
+    if kind is None:
+        depths = replace(depths, spine=min(max(depths.spine, 200), 240))
+        if not depths.cross and "north 0" in room:
+            room["north 2"] = room.get("north 2", 0) + room.pop("north 0")
+        return stairs_bay("U", rise, depths.spine / 100, flipped), True, depths
+    stairs = stairs_bay(kind, rise, flipped=flipped)
+    if depths.north:
+        depths = replace(depths, north=max(depths.north, stairs.depth))
+        room["south"] += stairs.front // 2
+        for band in ("north 0", "north 2"):
+            if band in room:
+                room[band] = max(1, room[band] - stairs.front // 4)
+    return stairs, False, depths
 
 
-def _stairs_openings(named: Sequence[tuple[str, str, Rectangle]], level: int, levels: int) -> list[OpeningSpec]:
-    """Way up over one half of the cell's front, way down over the other."""
-    hall_id, _, _ = named[0]
-    stairs_id, _, (x, y0, _, y1) = named[1]
-    middle = (y0 + y1) / 2
-    up = OpeningSpec(
-        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(y0 + 0.05, 3)), end_m=(x, round(middle, 3)), leads="up"
-    )
-    down = OpeningSpec(
-        rooms=(hall_id, stairs_id), kind="open", start_m=(x, round(middle, 3)), end_m=(x, round(y1 - 0.05, 3)), leads="down"
-    )
-    return ([up] if level + 1 < levels else []) + ([down] if level > 0 else [])
-
-
-def _hall_doors(
-    named: Sequence[tuple[str, str, Rectangle]], hall: Rectangle, hall_end: float, plan: StoreyPlan, rng: np.random.Generator
-) -> list[OpeningSpec]:
-    in_open_plan = {label for pair in plan.open_pairs for label in pair}
-    doors = []
-    for room_id, label, (x0, y0, x1, y1) in named[1:]:
-        y = y1 if y1 == hall[1] else y0
-        if label == STAIRS or y not in (hall[1], hall[3]):
+def _assign(
+    programmes: Sequence[StoreyProgramme], shell: Shell, room: dict[Band, int], rng: np.random.Generator
+) -> list[_Storey]:
+    """Bands of all runs; a storey uses only what is used below, and floors that repeat are the same."""
+    storeys: list[_Storey] = []
+    for k, programme in enumerate(programmes):
+        if k and programme.runs is programmes[k - 1].runs:
+            storeys.append(_Storey(storeys[-1].bands, storeys[-1].slot))
             continue
-        low, high = max(x0, hall[0]) + _CORNER_MARGIN_M, min(x1, hall_end) - _CORNER_MARGIN_M
-        wide = label in in_open_plan and high - low > 2.2 and rng.random() < 0.5
-        width = 1.6 if wide else _DOOR_M
-        kind: OpeningKind = "cased" if wide else "door"
-        start = round(float(rng.uniform(low, high - width)), 2)
-        doors.append(_opening((named[0][0], room_id), kind, (start, y), (start + width, y)))
-    return doors
+        runs = list(programme.runs)
+        slot = _take_slot(runs, shell) if k == 0 or storeys[-1].slot else None
+        allowed = {b: n for b, n in room.items() if k == 0 or storeys[-1].bands[b]}
+        bands = distribute(runs, allowed, shell.depths, _kept(runs))
+        for inside in bands.values():
+            rng.shuffle(inside)
+            if shell.at_end and inside:
+                inside.sort(key=lambda run: bay_width(run.bays[-1], 420) >= 300)
+            inside.sort(key=lambda run: run.bays[0].labels[0] != "garage")
+            if shell.at_end and inside:
+                inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
+        storeys.append(_Storey({band: bands.get(band, []) for band in room}, slot))
+    return storeys
 
 
-def _neighbours(named: Sequence[tuple[str, str, Rectangle]], plan: StoreyPlan) -> list[OpeningSpec]:
-    open_pairs = {frozenset(pair) for pair in plan.open_pairs}
-    openings = []
-    for (a, label_a, (_, y0, x1, y1)), (b, label_b, (x2, y2, _, _)) in itertools.pairwise(named):
-        if x1 == x2 and y0 == y2 and {label_a, label_b} in open_pairs:
-            openings.append(_opening((a, b), "open", (x1, y0), (x1, y1)))
-    return openings
+def _kept(runs: Sequence[Run]) -> dict[int, Band]:
+    """Something lies in the south of every storey: what would have a garden or a balcony."""
+    garden = ("living room", "dining room", "kitchen")
+    best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
+    return {best: "south"}
 
 
-def _garden_door(
-    named: Sequence[tuple[str, str, Rectangle]], plan: StoreyPlan, rng: np.random.Generator
-) -> list[OpeningSpec]:
-    if plan.garden is None:
-        return []
-    garden_id, *_ = named[-1]
-    beside = [(i, r) for i, label, r in named if r[1] == 0.0 and label in ("living room", "dining room", "kitchen")]
-    room_id, (x0, _, x1, _) = beside[int(rng.integers(len(beside)))]
-    start = round(float(rng.uniform(x0 + 0.3, x1 - 0.3 - 1.3)), 2)
-    return [_opening((room_id, garden_id), "cased", (start, 0.0), (start + 1.3, 0.0))]
+def _take_slot(runs: list[Run], shell: Shell) -> Run | None:
+    """The run that fits the place behind the stairs, taken from `runs`."""
+    slot = shell.slot()
+    if slot is None or len(runs) < 3:
+        return None
+    area = area_m2([slot])
+    fitting = [run for run in runs if len(run.bays) == 1 and run.bays[0].form == "plain" and run.bays[0].twin is None]
+    fitting = [run for run in fitting if 0.7 <= area / run.bays[0].areas[0] <= 1.5]
+    if not fitting:
+        return None
+    runs.remove(fitting[0])
+    return fitting[0]
 
 
-def _opening(rooms: tuple[str, str], kind: OpeningKind, start: tuple[float, float], end: tuple[float, float]) -> OpeningSpec:
-    return OpeningSpec(rooms=rooms, kind=kind, start_m=(start[0], start[1]), end_m=(round(end[0], 3), end[1]))
+def _measured(shell: Shell, storeys: Sequence[_Storey]) -> Shell:
+    """The shell as long as its longest storey in every band; says every storey how far its bands reach, top down."""
+    lengths = _longest(shell, storeys)
+    shell = replace(shell, lengths=lengths)
+    if shell.at_end:
+        passed: set[Band] = set()
+        for storey in reversed(storeys):
+            passed |= {b for b in storey.bands if shell.reach(b, sum(_widths(storey, b, shell))) > shell.length}
+            storey.past_spine = frozenset(passed)
+        lengths = _longest(shell, storeys)
+        shell = replace(shell, lengths=lengths)
+    above: dict[Band, int] = {}
+    for storey in reversed(storeys):
+        storey.lengths = {}
+        for band in storey.bands:
+            own = sum(_widths(storey, band, shell))
+            whole = lengths[band] if lengths[band] <= _STRETCH * own else 0
+            if band not in storey.past_spine and shell.reach(band, whole) > shell.length:
+                whole = 0
+            storey.lengths[band] = max(own, whole, above.get(band, 0)) if own else 0
+        above = storey.lengths
+    return shell
 
 
-@dataclass(frozen=True)
-class _Symmetry:
-    """One of the eight symmetries of the square, about the origin."""
-
-    swap: bool
-    sign_x: float
-    sign_y: float
-
-    def point(self, p: tuple[float, float]) -> tuple[float, float]:
-        x, y = (p[1], p[0]) if self.swap else p
-        return (self.sign_x * x + 0.0, self.sign_y * y + 0.0)
-
-    def polygon(self, rectangle: Rectangle) -> tuple[tuple[float, float], ...]:
-        (xa, ya), (xb, yb) = self.point(rectangle[:2]), self.point(rectangle[2:])
-        x0, x1, y0, y1 = min(xa, xb), max(xa, xb), min(ya, yb), max(ya, yb)
-        return ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
+def _longest(shell: Shell, storeys: Sequence[_Storey]) -> dict[Band, int]:
+    return {b: max(sum(_widths(s, b, shell)) if b in s.bands else 0 for s in storeys) for b in BANDS}
 
 
-def _random_symmetry(rng: np.random.Generator) -> _Symmetry:
-    swap, mirror_x, mirror_y = rng.integers(0, 2, 3)
-    return _Symmetry(bool(swap), 1.0 - 2.0 * mirror_x, 1.0 - 2.0 * mirror_y)
+def _widths(storey: _Storey, band: Band, shell: Shell) -> list[int]:
+    widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
+    if widths and shell.stairs and band in storey.past_spine:
+        # The last bay reaches past the spine's end, but enough of it has to touch the spine.
+        widths[-1] = max(widths[-1], shell.stairs.length + DOOR_FRONT)
+    return widths
 
 
-Sampler = Callable[[np.random.Generator], tuple[Sequence[StoreyPlan], BandSizes]]
+def _placed(storey: _Storey, shell: Shell) -> list[Placed]:
+    out = []
+    for band in storey.bands:
+        bays, widths = storey.bays(band), _widths(storey, band, shell)
+        start, joined = 0, _joints(storey.bands[band])
+        filled = share_out(widths, bays, storey.lengths[band]) if bays else []
+        for bay, joint, width in zip(bays, joined, filled, strict=True):
+            out.append(Placed(band, bay, start, width, joint))
+            start += width
+    return out
+
+
+def _joints(runs: Sequence[Run]) -> list[Run | None]:
+    """For every bay, the run that joins it to the bay before it."""
+    return [run if i else None for run in runs for i in range(len(run.bays))]

@@ -12,6 +12,8 @@ class Link:
     rooms: tuple[str, str]
     """Ids."""
     kind: OpeningKind = "door"
+    seed: int | None = None
+    """Of where the opening is and what it is like; links of twin rooms have the same. None: as it comes."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from numpy.random import Generator
+from numpy.random import Generator, default_rng
 
 from worlds.errors import WorldsError
 from worlds.gaps import Gap, shared_walls
@@ -37,6 +37,9 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
     rooms = {room.id: room for room in layout.rooms}
     gaps = [Gap.of(opening, rooms) for opening in layout.openings]
     draws = rng.random((len(layout.links), _DRAWS)).tolist()
+    for i, link in enumerate(layout.links):
+        if link.seed is not None:
+            draws[i] = default_rng(link.seed).random(_DRAWS).tolist()
     walkable_pairs = {frozenset(link.rooms) for link in layout.links if link.kind in PASSABLE}
     placed: dict[int, list[Gap]] = {}
     # What one walks through has the first choice of the wall.

@@ -1,100 +1,135 @@
-"""Families of houses over seeds, named after the paper's datasets (Sec. IV-A)."""
+"""Families of houses over seeds, the first ones named after the paper's datasets (Sec. IV-A)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from worlds.building_kinds import KINDS, Kind, by_storey, draw_programmes, programmes_of
 from worlds.errors import WorldsError
-from worlds.floor_plan import BandSizes, Sampler, StoreyPlan, lay_out, sample_sizes
-from worlds.spec import HouseSpec
+from worlds.floor_plan import SLAB_M, Style, lay_out
+from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
+from worlds.openings import place_openings
+from worlds.openness import with_openness
+from worlds.programmes import Habits, StoreyProgramme
+from worlds.spec import HouseSpec, StoreySpec
 
 MAX_ROOMS_ASKED = 40
-_OPEN_PLAN = (("kitchen", "dining room"), ("dining room", "living room"))
+MIN_ROOMS_ASKED = 2
+MAX_STOREYS_ASKED = 4
+PRESETS = ("home", "ori", "uh2-apt", "uh2-office", "apartment", "office", "clinic", "school", "random")
+_CIRCULATION = ("corridor", "entrance hall", "lobby")
 
 
-def sample_house(preset: str, seed: int) -> HouseSpec:
-    """The house of a family that belongs to `seed`. Raises `WorldsError` for an unknown preset."""
+def sample_house(
+    preset: str,
+    seed: int,
+    *,
+    openness: float | None = None,
+    clutter: float = 1.0,
+    rooms: int | None = None,
+    storeys: int | None = None,
+) -> HouseSpec:
+    """The house of a family that belongs to `seed`.
+
+    `openness` in [0, 1]: the share of the inner walls' area that is gap (`worlds.openness`); `clutter`: see `HouseSpec`;
+    `rooms`: how many besides corridors, halls and stairs, which come on top. Absent: as the family has it.
+    Raises `WorldsError` for an unknown preset and for what cannot be.
+    """
     if preset not in PRESETS:
         raise WorldsError(f"unknown preset {preset!r}; valid: {', '.join(PRESETS)}")
-    if not 0 <= seed < 2**63:
-        raise WorldsError(f"house seed {seed} is not in 0 ... 2**63 - 1")
-    plan_rng, layout_rng = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
-    plans, sizes = PRESETS[preset](plan_rng)
-    return lay_out(f"{preset}-{seed}", seed, plans, sizes, layout_rng)
+    rngs = _generators(seed)
+    kind = _random_kind(rngs[0]) if preset == "random" else KINDS[preset]
+    programmes, style = draw_programmes(kind, *_counts(kind, rooms, storeys, rngs[0]), rngs[0])
+    return _finished(f"{preset}-{seed}", seed, programmes, style, rngs, openness, clutter)
 
 
-def sample_from_rooms(labels: Sequence[str], seed: int) -> HouseSpec:
-    """A one-storey house with a corridor and a room for each of `labels`. Raises `WorldsError` for lists that cannot be."""
-    unknown = [label for label in labels if label not in _INDOOR_POOL]
-    if unknown:
-        raise WorldsError(f"no room can be a {unknown[0]!r}; valid: {', '.join(_INDOOR_POOL)}")
+def sample_from_rooms(
+    labels: Sequence[str],
+    seed: int,
+    *,
+    openness: float | None = None,
+    clutter: float = 1.0,
+    storeys: int = 1,
+) -> HouseSpec:
+    """A house with a room for each of `labels`, along the corridor, entrance hall or lobby among them, or one that is added.
+
+    Stairs are added where there are several storeys. Raises `WorldsError` for lists that cannot be.
+    """
+    possible = [label for label in ROOM_LABELS if label != STAIRS]
+    if unknown := [label for label in labels if label not in possible]:
+        raise WorldsError(f"no room can be a {unknown[0]!r}; valid: {', '.join(possible)}")
     if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
-    rng = np.random.default_rng(seed)
-    order = _shuffled(tuple(labels), rng)
-    half = (len(order) + 1) // 2
-    width = max(6.0, 4.2 * half)
-    return lay_out(
-        f"rooms-{seed}", seed, [StoreyPlan(order[:half], order[half:])], sample_sizes(rng, (width, width + 1.0)), rng
+    spine = next((label for label in labels if label in _CIRCULATION), None)
+    others = list(labels)
+    if spine is not None:
+        others.remove(spine)
+    _check_storeys(storeys, sum(label not in OUTDOOR_LABELS for label in others))
+    if others.count("garden") > 1:
+        raise WorldsError(f"{others.count('garden')} gardens were asked for; a house has at most one")
+    rngs = _generators(seed)
+    habits = Habits(open_plan=0.5, twins=0.3)
+    programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
+    programmes = tuple(replace(p, spine=spine or "corridor") for p in programmes)
+    return _finished(f"rooms-{seed}", seed, programmes, Style(), rngs, openness, clutter)
+
+
+def _generators(seed: int) -> tuple[np.random.Generator, ...]:
+    """For what there is, for where it stands, for the ways between."""
+    if not 0 <= seed < 2**63:
+        raise WorldsError(f"house seed {seed} is not in 0 ... 2**63 - 1")
+    return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
+
+
+def _random_kind(rng: np.random.Generator) -> Kind:
+    """Any kind, or none: rooms of all sorts."""
+    names = ("home", "apartment", "office", "clinic", "school", None, None)
+    name = names[int(rng.integers(len(names)))]
+    indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *_CIRCULATION, STAIRS)]
+    order = [indoors[i] for i in rng.permutation(len(indoors))]
+    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, "garden", "balcony"), repeats=0.2)
+    most = 2 + round(38 * float(rng.random()) ** 3)
+    storeys = (1, 1, 1, 2, 2, 2, 3, 4) if most >= 5 else (1,)
+    return replace(kind, rooms=(most, most), storeys=storeys, halls=(*kind.halls, None))
+
+
+def _counts(kind: Kind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
+    """How many rooms and storeys a building has. Raises `WorldsError` for what cannot be."""
+    usual, levels = int(rng.integers(kind.rooms[0], kind.rooms[1] + 1)), int(rng.choice(kind.storeys))
+    if rooms is not None and not MIN_ROOMS_ASKED <= rooms <= MAX_ROOMS_ASKED:
+        raise WorldsError(f"{rooms} rooms were asked for; valid: {MIN_ROOMS_ASKED} to {MAX_ROOMS_ASKED}")
+    if storeys is not None:
+        _check_storeys(storeys, rooms if rooms is not None else storeys)
+        levels, usual = storeys, max(usual, 3 * storeys if usual < 2 * storeys else 0)
+    count = usual if rooms is None else rooms
+    return count, levels if storeys is not None else min(levels, max(1, count // 2))
+
+
+def _check_storeys(storeys: int, indoors: int) -> None:
+    if not 1 <= storeys <= MAX_STOREYS_ASKED:
+        raise WorldsError(f"{storeys} storeys were asked for; valid: 1 to {MAX_STOREYS_ASKED}")
+    if indoors < storeys:
+        raise WorldsError(
+            f"{indoors} indoor rooms besides the corridor cannot fill {storeys} storeys; ask for at least one a storey"
+        )
+
+
+def _finished(
+    name: str,
+    seed: int,
+    programmes: Sequence[StoreyProgramme],
+    style: Style,
+    rngs: Sequence[np.random.Generator],
+    openness: float | None,
+    clutter: float,
+) -> HouseSpec:
+    if not 0.0 <= clutter <= 4.0:
+        raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's), 1 is usual")
+    layouts = lay_out(programmes, style, rngs[1])
+    storeys = tuple(
+        StoreySpec(height_m=layout.height_m, rooms=layout.rooms, openings=place_openings(layout, rngs[2]))
+        for layout in layouts
     )
-
-
-def _home(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    living = ("kitchen", "dining room", "living room")
-    ground = StoreyPlan(_either_way(living, rng), open_pairs=_OPEN_PLAN, garden="garden")
-    upper = StoreyPlan(_shuffled(("bedroom", "bathroom", str(rng.choice(["children's room", "office", "bedroom"]))), rng))
-    return (ground, upper), sample_sizes(rng, (10.8, 12.4))
-
-
-def _ori(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    ground = StoreyPlan(
-        _shuffled(("office", "office", "kitchen", "meeting room"), rng), _shuffled(("office", "lobby", "office"), rng)
-    )
-    upper = StoreyPlan(_shuffled(("office", "office", "print room", "office"), rng))
-    return (ground, upper), sample_sizes(rng, (14.0, 16.0))
-
-
-def _uh2_apartment(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    ground = StoreyPlan(_either_way(("dining room", "living room"), rng), open_pairs=_OPEN_PLAN)
-    return (ground, StoreyPlan(("bedroom",)), StoreyPlan(("bathroom",))), sample_sizes(rng, (7.6, 8.6), (3.4, 4.0))
-
-
-def _uh2_office(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    south = _shuffled(("office", "office", "meeting room", "office", "open-plan office", "office"), rng)
-    north = _shuffled(("office", "meeting room", "office", "open-plan office", "office"), rng)
-    return (StoreyPlan(south, north),), sample_sizes(rng, (22.0, 26.0))
-
-
-_INDOOR_POOL = (
-    "kitchen", "dining room", "living room", "bedroom", "children's room", "bathroom", "toilet", "office", "meeting room",
-    "open-plan office", "laundry room", "storage room", "pantry", "garage", "gym", "library", "classroom", "laboratory",
-    "print room",
-)  # fmt: skip
-
-
-def _random(rng: np.random.Generator) -> tuple[Sequence[StoreyPlan], BandSizes]:
-    def band(rooms: int) -> tuple[str, ...]:
-        return tuple(str(label) for label in rng.choice(_INDOOR_POOL, rooms, replace=False))
-
-    def storey() -> StoreyPlan:
-        hall = str(rng.choice(["corridor", "corridor", "entrance hall", "lobby"]))
-        return StoreyPlan(band(int(rng.integers(2, 4))), band(int(rng.integers(0, 4))), hall)
-
-    return [storey() for _ in range(int(rng.integers(1, 3)))], sample_sizes(rng, (10.0, 13.0))
-
-
-def _shuffled(labels: tuple[str, ...], rng: np.random.Generator) -> tuple[str, ...]:
-    return tuple(labels[i] for i in rng.permutation(len(labels)))
-
-
-def _either_way(labels: tuple[str, ...], rng: np.random.Generator) -> tuple[str, ...]:
-    return labels if rng.random() < 0.5 else labels[::-1]
-
-
-PRESETS: dict[str, Sampler] = {
-    "home": _home,
-    "ori": _ori,
-    "uh2-apt": _uh2_apartment,
-    "uh2-office": _uh2_office,
-    "random": _random,
-}
+    spec = HouseSpec(name=name, seed=seed, slab_m=SLAB_M, clutter=clutter, storeys=storeys)
+    return spec if openness is None else with_openness(spec, openness)

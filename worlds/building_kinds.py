@@ -1,0 +1,200 @@
+"""Kinds of buildings: which rooms they hold, on which storeys, and how they are laid out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from worlds.floor_plan import Style
+from worlds.labels import OUTDOOR_LABELS
+from worlds.programmes import SMALL, Habits, StoreyProgramme, programme_runs, seeded
+from worlds.room_sizes import SIZES
+from worlds.spec import OpeningKind
+
+_BELOW = ("living room", "kitchen", "dining room", "garage", "pantry", "lobby", "entrance hall")
+"""What belongs on the ground storey where there are several."""
+_ONCE = ("living room", "kitchen", "dining room", "garage", "garden", "pantry", "lobby")
+_SEEDS = 2**31
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A family of buildings."""
+
+    rooms: tuple[int, int]
+    """Range of the number of rooms when none is asked for; corridors, halls and stairs come on top."""
+    storeys: tuple[int, ...]
+    """To choose from when none is asked for."""
+    first: tuple[str, ...]
+    """Rooms in the order in which they are wanted."""
+    more: tuple[str, ...]
+    """What further rooms are drawn from."""
+    style: Style
+    habits: Habits
+    halls: tuple[str | None, ...] = (None,)
+    """Labels of the first stretch of the ground storey's corridor; None: it has none."""
+    upstairs: tuple[str, ...] = ()
+    """What belongs on upper storeys."""
+    repeats: float = 0.0
+    """Share of buildings whose upper storeys are all the same."""
+    shuffled: int = 0
+    """How far rooms may change places in `first`."""
+
+
+_HOME_STYLE = Style(spine_m=(1.5, 2.1))
+_OFFICE_STYLE = Style((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
+_CLINIC_STYLE = Style((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
+
+KINDS: dict[str, Kind] = {
+    "home": Kind(
+        (7, 9), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
+        ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
+         "library", "gym", "children's room"),
+        _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, "entrance hall"),
+        ("bedroom", "children's room", "bathroom", "office", "library"),
+    ),
+    "apartment": Kind(
+        (4, 8), (1, 1, 1, 2, 3), ("living room", "kitchen", "bedroom", "bathroom", "dining room", "balcony", "bedroom"),
+        ("children's room", "storage room", "toilet", "office", "laundry room", "bedroom", "bathroom", "pantry", "library"),
+        _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=2,
+    ),
+    "office": Kind(
+        (7, 14), (1, 2, 2, 3), ("office", "office", "meeting room", "office", "kitchen", "open-plan office", "toilet"),
+        ("office", "office", "office", "print room", "storage room", "meeting room", "library", "lobby", "open-plan office",
+         "toilet", "balcony", "laboratory"),
+        _OFFICE_STYLE, Habits(open_plan=0.3, twins=0.7), ("lobby", "entrance hall", None), repeats=0.5, shuffled=2,
+    ),
+    "ori": Kind(
+        (7, 7), (2,), ("kitchen", "office", "office", "office", "office", "meeting room", "print room"),
+        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9, carved=0.0), (None, "lobby"),
+    ),
+    "uh2-apt": Kind(
+        (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom",),
+        Style((2.0, 2.3), (3.4, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
+        upstairs=("bedroom", "bathroom"),
+    ),
+    "uh2-office": Kind(
+        (11, 13), (1,), ("open-plan office", "meeting room", "office", "office", "office", "open-plan office", "office"),
+        ("office", "office", "meeting room"), replace(_OFFICE_STYLE, one_sided_m=(5.0, 6.0), wings=0.5, spine_m=(1.9, 2.4)),
+        Habits(twins=0.6),
+    ),
+    "clinic": Kind(
+        (10, 16), (1, 1, 2), ("office", "office", "laboratory", "toilet", "office", "storage room", "bathroom", "bedroom"),
+        ("office", "bedroom", "office", "bathroom", "toilet", "storage room", "kitchen", "meeting room", "laundry room",
+         "gym", "laboratory", "print room", "lobby"),
+        _CLINIC_STYLE, Habits(twins=0.7), ("lobby", "lobby", "entrance hall"),
+    ),
+    "school": Kind(
+        (9, 15), (1, 2, 2), ("classroom", "classroom", "office", "toilet", "library", "classroom", "gym", "storage room"),
+        ("classroom", "classroom", "laboratory", "toilet", "office", "storage room", "kitchen", "dining room",
+         "meeting room", "print room", "bathroom"),
+        _CLINIC_STYLE, Habits(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
+    ),
+}  # fmt: skip
+
+
+def draw_programmes(
+    kind: Kind, rooms: int, storeys: int, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    """What the storeys of a building hold, `rooms` rooms besides circulation in all, and how it is to be laid out.
+
+    There are at least as many rooms as storeys.
+    """
+    labels = _labels(kind, rooms, rng)
+    hall = kind.halls[int(rng.integers(len(kind.halls)))]
+    if storeys > 1 and rooms >= 3 * storeys and rng.random() < kind.repeats:
+        return _repeating(labels, storeys, hall, kind, rng), kind.style
+    if storeys == 1 and "living room" in labels and rooms <= 6 and rng.random() < (0.5 if rooms > 3 else 1.0):
+        return _around_a_living_room(labels, kind, rng)
+    return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.habits, hall, rng), kind.style
+
+
+def programmes_of(
+    labels: Sequence[Sequence[str]], habits: Habits, hall: str | None, rng: np.random.Generator
+) -> tuple[StoreyProgramme, ...]:
+    """Programmes of storeys whose rooms are known."""
+    return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
+
+
+def by_storey(
+    labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator
+) -> list[list[str]]:
+    """Share rooms among storeys: what has to be below, below, the rest evenly; no storey stays without a room.
+
+    There are at least as many rooms as storeys, the outdoor ones not counted.
+    """
+    out: list[list[str]] = [[] for _ in range(storeys)]
+    area = [0.0] * storeys
+    indoors = [label for label in labels if label not in OUTDOOR_LABELS]
+    for label in sorted(indoors, key=lambda label: (label not in _BELOW, label in SMALL, label in upstairs)):
+        wanted = [k for k in range(storeys) if k > 0 or label not in upstairs] if storeys > 1 else [0]
+        if label in _BELOW:
+            wanted = [0]
+        level = min(wanted, key=lambda k: area[k] - 10.0 * (k == 0))
+        out[level].append(label)
+        area[level] += sum(SIZES[label].usual) / 2
+    _fill_empty(out)
+    out.sort(key=lambda own: (not set(own) & set(_BELOW), -sum(sum(SIZES[label].usual) for label in own)))
+    for label in labels:
+        if label == "garden":
+            out[0].append(label)
+        elif label == "balcony":
+            levels = [k for k in range(storeys) if k > 0 or "garden" not in labels] or [0]
+            out[levels[int(rng.integers(len(levels)))]].append(label)
+    return out
+
+
+def _fill_empty(storeys: list[list[str]]) -> None:
+    for own in storeys:
+        if not own:
+            richest = max(storeys, key=len)
+            own.append(richest.pop())
+
+
+def _labels(kind: Kind, rooms: int, rng: np.random.Generator) -> list[str]:
+    order = list(kind.first)
+    if kind.shuffled:
+        keys = np.arange(len(order)) + rng.uniform(0, kind.shuffled, len(order))
+        order = [order[i] for i in np.argsort(keys)]
+    pool: list[str] = []
+    while len(order) < rooms:
+        pool = pool or [kind.more[i] for i in rng.permutation(len(kind.more))]
+        label = pool.pop()
+        if label not in _ONCE or label not in order:
+            order.append(label)
+    return order[:rooms]
+
+
+def _repeating(
+    labels: Sequence[str], storeys: int, hall: str | None, kind: Kind, rng: np.random.Generator
+) -> tuple[StoreyProgramme, ...]:
+    """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it."""
+    share = len(labels) // storeys
+    upper = _storey([label for label in labels[:share] if label != "garden"], kind.habits, rng, None)
+    upper = replace(upper, seed=int(rng.integers(_SEEDS)), runs=seeded(upper.runs, rng))
+    if len(labels) == share * storeys and "garden" not in labels:
+        return (replace(upper, hall=hall), *[upper] * (storeys - 1))
+    return (_storey(labels[share * (storeys - 1) :], kind.habits, rng, hall), *[upper] * (storeys - 1))
+
+
+def _around_a_living_room(
+    labels: Sequence[str], kind: Kind, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    """A small home without a corridor: its rooms stand along the living room."""
+    others = list(labels)
+    others.remove("living room")
+    storey = _storey(others, kind.habits, rng, None)
+    opens: tuple[OpeningKind, ...] = ("open", "cased", "arch", "half wall")
+    runs = []
+    for run in storey.runs:
+        public = run.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
+        entry = opens[int(rng.integers(len(opens)))] if public else "door"
+        runs.append(replace(run, bays=tuple(replace(bay, entry=entry) for bay in run.bays)))
+    style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0)
+    return (replace(storey, runs=tuple(runs), spine="living room"),), style
+
+
+def _storey(labels: Sequence[str], habits: Habits, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
+    inside = [label for label in labels if label not in OUTDOOR_LABELS]
+    runs = programme_runs(inside, habits, rng)
+    return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balconies=labels.count("balcony"))

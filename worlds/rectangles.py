@@ -1,0 +1,99 @@
+"""Rooms as sets of rectangles in whole centimetres: what plans are cut from, and where walls coincide exactly."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+Rect = tuple[int, int, int, int]
+"""x0, y0, x1, y1 [cm]"""
+Corner = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A straight side that rooms stand along; u runs with it, v away from it, both from `x`, `y` [cm]."""
+
+    x: int
+    y: int
+    along: Corner
+    out: Corner
+    """Unit vectors of u and v."""
+
+    def rect(self, u0: int, v0: int, u1: int, v1: int) -> Rect:
+        """A rectangle given in u and v [cm], in the plan's coordinates."""
+        (ax, ay), (bx, by) = self.point(u0, v0), self.point(u1, v1)
+        return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
+
+    def point(self, u: int, v: int) -> Corner:
+        """A point given in u and v [cm], in the plan's coordinates."""
+        return self.x + u * self.along[0] + v * self.out[0], self.y + u * self.along[1] + v * self.out[1]
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """One of the eight symmetries of the square, about the origin."""
+
+    swap: bool
+    flip_x: bool
+    flip_y: bool
+
+    def point(self, p: Corner) -> Corner:
+        """The image of a point."""
+        x, y = (p[1], p[0]) if self.swap else p
+        return (-x if self.flip_x else x), (-y if self.flip_y else y)
+
+    def rect(self, r: Rect) -> Rect:
+        """The image of a rectangle."""
+        (xa, ya), (xb, yb) = self.point(r[:2]), self.point(r[2:])
+        return min(xa, xb), min(ya, yb), max(xa, xb), max(ya, yb)
+
+
+def metres(p: Corner) -> tuple[float, float]:
+    """A point of the grid [m]."""
+    return p[0] / 100, p[1] / 100
+
+
+def area_m2(rects: Sequence[Rect]) -> float:
+    """Area of disjoint rectangles [m²]."""
+    return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in rects) / 1e4
+
+
+def contact(a: Sequence[Rect], b: Sequence[Rect]) -> int:
+    """Length of the longest straight side that two disjoint sets of rectangles share [cm]."""
+    return max((_side(p, q) for p in a for q in b), default=0)
+
+
+def _side(p: Rect, q: Rect) -> int:
+    x, y = min(p[2], q[2]) - max(p[0], q[0]), min(p[3], q[3]) - max(p[1], q[1])
+    return max(x, y) if min(x, y) == 0 else 0
+
+
+def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
+    """Corners of the union of disjoint rectangles that form one piece without holes, counter-clockwise [cm]."""
+    if len(rects) == 1:
+        x0, y0, x1, y1 = rects[0]
+        return (x0, y0), (x1, y0), (x1, y1), (x0, y1)
+    xs, ys = sorted({x for r in rects for x in r[::2]}), sorted({y for r in rects for y in r[1::2]})
+    edges: set[tuple[Corner, Corner]] = set()
+    for x0, y0, x1, y1 in rects:
+        across, up = [x for x in xs if x0 <= x <= x1], [y for y in ys if y0 <= y <= y1]
+        ring = [(x, y0) for x in across] + [(x1, y) for y in up[1:]]
+        ring += [(x, y1) for x in reversed(across[:-1])] + [(x0, y) for y in reversed(up[:-1])]
+        for side in pairwise(ring):
+            # Where two rectangles touch, their sides run against each other and cancel.
+            if side[::-1] in edges:
+                edges.remove(side[::-1])
+            else:
+                edges.add(side)
+    return _corners(dict(edges))
+
+
+def _corners(successor: dict[Corner, Corner]) -> tuple[Corner, ...]:
+    first = min(successor)
+    corners, before, here = [first], first, successor[first]
+    while here != first:
+        after = successor[here]
+        if (after[0] - here[0]) * (here[1] - before[1]) != (after[1] - here[1]) * (here[0] - before[0]):
+            corners.append(here)
+        before, here = here, after
+    return tuple(corners)
