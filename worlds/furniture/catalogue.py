@@ -8,7 +8,10 @@ from worlds.errors import WorldsError
 from worlds.furniture.kinds import Kind
 from worlds.furniture.registry import KINDS
 
-_THEMES = ("kitchen", "dining", "living", "bedroom", "bathroom", "office", "hall", "utility", "outdoor", "decor", "public")
+_THEMES = (
+    "kitchen", "dining", "living", "bedroom", "bathroom", "office",
+    "hall", "utility", "outdoor", "decor", "public", "clutter",
+)  # fmt: skip
 
 for _theme in _THEMES:
     import_module(f"worlds.furniture.{_theme}")

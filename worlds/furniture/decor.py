@@ -42,14 +42,6 @@ _TABLES = (
 )
 
 
-@furniture(
-    "window",
-    width=(1.1, 1.7),
-    depth=(0.06, 0.08),
-    height=(1.1, 1.3),
-    rooms={},
-    place=OnWall((0.92, 1.02)),
-)
 def window(s: Size, rng: Generator) -> Parts:
     """A pale sky in a frame with a mullion and a sill."""
     frame, front = pick(rng, (*WHITES, *WOODS[:2])), s.front - 0.03
