@@ -61,7 +61,7 @@ def open_by(task: Task, style: str) -> Gaps:
 
 def area_of(gaps: Sequence[Gap], part: Partition) -> float:
     """What gaps take out of a partition for good [m²]."""
-    return sum(gap_area(gap.spec(), part.height_m) for gap in gaps)
+    return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
 
 
 def fully_open(task: Task) -> Gaps:
