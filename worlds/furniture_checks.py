@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Int
 
 from worlds.collisions import outlines_over, overlaps
 from worlds.doors import Leaf
@@ -40,6 +40,9 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
         if standing[i]:
             yield f"{_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
+    windows = boxes_of([(*window.position, *window.size, window.yaw) for window in house.windows])
+    for i, j in overlaps(boxes, windows, _TOLERANCE_M).tolist():
+        yield f"{_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
     yield from _swings(house, boxes, hung, walls)
 
 
@@ -71,7 +74,7 @@ def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[i
     return set(away.tolist()) | set(i[own[i] == room_of_side[j]].tolist())
 
 
-def _sides(grid: PlanGrid) -> tuple[Obstacles, Float64[np.ndarray, "n"]]:
+def _sides(grid: PlanGrid) -> tuple[Obstacles, Int[np.ndarray, "n"]]:
     rings = [np.array(room.polygon_m) for room in grid.rooms]
     start, end = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     span = np.broadcast_to([-math.inf, math.inf], (len(start), 2))

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from worlds.house import House
-from worlds.labels import OUTDOOR_LABELS
-from worlds.spec import PASSABLE, OpeningSpec, WindowSpec
-from worlds.walls import opening_span
+from worlds.spec import PASSABLE, OpeningSpec
+from worlds.walls import opening_span, segment_span
+from worlds.windows import Window
 
 MIN_WIDTH_M = 0.6
 """Of what a body of radius 0.25 m walks through."""
@@ -20,9 +20,9 @@ Span = tuple[int, float, float, float]
 def opening_problems(house: House) -> Iterator[str]:
     """Rules about openings and windows, storey by storey, each with its place in the spec."""
     for level, storey in enumerate(house.spec.storeys):
-        windows = storey.windows or ()
+        windows = [window for window in house.windows if window.storey == level]
         spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]
-        spans += [(f"windows[{i}]", _window_span(window)) for i, window in enumerate(windows)]
+        spans += [(window.id, span) for window in windows if (span := segment_span(window.start, window.end)) is not None]
         yield from _not_apart(level, spans)
         in_wall: dict[int, float] = defaultdict(float)
         for boundary, opening in house.boundaries[level]:
@@ -31,8 +31,8 @@ def opening_problems(house: House) -> Iterator[str]:
         for i, opening in enumerate(storey.openings):
             place = f"storeys[{level}].openings[{i}] ({opening.rooms[0]} - {opening.rooms[1]})"
             yield from _bad_opening(place, opening, in_wall[id(opening)], storey.height_m)
-        for i, window in enumerate(windows):
-            yield from _bad_window(house, level, f"storeys[{level}].windows[{i}] ({window.room})", window)
+        for window in windows:
+            yield from _bad_window(house, window)
 
 
 def _not_apart(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
@@ -59,28 +59,8 @@ def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: f
         yield f"{place}: {high:.2f} m high; valid: {MIN_HEIGHT_M} ... {height_m:.2f} m"
 
 
-def _bad_window(house: House, level: int, place: str, window: WindowSpec) -> Iterator[str]:
-    height_m = house.spec.storeys[level].height_m
-    if not window.sill_m < window.height_m <= height_m:
-        yield f"{place}: from {window.sill_m:.2f} to {window.height_m:.2f} m; valid: rising, up to {height_m:.2f} m"
-    axis, at, low, high = _window_span(window)
-    outside = sum(
-        max(0.0, min(high, boundary.high) - max(low, boundary.low))
-        for boundary, _ in house.boundaries[level]
-        if (boundary.axis, boundary.at) == (axis, at) and _leads_outside(house, window.room, boundary.rooms)
-    )
-    if outside < high - low - _TOLERANCE_M:
-        yield f"{place}: only {outside:.2f} of its {high - low:.2f} m lie in a wall between the room and the outside"
-
-
-def _leads_outside(house: House, room: str, sides: tuple[str | None, str | None]) -> bool:
-    if room not in sides:
-        return False
-    other = sides[0] if sides[1] == room else sides[1]
-    return other is None or house.room_by_id[other].label in OUTDOOR_LABELS
-
-
-def _window_span(window: WindowSpec) -> Span:
-    return opening_span(
-        OpeningSpec.model_construct(rooms=(window.room, "the outside"), start_m=window.start_m, end_m=window.end_m)
-    )
+def _bad_window(house: House, window: Window) -> Iterator[str]:
+    storey = house.storeys[window.storey]
+    bottom, top = window.position[2] - storey.floor_m, window.position[2] + window.size[2] - storey.floor_m
+    if top > (height_m := storey.ceiling_m - storey.floor_m) + _TOLERANCE_M:
+        yield f"{window.id} ({window.room}): from {bottom:.2f} to {top:.2f} m; valid: up to the ceiling ({height_m:.2f} m)"

@@ -17,9 +17,9 @@ _DECIMALS = 6
 class PlanGrid:
     """Which rooms cover which cells of every storey. Rooms are numbered in the order of the spec, storey by storey."""
 
-    x: Float64[np.ndarray, "nx+1"]
-    """Where the cells begin and end [m]."""
-    y: Float64[np.ndarray, "ny+1"]
+    x: Float64[np.ndarray, "columns"]
+    """Where the cells begin and end, one more than there are cells [m]."""
+    y: Float64[np.ndarray, "rows"]
     rooms: tuple[RoomSpec, ...]
     level_of_room: tuple[int, ...]
     owner: Int[np.ndarray, "storeys nx ny"]
@@ -59,7 +59,7 @@ class PlanGrid:
         return np.asarray(self._framed[:, self._place(self.x, x)[:, None], self._place(self.y, y)])
 
     @cached_property
-    def _framed(self) -> Int[np.ndarray, "storeys nx+2 ny+2"]:
+    def _framed(self) -> Int[np.ndarray, "storeys nx ny"]:
         return np.pad(self.owner, ((0, 0), (1, 1), (1, 1)), constant_values=NO_ROOM)
 
     @staticmethod

@@ -18,10 +18,9 @@ from scipy.spatial import cKDTree
 from worlds.errors import WorldsError
 from worlds.free_space import CLEARANCE_CAP_M, FreeSpace, Obstacles, solid_obstacles, stair_wells, survey
 from worlds.house import House
+from worlds.reachability import STAIRS_LINK_M
 from worlds.truth import room_at
 
-_STAIRS_LINK_M = 0.5
-"""The end of a walking line is joined to free places this near [m]."""
 _CROWDING = 3.0
 """How much longer than its length a way feels right beside an obstacle, for `prefer_clearance_m`."""
 
@@ -119,7 +118,7 @@ class Walkable:
             last = first + len(line) - 1
             steps.append(np.stack([np.arange(first, last), np.arange(first + 1, last + 1)]))
             for end in (first, last):
-                near = np.flatnonzero(np.linalg.norm(self._level - self.nodes[end], axis=1) <= _STAIRS_LINK_M)
+                near = np.flatnonzero(np.linalg.norm(self._level - self.nodes[end], axis=1) <= STAIRS_LINK_M)
                 ends = np.broadcast_to(self.nodes[end], (len(near), 3))
                 near = near[self.solids.clear(ends, self._level[near], self.radius_m)]
                 steps.append(np.stack([np.full(len(near), end), near]))
