@@ -1,6 +1,7 @@
 """`Draws`: a random stream of its own for every piece, so that a change to one leaves the others' draws alone."""
 
 from collections.abc import Sequence
+from functools import cache
 from zlib import crc32
 
 from numpy.random import Generator
@@ -16,7 +17,12 @@ def pool(rng: Generator) -> tuple[float, ...]:
 
 def stream_key(name: str, number: int, parent: int = 0) -> int:
     """A key for the `number`-th thing called `name` that belongs to the thing with key `parent`."""
-    return crc32(f"{name} {number}".encode(), parent)
+    return crc32(_text(name, number), parent)
+
+
+@cache
+def _text(name: str, number: int) -> bytes:
+    return f"{name} {number}".encode()
 
 
 class Draws:

@@ -104,11 +104,19 @@ def _reached(free: _Cells, doors: frozenset[_Cell]) -> tuple[_Cells, int]:
 
     None and 0 if the doors are not joined.
     """
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
-    if count < 2:
-        return np.zeros_like(free), 0
-    joined = {int(labels[door]) for door in doors} or {1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))}
-    if 0 in joined or len(joined) > 1:
-        return np.zeros_like(free), 0
-    region = (labels == joined.pop()).astype(np.uint8)
+    region = _joined_to(free, *doors) if doors else _largest(free)
     return region, int(np.count_nonzero(cv2.dilate(region, _BODY)))
+
+
+def _joined_to(free: _Cells, first: _Cell, *others: _Cell) -> _Cells:
+    filled = free.copy()
+    if filled[first]:
+        cv2.floodFill(filled, None, first[::-1], 2)
+    region = (filled == 2).astype(np.uint8)
+    return region if all(region[other] for other in others) else np.zeros_like(free)
+
+
+def _largest(free: _Cells) -> _Cells:
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
+    sizes = stats[1:, cv2.CC_STAT_AREA]
+    return (labels == 1 + int(np.argmax(sizes))).astype(np.uint8) if len(sizes) else np.zeros_like(free)

@@ -15,7 +15,7 @@ from worlds.furniture.candidates import candidates
 from worlds.furniture.catalogue import CATALOGUE, kind_of
 from worlds.furniture.counts import USUAL, appearances
 from worlds.furniture.draws import Draws, pool, stream_key
-from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Size
+from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Range, Size
 from worlds.furniture.piece import Piece
 from worlds.furniture.room_plan import RoomPlan
 from worlds.labels import STAIRS
@@ -25,6 +25,7 @@ WALKABLE_SHARE = 0.4
 """Of a room's area, what a body can still cover in a usual home."""
 _SHARE_PER_CLUTTER = 0.04
 _HEAD_ROOM_M = 0.05
+_SMALLEST = (0.0, 0.0, 0.0)
 _YAWS = (0.0, math.pi / 2, math.pi, -math.pi / 2)
 
 
@@ -45,7 +46,7 @@ def furnish(
         if room.label == STAIRS or clutter <= 0.0:
             continue
         plan = RoomPlan(room, storey, windows)
-        pieces = _Furnisher(plan, pool(rng_of(room))).furnished(clutter)
+        pieces = _Furnisher(plan, pool(rng_of(room)), clutter).furnished()
         specs += [
             _spec(piece, plan, room, f"{prefix}.{index}.{number} {piece.kind.name}")
             for number, piece in enumerate(pieces)
@@ -71,15 +72,15 @@ class _Furnisher:
     cluttered one, by the clutter from which on it is there.
     """
 
-    def __init__(self, plan: RoomPlan, numbers: Sequence[float]) -> None:
-        self._plan, self._numbers = plan, numbers
+    def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
+        self._plan, self._numbers, self._clutter = plan, numbers, clutter
         self._kinds = _kinds_for(plan.label)
         self._pieces: list[Piece] = []
         self._by_kind: dict[str, list[Piece]] = defaultdict(list)
         self._more: list[_Queued] = []
 
-    def furnished(self, clutter: float) -> list[Piece]:
-        """The pieces in the order in which they were placed, with all of a usual home even if `clutter` is less."""
+    def furnished(self) -> list[Piece]:
+        """The pieces in the order in which they were placed, with all of a usual home even if the clutter is less."""
         for kind in self._kinds.standing:
             for piece in self._usual(kind, None):
                 for seat in self._kinds.seats.get(kind.name, ()):
@@ -87,7 +88,7 @@ class _Furnisher:
         for kind in self._kinds.details:
             for host in self._hosts(kind):
                 self._usual(kind, host)
-        while self._more and self._more[0].since <= clutter:
+        while self._more:
             self._add_queued(heapq.heappop(self._more))
         return self._pieces
 
@@ -110,7 +111,8 @@ class _Furnisher:
         return placed
 
     def _queue(self, since: float, kind: Kind, number: int, host: Piece | None, rest: Iterator[tuple[float, int]]) -> None:
-        heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
+        if since <= self._clutter:
+            heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
 
     def _add_queued(self, next_one: "_Queued") -> None:
         """Place it, and queue what follows: the next of its kind, and what belongs to it."""
@@ -133,7 +135,7 @@ class _Furnisher:
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
         walkable = WALKABLE_SHARE - _SHARE_PER_CLUTTER * max(0.0, since - USUAL)
-        for size in (_size(kind, shares, self._plan.height_m), _smallest(kind, self._plan.height_m)):
+        for size in (_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)):
             poses = candidates(self._plan, kind, size, host, draws)
             pose = self._plan.first_free(kind, size, poses, host, walkable)
             if pose is not None:
@@ -222,15 +224,14 @@ def _stage(kind: Kind) -> int:
     return 1
 
 
-def _size(kind: Kind, shares: Sequence[float], room_height: float) -> Size:
+def _size(kind: Kind, shares: tuple[float, float, float], room_height: float) -> Size:
     """The kind's size at `shares` of its ranges, no higher than the room."""
-    ranges = zip((kind.width, kind.depth, kind.height), shares, strict=True)
-    width, depth, height = (round(low + share * (high - low), 3) for (low, high), share in ranges)
+    width, depth, height = map(_at_share, (kind.width, kind.depth, kind.height), shares)
     return Size(width, depth, min(height, round(room_height - _HEAD_ROOM_M, 3)))
 
 
-def _smallest(kind: Kind, room_height: float) -> Size:
-    return Size(kind.width[0], kind.depth[0], min(kind.height[0], round(room_height - _HEAD_ROOM_M, 3)))
+def _at_share(interval: Range, share: float) -> float:
+    return round(interval[0] + share * (interval[1] - interval[0]), 3)
 
 
 def _spec(piece: Piece, plan: RoomPlan, room: RoomSpec, name: str) -> FurnitureSpec:
