@@ -34,6 +34,15 @@ class PlannedOpening:
 
 
 @dataclass(frozen=True, eq=False)
+class PlannedLeaf:
+    """A door leaf as it stands."""
+
+    outline: Outline
+    arc: Float64[np.ndarray, "k 2"]
+    """The way of its free end from shut to where it stands [m]."""
+
+
+@dataclass(frozen=True, eq=False)
 class FloorPlan:
     """One storey, seen from above."""
 
@@ -45,6 +54,9 @@ class FloorPlan:
     openings: tuple[PlannedOpening, ...] = ()
     furniture: tuple[Outline, ...] = ()
     treads: tuple[Outline, ...] = ()
+    leaves: tuple[PlannedLeaf, ...] = ()
+    windows: tuple[Float64[np.ndarray, "2 2"], ...] = ()
+    """The two ends of each [m]."""
     house: str | None = None
     """Name of the house."""
 

@@ -37,7 +37,7 @@ class Style:
     width: float = 1.0
     """Of the stroke, in hundredths of a metre."""
     dash: tuple[float, float] | None = None
-    """[cm]; SVG only."""
+    """Drawn and left out, of lines [cm]."""
     radius: float = 0.0
     """Of a dot [m]."""
     opacity: float = 1.0
@@ -49,9 +49,14 @@ STYLES: dict[str, Style] = {
     "furniture": Style(fill="#7a828c", fill_opacity=0.13, stroke="#7a828c", width=0.8),
     "fence": Style(fill="#9aa2ab"),
     "wall": Style(fill="#2b3138"),
-    "door": Style(stroke="#8a929c", width=1.2),
-    "cased": Style(stroke="#59626c", width=2.2, dash=(12.0, 7.0)),
-    "open": Style(stroke="#8a929c", width=2.2, dash=(4.0, 9.0)),
+    "low-wall": Style(fill="#ffffff", stroke="#2b3138", width=1.2),
+    "door": Style(stroke="#8a929c", width=1.0),
+    "overhead": Style(stroke="#59626c", width=1.4, dash=(11.0, 7.0)),
+    "open": Style(stroke="#59626c", width=1.8, dash=(2.5, 6.0)),
+    "window": Style(fill="#ffffff", stroke="#2b3138", width=1.2),
+    "pane": Style(stroke="#2f7fb5", width=1.8),
+    "swing": Style(stroke="#59626c", width=1.0),
+    "leaf": Style(fill="#ffffff", stroke="#2b3138", width=1.2),
     "scale": Style(stroke="#59626c", width=3.0),
     "odometry": Style(stroke="#c77700", width=2.5, dash=(14.0, 8.0)),
     "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),

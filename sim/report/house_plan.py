@@ -2,10 +2,10 @@
 
 import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, UInt8
 from shapely.geometry import Polygon, box
 
-from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
+from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
@@ -24,32 +24,44 @@ def floor_plans(house: House) -> tuple[FloorPlan, ...]:
 
 def plan_png(house: House) -> bytes:
     """A picture of the plans of all storeys, side by side from the lowest up, as a PNG file."""
+    _, png = cv2.imencode(".png", plan_image(house)[..., ::-1])
+    return png.tobytes()
+
+
+def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
+    """The plans of all storeys, side by side from the lowest up; large houses at a smaller scale."""
     plans = floor_plans(house)
     colours = label_colours(room.label for plan in plans for room in plan.rooms)
     drawings = [plan_drawing(plan, colours) for plan in plans]
     area = max(float(np.prod(drawing.high - drawing.low)) for drawing in drawings)
-    scale = int(min(_PIXELS_PER_METRE, np.sqrt(_MOST_PIXELS / area)))
+    scale = int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
     pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
     height = max(len(picture) for picture in pictures)
-    padded = [np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures]
-    _, png = cv2.imencode(".png", np.hstack(padded)[..., ::-1])
-    return png.tobytes()
+    return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])
 
 
 def _plan(house: House, level: int) -> FloorPlan:
     storey, floor_m = house.spec.storeys[level], house.storeys[level].floor_m
-    # A wall that starts above the floor is the lintel of an opening, and one that ends low is a fence.
+    # A wall that starts above the floor is over an opening; one that ends low is a fence, or below an opening.
     standing = [wall for wall in house.walls if wall.storey == level and wall.bottom_m <= floor_m]
     high = [wall for wall in standing if wall.top_m >= house.storeys[level].ceiling_m]
+    below = {boundary for boundary, opening in house.boundaries[level] if opening is not None}
+    fences = [wall for wall in standing if wall not in high and wall.boundary not in below]
     return FloorPlan(
         level,
         floor_m,
         rooms=tuple(PlannedRoom(room.id, room.label, np.array(room.polygon_m)) for room in storey.rooms),
         walls=tuple(_outline(wall.footprint) for wall in high),
-        fences=tuple(_outline(wall.footprint) for wall in standing if wall not in high),
+        fences=tuple(_outline(wall.footprint) for wall in fences),
         openings=tuple(PlannedOpening(o.kind, np.array([o.start_m, o.end_m])) for o in storey.openings),
         furniture=tuple(_outline(piece.footprint) for piece in house.furniture if piece.storey == level),
         treads=tuple(_tread(part) for stairs in house.stairs if level - stairs.storey in (0, 1) for part in stairs.treads),
+        leaves=tuple(
+            PlannedLeaf(_outline(leaf.footprint), np.array(leaf.arc(leaf.turn)))
+            for leaf in house.leaves
+            if leaf.storey == level
+        ),
+        windows=tuple(np.array([window.start, window.end]) for window in house.windows if window.storey == level),
         house=house.spec.name,
     )
 

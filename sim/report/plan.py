@@ -6,14 +6,17 @@ import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
-from sim.report.data import FloorPlan, PlannedRoom
+from sim.report.data import FloorPlan, PlannedOpening, PlannedRoom
 from sim.report.drawing import Drawing, Mark
+from sim.report.symbols import NAMES, WINDOW, leaf_marks, opening_marks, window_marks
 
 _MARGIN_M = 0.5
 _INSET_M = 0.16
 _SCALE_M = 2.0
 _LEAST_TEXT_M = 0.02
-_OPENINGS = {"door": "door way", "cased": "cased opening", "open": "open boundary, no wall"}
+_SAMPLE_M = 0.6
+"""Length of the samples of symbols in the legend."""
+_LEGEND_TEXT_M = 0.2
 _GLYPH_ASPECT = 0.58  # width over height of an average letter
 
 
@@ -23,16 +26,20 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
         raise SimError(f"plan of storey {plan.level}: it has no rooms; at least one is needed")
     corners = np.concatenate([room.outline for room in plan.rooms])
     low, high = corners.min(axis=0) - _MARGIN_M, corners.max(axis=0) + _MARGIN_M
-    low[1] -= 0.4  # for the scale
+    symbols = list(_legend(plan, low + [_MARGIN_M, -0.05], float(high[0])))
+    low[1] = min([low[1] - 0.4, *(float(mark.points[:, 1].min()) - 0.75 for mark in symbols)])
     marks = [
         *(Mark("polygon", "room", r.outline, colours[r.label], f"{r.name} ({r.label})") for r in plan.rooms),
         *(Mark("polygon", "tread", outline) for outline in plan.treads),
         *(Mark("polygon", "furniture", outline) for outline in plan.furniture),
         *(Mark("polygon", "fence", outline) for outline in plan.fences),
         *(Mark("polygon", "wall", outline) for outline in plan.walls),
-        *(Mark("line", o.kind, o.ends, text=_OPENINGS[o.kind]) for o in plan.openings),
+        *(mark for opening in plan.openings for mark in opening_marks(opening)),
+        *(mark for ends in plan.windows for mark in window_marks(ends)),
+        *(mark for leaf in plan.leaves for mark in leaf_marks(leaf)),
         *(mark for room in plan.rooms for mark in _name(room)),
         *_scale(low),
+        *symbols,
     ]
     return Drawing(marks, low, high, title=f"storey {plan.level}, floor at {plan.floor_m:.2f} m")
 
@@ -61,6 +68,22 @@ def _corner(outline: Float64[np.ndarray, "corners 2"]) -> tuple[Float64[np.ndarr
     """The left end of the highest edge, moved inside, and the width there [m]."""
     top = outline[outline[:, 1] > outline[:, 1].max() - 1e-6, 0]
     return np.array([top.min() + _INSET_M, outline[:, 1].max() - _INSET_M]), float(np.ptp(top)) - 2 * _INSET_M
+
+
+def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
+    """A sample of each symbol in the plan with its name, in rows between the plan and the scale, as wide as the plan."""
+    kinds = {opening.kind for opening in plan.openings}
+    names = [NAMES[kind] for kind in NAMES if kind in kinds] + ([WINDOW] if plan.windows else [])
+    x, y = start
+    for name in names:
+        width = _SAMPLE_M + 0.12 + _GLYPH_ASPECT * _LEGEND_TEXT_M * len(name) + 0.3
+        if x > start[0] and x + width > right:
+            x, y = start[0], y - 0.45
+        ends = np.array([[x, y], [x + _SAMPLE_M, y]])
+        kind = next((kind for kind in NAMES if NAMES[kind] == name), None)
+        yield from window_marks(ends) if kind is None else opening_marks(PlannedOpening(kind, ends))
+        yield Mark("text", "name", ends[1:] + [0.12, 0.0], text=name, size=_LEGEND_TEXT_M)
+        x += width
 
 
 def _scale(low: Float64[np.ndarray, "2"]) -> list[Mark]:

@@ -1,5 +1,7 @@
 """Drawings as pictures, for places that show no SVG."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image, ImageColor, ImageDraw, ImageFont
@@ -10,7 +12,7 @@ _OVERSAMPLING = 3
 
 
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
-    """Paint a drawing on white. Dashes are drawn solid."""
+    """Paint a drawing on white."""
     painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
     for mark in drawing.layers:
         painter.paint(mark)
@@ -34,7 +36,8 @@ class _Painter:
         if mark.kind == "text":
             draw.text(points[0], mark.text, fill, ImageFont.load_default(mark.size * self._scale), anchor="lm")
         elif mark.kind == "line":
-            draw.line(points, stroke, width, joint="curve")
+            for stretch in [points] if style.dash is None else _dashes(points, style.dash, self._scale / 100):
+                draw.line(stretch, stroke, width, joint="curve")
         elif mark.kind == "dot":
             draw.circle(points[0], style.radius * self._scale, fill, stroke, width if stroke else 0)
         else:
@@ -46,3 +49,17 @@ class _Painter:
 
 def _colour(name: str | None, opacity: float) -> tuple[int, ...] | None:
     return None if name is None else (*ImageColor.getrgb(name)[:3], round(255 * opacity))
+
+
+def _dashes(
+    points: list[tuple[float, float]], dash: tuple[float, float], scale: float
+) -> Iterator[list[tuple[float, float]]]:
+    """The stretches of a line that are drawn; `scale` in pixels per unit of `dash`."""
+    line = np.array(points)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    drawn, left_out = (length * scale for length in dash)
+    for start in np.arange(0.0, along[-1], drawn + left_out):
+        stop = min(start + drawn, along[-1])
+        between = line[(along > start) & (along < stop)]
+        ends = [[np.interp(at, along, line[:, axis]) for axis in (0, 1)] for at in (start, stop)]
+        yield [(float(x), float(y)) for x, y in [ends[0], *between, ends[1]]]

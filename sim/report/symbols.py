@@ -1,0 +1,79 @@
+"""How openings, door leaves and windows are drawn in a plan: the symbols that architects use."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.report.data import PlannedLeaf, PlannedOpening
+from sim.report.drawing import Mark
+from worlds.arch import arch_drop, arch_rise
+from worlds.spec import OpeningKind
+from worlds.walls import WALL_THICKNESS_M
+
+NAMES: dict[OpeningKind, str] = {
+    "door": "door way",
+    "cased": "cased opening",
+    "arch": "arch",
+    "half wall": "half wall",
+    "counter": "counter",
+    "open": "open boundary, no wall",
+}
+"""What a reader is told of each kind."""
+WINDOW = "window"
+_HALF = WALL_THICKNESS_M / 2
+
+
+def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
+    """The symbol of a gap between two rooms."""
+    ends, text = opening.ends, NAMES[opening.kind]
+    match opening.kind:
+        case "open":
+            yield Mark("line", "open", ends, text=text)
+        case "door":
+            for side in (-_HALF, _HALF):
+                yield Mark("line", "door", _beside(ends, side), text=text)
+        case "half wall":
+            yield Mark("polygon", "low-wall", _band(ends, _HALF), text=text)
+        case "counter":
+            yield Mark("polygon", "low-wall", _band(ends, 2 * _HALF), text=text)
+            for side in (-_HALF, _HALF):
+                yield Mark("line", "overhead", _beside(ends, side), text=text)
+        case _:
+            for side in (-_HALF, _HALF):
+                yield Mark("line", "overhead", _beside(ends, side), text=text)
+            if opening.kind == "arch":
+                yield Mark("line", "overhead", _turned_down(ends), text=text)
+
+
+def leaf_marks(leaf: PlannedLeaf) -> Iterator[Mark]:
+    """A door leaf where it stands, and the way of its free end."""
+    yield Mark("line", "swing", leaf.arc)
+    yield Mark("polygon", "leaf", leaf.outline, text="door leaf")
+
+
+def window_marks(ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:
+    """A window: two faces and the pane between them."""
+    yield Mark("polygon", "window", _band(ends, _HALF), text=WINDOW)
+    yield Mark("line", "pane", ends, text=WINDOW)
+
+
+def _across(ends: Float64[np.ndarray, "2 2"]) -> Float64[np.ndarray, "2"]:
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    return np.array([-along[1], along[0]])
+
+
+def _beside(ends: Float64[np.ndarray, "2 2"], offset: float) -> Float64[np.ndarray, "2 2"]:
+    return np.asarray(ends + offset * _across(ends))
+
+
+def _band(ends: Float64[np.ndarray, "2 2"], half: float) -> Float64[np.ndarray, "4 2"]:
+    return np.concatenate([_beside(ends, -half), _beside(ends, half)[::-1]])
+
+
+def _turned_down(ends: Float64[np.ndarray, "2 2"]) -> Float64[np.ndarray, "k 2"]:
+    """The curve of an arch, laid down into the plan."""
+    width = float(np.linalg.norm(ends[1] - ends[0]))
+    shares = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2
+    height = [arch_rise(width) - arch_drop(width, (share - 0.5) * width) for share in shares]
+    return np.asarray(ends[0] + np.outer(shares, ends[1] - ends[0]) + np.outer(_HALF + np.array(height), _across(ends)))
