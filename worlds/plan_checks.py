@@ -12,7 +12,7 @@ MIN_APART_M = 0.3
 """Rooms touch or are at least so far apart: nothing can be built into less."""
 MIN_SUPPORT = 0.9
 """Share of an indoor room above ground that has indoor rooms below."""
-_TOLERANCE_M2 = 1e-3
+_TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
 
 
 def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
@@ -39,7 +39,7 @@ def _slivers(grid: PlanGrid) -> Iterator[str]:
             after = np.minimum.accumulate(np.where(cells != NO_ROOM, number, cells.shape[1])[:, ::-1], axis=1)[:, ::-1]
             between = (cells == NO_ROOM) & (before >= 0) & (after < cells.shape[1])
             width = along[np.minimum(after, cells.shape[1])] - along[before + 1]
-            rows, columns = np.nonzero(between & (width < MIN_APART_M))
+            rows, columns = np.nonzero(between & (width < MIN_APART_M - _TOLERANCE_M))
             seen = set()
             for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
                 pair = cells[row, before[row, column]], cells[row, after[row, column]]

@@ -177,14 +177,16 @@ class Walkable:
         """The shortest way between two points (snapped) or nodes, as corners on the walked surface.
 
         With `prefer_clearance_m`, a way that keeps about so far from obstacles where there is room. Raises
-        `UnreachableError`.
+        `UnreachableError`. The way back is the same way.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
+        if a > b:  # sight lines are drawn from one end on, so which end that is must not depend on the direction
+            return self.path(b, a, prefer_clearance_m)[::-1].copy()
         predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
         nodes = _trace(predecessors, a, b)
         if not nodes:
             rooms = (self.house.rooms[self.node_room[k]].id for k in (a, b))
-            raise UnreachableError("no way from {!r} to {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
+            raise UnreachableError("no way between {!r} and {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
         return self._shorten(np.array(nodes), prefer_clearance_m)
 
     def _costs(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
