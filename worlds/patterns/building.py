@@ -2,9 +2,13 @@
 
 import cv2
 import numpy as np
+from jaxtyping import Float64, Int32
 from numpy.random import Generator
 
 from worlds.patterns.surface import Planes, Shade, Surface, courses
+
+_BLOSSOM_COLOURS = 6
+_PETALS = 5
 
 
 def bare(surface: Surface, rng: Generator) -> Shade:
@@ -86,12 +90,17 @@ def marble(surface: Surface, rng: Generator) -> Shade:
 
 
 def wallpaper(surface: Surface, rng: Generator) -> Planes:
-    """Stripes of uneven width with hand-set blossoms; no two alike."""
-    stripes = courses(rng, surface.transposed, rng.uniform(0.08, 0.25), 50.0, vary=0.0)
-    planes = np.ascontiguousarray(stripes.spread(rng, light=0.05, tint=0.02, joint=0.93).transpose(0, 2, 1))
-    planes *= 1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4)
-    for x, y in surface.scatter(rng, 9.0, most=150):
-        _blossom(planes, rng, (x, y), rng.uniform(0.03, 0.07) * surface.px_per_m)
+    """Stripes of uneven width with hand-set blossoms of a few colours; no two alike."""
+    stripes = courses(rng, Surface(1, surface.width, 1.0, surface.width_m), 50.0, rng.uniform(0.08, 0.25), vary=0.35)
+    planes = stripes.spread(rng, light=0.05, tint=0.02, joint=0.93)
+    planes = planes * (1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4))
+    blossoms = np.array(surface.scatter(rng, 9.0, most=150))
+    colour_of = rng.integers(_BLOSSOM_COLOURS, size=len(blossoms))
+    petals = _petals(blossoms, rng, surface.px_per_m)
+    for i, colour in enumerate(rng.uniform(0.55, 1.15, (_BLOSSOM_COLOURS, 3)).tolist()):
+        shapes = petals[colour_of == i].reshape(-1, *petals.shape[2:])
+        for plane, value in zip(planes, colour, strict=True):
+            cv2.fillPoly(plane, list(shapes), value)
     return planes
 
 
@@ -133,3 +142,14 @@ def _blossom(planes: Planes, rng: Generator, at: tuple[float, float], radius: fl
     for plane, value in zip(planes, rng.uniform(0.55, 1.15, 3), strict=True):
         for petal in (0.0, 65.0):
             cv2.ellipse(plane, (int(at[0]), int(at[1])), axes, turn + petal, 0.0, 360.0, value, -1)
+
+
+def _petals(centres: Float64[np.ndarray, "n 2"], rng: Generator, px_per_m: float) -> Int32[np.ndarray, "n petals corners 2"]:
+    """Outlines [px] of flowers of 6 to 14 cm: petals around each centre, turned and sized at random."""
+    radius = rng.uniform(0.03, 0.07, (len(centres), 1, 1, 1)) * px_per_m
+    turn = rng.uniform(0.0, 2 * np.pi, (len(centres), 1)) + 2 * np.pi / _PETALS * np.arange(_PETALS)
+    around = np.linspace(0.0, 2 * np.pi, 9)[:-1]
+    ellipse = np.column_stack([0.5 + 0.5 * np.cos(around), rng.uniform(0.15, 0.3) * np.sin(around)])
+    cos, sin = np.cos(turn)[..., None], np.sin(turn)[..., None]
+    turned = np.stack([cos * ellipse[:, 0] - sin * ellipse[:, 1], sin * ellipse[:, 0] + cos * ellipse[:, 1]], axis=-1)
+    return np.rint(centres[:, None, None] + radius * turned).astype(np.int32)

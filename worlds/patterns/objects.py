@@ -1,5 +1,7 @@
 """What furniture and things are made of or covered with."""
 
+import math
+
 import cv2
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -56,27 +58,28 @@ def leaves(surface: Surface, rng: Generator) -> Planes:
 
 def books(surface: Surface, rng: Generator) -> Planes:
     """Rows of spines of all colours, with titles."""
-    upright = surface.transposed
     shelf_m = surface.height_m / max(1, round(surface.height_m / 0.3))
-    spines = courses(rng, surface, shelf_m, 0.045, vary=0.5)
-    planes = spines.spread(rng, light=0.22, tint=0.3, joint=0.15)
-    planes *= 1.0 + 0.06 * surface.noise(rng, 0.05, octaves=2)
-    titles = upright.noise(rng, 0.03, octaves=2, stretch=3.0).T
-    planes += 0.55 * ((titles > 1.1) & (planes[0] > 0.3))
-    np.maximum(planes, 0.08, out=planes)
+    planes = courses(rng, surface, shelf_m, 0.045, vary=0.5).spread(rng, light=0.22, tint=0.3, joint=0.15)
+    printed = surface.transposed.noise(rng, 0.03, octaves=2, stretch=3.0).T > 1.1
+    titles = np.where(printed & (planes[0] > 0.3), np.float32(0.55), np.float32(0.0))
+    worn = 1.0 + 0.06 * surface.noise(rng, 0.05, octaves=1)
+    for plane in planes:
+        plane *= worn
+        plane += titles
+        np.maximum(plane, 0.08, out=plane)
     return planes
 
 
 def picture(surface: Surface, rng: Generator) -> Planes:
-    """A painting or poster: sky, ground and bold shapes."""
+    """A painting or a poster: a landscape, a portrait or bold shapes, some with a title; the rest is brush work."""
     height, width = surface.height, surface.width
     image = np.empty((height, width, 3), np.float32)
     horizon = int(height * rng.uniform(0.3, 0.8))
     image[:horizon], image[horizon:] = rng.uniform(0.35, 1.2, 3), rng.uniform(0.15, 0.9, 3)
-    size = min(height, width)
-    for _ in range(int(rng.integers(7, 13))):
-        corner = rng.uniform(0.0, 1.0, 2) * (width, height)
-        _shape(image, rng, corner, size * rng.uniform(0.06, 0.3), tuple(rng.uniform(0.05, 1.25, 3).tolist()))
+    paint = (_landscape, _portrait, _shapes)[int(rng.choice(3, p=(0.3, 0.2, 0.5)))]
+    paint(image, rng)
+    if rng.random() < 0.3:
+        _title(image, rng)
     image *= (1.0 + 0.1 * surface.noise(rng, 0.1, octaves=4))[..., None]
     return np.ascontiguousarray(image.transpose(2, 0, 1))
 
@@ -104,13 +107,24 @@ def keyboard(surface: Surface, rng: Generator) -> Planes:
 
 
 def food(surface: Surface, rng: Generator) -> Planes:
-    """Shelves of packets, tins and bottles."""
-    shelf_m = surface.height_m / max(1, round(surface.height_m / 0.28))
-    planes = courses(rng, surface, shelf_m, 0.11, vary=0.5).spread(rng, light=0.2, tint=0.35, joint=0.2)
-    for x, y in surface.scatter(rng, 120.0, most=60):
-        _patch(planes, rng, (x, y), (0.05 * surface.px_per_m, 0.04 * surface.px_per_m))
-    np.maximum(planes, 0.1, out=planes)
-    return planes
+    """Shelves of tins, jars, bottles and packets of all heights, with lids and labels, before a dark back."""
+    image = np.full((surface.height, surface.width, 3), 0.22, np.float32)
+    shelves, scale = max(1, round(surface.height_m / 0.28)), surface.px_per_m
+    for shelf in range(shelves):
+        floor, room = surface.height * (shelf + 1) // shelves, surface.height // shelves
+        board = max(1, room // 14)
+        image[max(0, floor - board) : floor] = (0.75, 0.6, 0.42)
+        widths = rng.uniform(0.05, 0.12, math.ceil(surface.width_m / 0.05)) * scale
+        lefts = np.cumsum(widths) - widths[0] * (1.0 + rng.random())
+        heights, colours = rng.uniform(0.4, 0.85, len(widths)) * room, rng.uniform(0.05, 1.25, (len(widths), 2, 3))
+        kinds, seen = rng.integers(3, size=len(widths)), lefts < surface.width
+        packets = zip(
+            lefts[seen].tolist(), widths.tolist(), heights.tolist(), kinds.tolist(), colours.tolist(), strict=False
+        )
+        for left, width, height, kind, (body, paper) in packets:
+            _packet(image, (left, floor - board), (0.9 * width, height), kind, tuple(body), tuple(paper))
+    image *= (1.0 + 0.05 * surface.noise(rng, 0.05, octaves=2))[..., None]
+    return np.ascontiguousarray(image.transpose(2, 0, 1))
 
 
 def scribble(surface: Surface, rng: Generator) -> Planes:
@@ -140,8 +154,63 @@ def label(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
+_Image = Float32[np.ndarray, "height width 3"]
+
+
+def _shapes(image: _Image, rng: Generator) -> None:
+    height, width, _ = image.shape
+    for _ in range(int(rng.integers(7, 13))):
+        at, size = rng.uniform(0.0, 1.0, 2) * (width, height), min(height, width) * rng.uniform(0.06, 0.3)
+        _shape(image, rng, at, size, _hue(rng))
+
+
+def _landscape(image: _Image, rng: Generator) -> None:
+    """A sun, then ranges of hills, the near ones low and dark."""
+    height, width, _ = image.shape
+    cv2.circle(
+        image, _spot(rng, image, 0.1, 0.4), int(0.09 * height) + 1, (1.25, 1.1, rng.uniform(0.4, 1.0)), -1, cv2.LINE_AA
+    )
+    tint = rng.uniform(0.4, 1.0, 3)
+    for depth in (0.35, 0.55, 0.75):
+        ridge = height * (depth + np.cumsum(rng.normal(0.0, 0.05, 9)))
+        outline = np.column_stack([np.linspace(0, width, 9), ridge])
+        outline = np.vstack([outline, [(width, height), (0, height)]])
+        cv2.fillPoly(image, [outline.astype(np.int32)], tuple((tint * (1.1 - depth)).tolist()), cv2.LINE_AA)
+
+
+def _portrait(image: _Image, rng: Generator) -> None:
+    """Head, hair and shoulders before a plain ground."""
+    height, width, _ = image.shape
+    x, y, size = width // 2, int(0.42 * height), 0.17 * min(height, width)
+    head = (int(0.75 * size) + 1, int(size) + 1)
+    skin = tuple((np.array([0.95, 0.72, 0.58]) * rng.uniform(0.5, 1.1)).tolist())
+    cv2.ellipse(image, (x, height), (int(2.2 * size), int(0.42 * height)), 0.0, 180.0, 360.0, _hue(rng), -1, cv2.LINE_AA)
+    cv2.ellipse(image, (x, y - head[1] // 4), (head[0] + head[0] // 4, head[1]), 0.0, 0.0, 360.0, _hue(rng), -1, cv2.LINE_AA)
+    cv2.ellipse(image, (x, y), head, 0.0, 0.0, 360.0, skin, -1, cv2.LINE_AA)
+    for side in (-1, 1):
+        cv2.circle(image, (x + side * head[0] // 2, y), max(1, head[0] // 7), (0.1, 0.1, 0.1), -1)
+
+
+def _title(image: _Image, rng: Generator) -> None:
+    """Two or three words on a strip."""
+    height, width, _ = image.shape
+    low, high = (0.04, 0.16) if rng.random() < 0.5 else (0.82, 0.94)
+    image[int(low * height) : int(high * height) + 1] = _hue(rng)
+    letters = np.repeat(rng.random(width // 4 + 1) < 0.65, 4)[:width] & (np.arange(width) % 4 > 0)
+    image[int((low + 0.03) * height) : int((high - 0.03) * height) + 1, letters] = rng.choice([0.08, 1.2])
+
+
+def _hue(rng: Generator) -> tuple[float, ...]:
+    return tuple(rng.uniform(0.05, 1.25, 3).tolist())
+
+
+def _spot(rng: Generator, image: _Image, low: float, high: float) -> tuple[int, int]:
+    height, width, _ = image.shape
+    return int(width * rng.uniform(0.15, 0.85)), int(height * rng.uniform(low, high))
+
+
 def _shape(
-    image: Float32[np.ndarray, "height width 3"],
+    image: _Image,
     rng: Generator,
     at: Float64[np.ndarray, "2"],
     size: float,
@@ -162,7 +231,26 @@ def _text(window: Planes, rng: Generator) -> None:
     lines *= np.where(np.repeat(words, 3, axis=1)[:, :width], 0.25, 1.0)
 
 
-def _patch(planes: Planes, rng: Generator, at: tuple[float, float], half: tuple[float, float]) -> None:
-    x, y = int(at[0]), int(at[1])
-    dx, dy = int(half[0] * rng.uniform(0.3, 1.0)) + 1, int(half[1] * rng.uniform(0.3, 1.0)) + 1
-    planes[:, max(0, y - dy) : y + dy, max(0, x - dx) : x + dx] = rng.uniform(0.1, 1.4, (3, 1, 1))
+_LIDS = ((0.0, 0.0), (0.1, 0.85), (0.32, 0.7))
+"""Of packets, jars and bottles: how much narrower the top is, and where it begins (packets have none)."""
+
+
+def _packet(
+    image: _Image,
+    foot: tuple[float, int],
+    size: tuple[float, float],
+    kind: int,
+    body: tuple[float, ...],
+    paper: tuple[float, ...],
+) -> None:
+    """A thing of `size` (width, height) [px] with its lower left corner at `foot`; `kind` is a row of `_LIDS`."""
+    (left, bottom), (width, height), (inset, lid) = foot, size, _LIDS[kind]
+
+    def band(low: float, high: float, inset: float, colour: tuple[float, ...]) -> None:
+        x = int(left + inset * width), int(left + (1.0 - inset) * width)
+        cv2.rectangle(image, (x[0], int(bottom - high * height)), (x[1], int(bottom - low * height)), colour, -1)
+
+    band(0.0, lid or 1.0, 0.0, body)
+    band(0.25, 0.6, 0.15 if kind == 0 else 0.0, paper)
+    if lid:
+        band(lid, 1.0, inset, (0.8, 0.82, 0.84) if body[0] < 0.8 else (0.85, 0.2, 0.15))
