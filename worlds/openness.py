@@ -25,6 +25,7 @@ _TIERS = {
     **dict.fromkeys(("bedroom", "children's room", "bathroom", "toilet"), 3),
 }
 """What people open first; rooms not named come third, and what is private last."""
+TOLERANCE = 0.05
 _NEAR = 0.004
 """Nearer than this to the target, no further partition is touched."""
 _FRONT_M = 0.6
@@ -78,7 +79,8 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
 
     Nothing but openings changes, and what was joined stays joined. Kitchens, dining and living rooms open first, then
     corridors, lobbies and offices, bedrooms and bathrooms last; closing goes the other way. `seed` (absent: the house's)
-    draws the order among equals and the ways of opening. Raises `WorldsError` for a target outside of [0, 1].
+    draws the order among equals and the ways of opening. Raises `WorldsError` for a target outside of [0, 1], and where the
+    inner walls are so short (less than 1.4 m in all) that there is no such house.
     """
     if not 0.0 <= target <= 1.0:
         raise WorldsError(f"no house has openness {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
@@ -88,6 +90,8 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     if abs(_excess(after, target * total)) > _NEAR * total:
         _share_out(after, target * total)
         _correct(after, target * total, _NEAR * total)
+    if total and abs(off := _excess(after, target * total) / total) > TOLERANCE:
+        raise WorldsError(f"the inner walls are too short for openness {target:.2f}; the nearest is {target + off:.2f}")
     storeys = []
     for level, storey in enumerate(spec.storeys):
         changed = [new for old, new in zip(before, after, strict=True) if new.gaps != old.gaps and new.part.storey == level]

@@ -1,0 +1,97 @@
+"""`variant`: the same house with one thing changed, for comparisons in pairs."""
+
+from worlds.errors import WorldsError
+from worlds.house import House, build_house
+from worlds.openness import with_openness
+from worlds.spec import FurnitureSpec, HouseSpec, WindowSpec
+from worlds.symmetry import in_place
+from worlds.upper_storey import with_storey_on_top
+
+_DIGITS = 6
+
+
+def variant(
+    spec: HouseSpec,
+    *,
+    openness: float | None = None,
+    clutter: float | None = None,
+    mirror: bool = False,
+    rotate: int = 0,
+    repaint: int | None = None,
+    add_storey: bool = False,
+) -> HouseSpec:
+    """A house that differs from `spec` in what is named, and in nothing else.
+
+    - `openness`: in [0, 1]; inner walls open or close (`with_openness`); room polygons, windows and seeds stay.
+    - `clutter`: how much furniture is filled in, in [0, 4]; furniture that the spec lists stays as it is.
+    - `mirror`: in x. `rotate`: quarter turns counter-clockwise. Windows and furniture go with the walls, so they are written
+      into the spec; pieces are turned, not mirrored in themselves, and finishes are drawn in each room's own frame.
+    - `repaint`: another `appearance.seed`; all geometry stays.
+    - `add_storey`: the top storey's plan once more on top, with new ids and so new furniture.
+
+    Room ids stay, because the rooms' draws depend on them. Raises `WorldsError` for values that cannot be, and where a
+    storey cannot be added.
+    """
+    if clutter is not None:
+        if not 0.0 <= clutter <= 4.0:
+            raise WorldsError(f"clutter {clutter} cannot be; valid: 0 (empty) to 4 (a hoarder's)")
+        spec = spec.model_copy(update={"clutter": clutter})
+    if add_storey:
+        spec = with_storey_on_top(spec)
+    if openness is not None:
+        spec = with_openness(spec, openness)
+    if mirror or rotate % 4:
+        frozen = explicit(spec)
+        spec = in_place(frozen, mirror, rotate % 4).house(frozen)
+    if repaint is not None:
+        if not 0 <= repaint < 2**63:
+            raise WorldsError(f"repaint {repaint} is no seed; valid: 0 ... 2**63 - 1")
+        spec = spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"seed": repaint})})
+    return spec
+
+
+def explicit(spec: HouseSpec) -> HouseSpec:
+    """The same house with the windows and furniture written down that `build_house` fills in. Raises `HouseError`."""
+    house = build_house(spec)
+    storeys = [
+        storey.model_copy(
+            update={
+                "windows": _windows(house, level) if storey.windows is None else storey.windows,
+                "furniture": _furniture(house, level) if storey.furniture is None else storey.furniture,
+            }
+        )
+        for level, storey in enumerate(spec.storeys)
+    ]
+    return spec.model_copy(update={"storeys": tuple(storeys)})
+
+
+def _windows(house: House, level: int) -> tuple[WindowSpec, ...]:
+    floor = house.storeys[level].floor_m
+    return tuple(
+        WindowSpec(
+            room=window.room,
+            start_m=window.start,
+            end_m=window.end,
+            sill_m=round(window.position[2] - floor, _DIGITS),
+            height_m=round(window.position[2] - floor + window.size[2], _DIGITS),
+        )
+        for window in house.windows
+        if window.storey == level
+    )
+
+
+def _furniture(house: House, level: int) -> tuple[FurnitureSpec, ...]:
+    floor = house.storeys[level].floor_m
+    return tuple(
+        FurnitureSpec(
+            id=piece.id,
+            kind=piece.kind,
+            room=piece.room,
+            position_m=(piece.position[0], piece.position[1], round(piece.position[2] - floor, _DIGITS)),
+            yaw_rad=piece.yaw,
+            size_m=piece.size,
+            seed=piece.seed,
+        )
+        for piece in house.furniture
+        if piece.storey == level
+    )
