@@ -1,15 +1,17 @@
 """`lexis-sim house`: houses as files. A new action is a function and a row of `_ACTIONS`."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from lexis.command_line import Command, Commands, add_command
+from lexis.command_line import Command, Commands, add_command, positive
 from lexis.files import replaced_file
 from sim.commands.arguments import PRESET_HELP, SEED, Argument, argument, out_file
+from sim.house_files import MODELS, PLANS, Writer, writer_for
 from worlds.errors import HouseError
 from worlds.house import House, build_house
-from worlds.presets import sample_from_rooms, sample_house
+from worlds.presets import PRESETS, sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
 
@@ -65,22 +67,30 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from sim.report.house_plan import plan_png
+    return _write(arguments, PLANS)
 
+
+def _export(arguments: argparse.Namespace) -> int:
+    return _write(arguments, MODELS)
+
+
+def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer]) -> int:
+    write = writer_for(arguments.out, writers)
     house = build_house(HouseSpec.load(arguments.file))
-    with replaced_file(arguments.out) as file:
-        file.write_bytes(plan_png(house))
+    write(house, arguments.out)
     print(f"{arguments.out}: {_describe(house)}")
     return 0
 
 
-def _export(arguments: argparse.Namespace) -> int:
-    from worlds.export import to_glb
+def _gallery(arguments: argparse.Namespace) -> int:
+    from sim.gallery import plans_page, png, room_views, rooms_page, sample_page
 
-    house = build_house(HouseSpec.load(arguments.file))
+    presets = [name.strip() for name in arguments.preset.split(",")]
+    houses = sample_page(presets, arguments.seed, arguments.houses)
+    page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))
     with replaced_file(arguments.out) as file:
-        file.write_bytes(to_glb(house))
-    print(f"{arguments.out}: {_describe(house)}")
+        file.write_bytes(png(page))
+    print(f"{arguments.out}: {arguments.view} of {len(houses)} houses")
     return 0
 
 
@@ -128,13 +138,26 @@ _ACTIONS = (
         _show,
         "draw the plan of every storey",
         "lexis-sim house show home.json -o home.png",
-        (_FILE, out_file("FILE.png")),
+        (_FILE, out_file("FILE.png|.svg")),
     ),
     Action(
         "export",
         _export,
-        "a 3-D model for other tools",
+        "a model for other tools: glTF, MJCF with its textures beside it, or the truth as JSON",
         "lexis-sim house export home.json -o home.glb",
-        (_FILE, out_file("FILE.glb")),
+        (_FILE, out_file("FILE.glb|.xml|.json")),
+    ),
+    Action(
+        "gallery",
+        _gallery,
+        "many houses on one page: their plans, or a look into a room of each label",
+        "lexis-sim house gallery --view rooms --seed 3 -o rooms.png",
+        (
+            argument("--preset", default=",".join(PRESETS), metavar="A,B,...", help="families, in turn (default: all)"),
+            argument("--view", choices=("plans", "rooms"), default="plans", help="default: %(default)s"),
+            argument("--houses", type=positive, default=25, help="how many (default: %(default)s)"),
+            SEED,
+            out_file("FILE.png"),
+        ),
     ),
 )

@@ -6,9 +6,11 @@ from jaxtyping import Float64, UInt8
 from shapely.geometry import Polygon, box
 
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
+from sim.report.drawing import Drawing
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
+from sim.report.svg import side_by_side
 from worlds.house import House
 from worlds.parts import Part
 
@@ -28,16 +30,25 @@ def plan_png(house: House) -> bytes:
     return png.tobytes()
 
 
+def plan_svg(house: House) -> str:
+    """The plans of all storeys, side by side from the lowest up, as an SVG file."""
+    return side_by_side(_drawings(house))
+
+
 def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
     """The plans of all storeys, side by side from the lowest up; large houses at a smaller scale."""
-    plans = floor_plans(house)
-    colours = label_colours(room.label for plan in plans for room in plan.rooms)
-    drawings = [plan_drawing(plan, colours) for plan in plans]
+    drawings = _drawings(house)
     area = max(float(np.prod(drawing.high - drawing.low)) for drawing in drawings)
     scale = int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
     pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
     height = max(len(picture) for picture in pictures)
     return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])
+
+
+def _drawings(house: House) -> list[Drawing]:
+    plans = floor_plans(house)
+    colours = label_colours(room.label for plan in plans for room in plan.rooms)
+    return [plan_drawing(plan, colours) for plan in plans]
 
 
 def _plan(house: House, level: int) -> FloorPlan:

@@ -1,5 +1,6 @@
 """Drawings as SVG: small, crisp, printable."""
 
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -15,6 +16,21 @@ def to_svg(drawing: Drawing) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(drawing.title)}" '
         f'viewBox="{drawing.low[0]:.2f} {-drawing.high[1]:.2f} {width:.2f} {height:.2f}">\n{body}\n</svg>'
+    )
+
+
+def side_by_side(drawings: Sequence[Drawing]) -> str:
+    """An SVG file of several drawings at one scale, from left to right, on one ground line, with its styles."""
+    sizes = [drawing.high - drawing.low for drawing in drawings]
+    total, height, x, elements = sum(size[0] for size in sizes), max(size[1] for size in sizes), 0.0, []
+    for drawing, (w, h) in zip(drawings, sizes, strict=True):
+        place = f'<svg x="{x:.2f}" y="{height - h:.2f}" width="{w:.2f}" height="{h:.2f}" '
+        elements.append(to_svg(drawing).replace("<svg ", place, 1))
+        x += w
+    css = "text{font-family:sans-serif}" + styles_css("svg")
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total:.2f} {height:.2f}">\n'
+        f'<style>{css}</style>\n<rect width="100%" height="100%" fill="#ffffff"/>\n' + "\n".join(elements) + "\n</svg>\n"
     )
 
 

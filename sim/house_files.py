@@ -1,0 +1,60 @@
+"""A house as a file of whatever kind the name asks for: models for other tools, and plans."""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from lexis.files import replaced_file
+from sim.errors import SimError
+from worlds.house import House
+
+Writer = Callable[[House, Path], None]
+
+
+def writer_for(path: Path, writers: Mapping[str, Writer]) -> Writer:
+    """The one of `writers` for the suffix of `path`. Raises `SimError` where there is none."""
+    if path.suffix.lower() not in writers:
+        raise SimError(f"{path}: names no kind of file that can be written; valid: a name with {' or '.join(writers)}")
+    return writers[path.suffix.lower()]
+
+
+def _write_glb(house: House, path: Path) -> None:
+    from worlds.export import to_glb
+
+    _write(path, to_glb(house))
+
+
+def _write_mjcf(house: House, path: Path) -> None:
+    from sim.mjcf import write_mjcf
+
+    write_mjcf(house, path)
+
+
+def _write_truth(house: House, path: Path) -> None:
+    from worlds.truth_json import truth_json
+
+    _write(path, (json.dumps(truth_json(house), indent=1) + "\n").encode())
+
+
+def _write_png(house: House, path: Path) -> None:
+    from sim.report.house_plan import plan_png
+
+    _write(path, plan_png(house))
+
+
+def _write_svg(house: House, path: Path) -> None:
+    from sim.report.house_plan import plan_svg
+
+    _write(path, plan_svg(house).encode())
+
+
+def _write(path: Path, content: bytes) -> None:
+    with replaced_file(path) as file:
+        file.write_bytes(content)
+
+
+MODELS: Mapping[str, Writer] = MappingProxyType({".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth})
+"""glTF; MJCF, with its textures in a folder beside it; the truth as data."""
+PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
+"""The plans of all storeys, side by side."""

@@ -1,0 +1,38 @@
+"""Pages of houses: every house and label is on them; the view into a room shows the room."""
+
+import numpy as np
+import pytest
+
+from sim.errors import SimError
+from sim.gallery import COLUMNS, _lone_room, best_view, plans_page, room_views, rooms_page, sample_page
+from worlds.labels import ROOM_LABELS
+
+
+def test_a_page_has_a_tile_for_every_house():
+    specs = sample_page(["uh2-apt", "home"], 4, 7)
+    assert [spec.name for spec in specs] == [f"{p}-{4 + i // 2}" for i, p in enumerate(["uh2-apt", "home"] * 4)][:7]
+    one, seven = plans_page(specs[:1]), plans_page(specs)
+    assert seven.shape == (2 * one.shape[0], COLUMNS * one.shape[1], 3)
+    assert (seven[one.shape[0] :, 2 * one.shape[1] :] == 255).all() and seven.std() > 10
+    assert np.array_equal(seven[: one.shape[0], : one.shape[1]], one)
+
+
+def test_every_label_has_a_room_even_where_no_house_does():
+    house, room = _lone_room("balcony", 0)
+    assert room.label == "balcony" and house.name == "balcony"
+    views = list(room_views(sample_page(["uh2-apt"], 1, 1), ["bathroom", "garage"]))
+    assert [(view.label, view.house) for view in views] == [("bathroom", "uh2-apt-1"), ("garage", "garage")]
+    assert np.mean(rooms_page(views) != rooms_page(views, labelled=False)) < 0.05
+
+
+@pytest.mark.parametrize("label", [ROOM_LABELS[0], ROOM_LABELS[-1]])
+def test_a_view_is_a_picture_and_always_the_same(label):
+    house, room = _lone_room(label, 2)
+    image = best_view(house, room, (120, 90))
+    assert image.shape == (90, 120, 3) and image.std() > 15
+    assert np.array_equal(image, best_view(house, room, (120, 90)))
+
+
+def test_empty_pages_are_refused():
+    with pytest.raises(SimError, match="at least 1"):
+        sample_page([], 0)
