@@ -5,17 +5,19 @@ import re
 import cv2
 import numpy as np
 import pytest
+from opening_rooms import every_kind
 from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
 from sim.errors import SimError
 from sim.report.data import FloorPlan, PlannedRoom
-from sim.report.drawing import STYLES, Mark
+from sim.report.drawing import STYLES, Drawing, Mark
 from sim.report.house_plan import floor_plans, plan_png
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
 from sim.report.svg import to_svg
+from sim.report.symbols import NAMES, opening_marks
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_house
@@ -91,3 +93,35 @@ def test_a_house_is_drawn_as_it_is_built():
         walls = unary_union([Polygon(outline) for outline in plan.walls])
         assert plan.openings
         assert not any(walls.contains(Point(opening.ends.mean(axis=0))) for opening in plan.openings)
+
+
+def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
+    plan = floor_plans(build_house(every_kind()))[0]
+    symbols = {o.kind: sorted((mark.kind, mark.style) for mark in opening_marks(o)) for o in plan.openings}
+    assert set(symbols) == set(NAMES)
+    assert len({tuple(symbol) for symbol in symbols.values()}) == len(NAMES)
+    drawing = plan_drawing(plan, label_colours(ROOM_LABELS))
+    svg = to_svg(drawing)
+    for name in (*NAMES.values(), "window", "door leaf"):
+        assert f"<title>{name}</title>" in svg
+    told = [mark.text for mark in drawing.marks if mark.kind == "text"]
+    assert {*NAMES.values(), "window"} <= set(told)
+    assert all((drawing.low <= mark.points).all() and (mark.points <= drawing.high).all() for mark in drawing.marks)
+
+
+def test_leaves_windows_and_fences_are_the_houses():
+    house = build_house(every_kind())
+    plan = floor_plans(house)[0]
+    assert len(plan.leaves) == len(house.leaves) == 2
+    assert len(plan.windows) == len(house.windows) > 0
+    fences = unary_union([Polygon(outline) for outline in plan.fences])
+    assert not any(fences.contains(Point(opening.ends.mean(axis=0))) for opening in plan.openings)
+
+
+def test_dashes_leave_white_between_them():
+    line = np.array([[0.0, 0.5], [2.0, 0.5]])
+    drawn = to_image(Drawing([Mark("line", "open", line)], np.zeros(2), np.array([2.0, 1.0])), pixels_per_metre=100)[
+        50, 5:-5
+    ]
+    on, off = STYLES["open"].dash
+    assert (drawn < 128).any(axis=1).mean() == pytest.approx(on / (on + off), abs=0.1)

@@ -17,7 +17,7 @@ from worlds.walls import WALL_THICKNESS_M, arch_curve
 HALF = WALL_THICKNESS_M / 2
 
 
-@pytest.fixture(scope="module", params=["home", "uh2-apt", "random", "every kind"])
+@pytest.fixture(scope="module", params=["home", "uh2-apt", "ori", "every kind"])
 def house(request):
     return build_house(every_kind() if request.param == "every kind" else sample_house(request.param, 4))
 
@@ -77,7 +77,7 @@ def test_faces_part_solid_from_free(house, faces, rng):
 def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
     """So no face is missing, and none floats: rays from anywhere in a room in any direction."""
     rooms = [room for room in house.rooms if not room.outdoor]
-    starts, ways = [], rng.normal(size=(150, 3))
+    starts, ways = [], rng.normal(size=(100, 3))
     while len(starts) < len(ways):
         room = rooms[int(rng.integers(len(rooms)))]
         x0, y0, x1, y1 = room.polygon.bounds
@@ -90,7 +90,7 @@ def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
     assert front[met].all()
     assert met.mean() > 0.9
     assert is_solid(house, starts[met] + ways[met] * (reach[met, None] + 1e-6)).all()
-    before = np.linspace(0.0, 1.0, 40)[:, None, None] * (np.where(met, reach, 20.0) - 1e-6)[:, None]
+    before = np.linspace(0.0, 1.0, 30)[:, None, None] * (np.where(met, reach, 20.0) - 1e-6)[:, None]
     assert not is_solid(house, (starts + ways * before).reshape(-1, 3)).any()
 
 
