@@ -168,13 +168,12 @@ def test_pieces_that_run_into_each_other_are_both_named(yaw):
     ]
 
 
-def test_corners_that_only_seem_to_meet():
-    """The rectangles around two turned boxes overlap; the boxes do not."""
-    one, other = (
-        piece("one", 5.5, 1.0, yaw=np.pi / 4, size=[1, 0.2, 1]),
-        piece("other", 5.9, 0.6, yaw=np.pi / 4, size=[1, 0.2, 1]),
-    )
-    assert told(furnished(one, other)) == []
+@pytest.mark.parametrize(("apart", "meet"), [(0.21, False), (0.2, False), (0.19, True)])
+def test_boxes_turned_alike_are_as_far_apart_as_they_are(apart, meet):
+    """The rectangles around them overlap in any case."""
+    turned, off = {"yaw": np.pi / 4, "size": [1, 0.2, 1]}, apart / np.sqrt(2)
+    found = told(furnished(piece("one", 5.5, 1.5, **turned), piece("other", 5.5 + off, 1.5 - off, **turned)))
+    assert ["run into each other" in problem for problem in found] == [True] * meet
 
 
 def test_furniture_in_a_wall_and_under_a_lintel():
@@ -240,6 +239,12 @@ def test_openings_fit_under_the_ceiling(kind, sizes, message):
     assert len(found) == 1 and message in found[0] and "storeys[0].openings[1] (a - b)" in found[0]
 
 
+def test_only_openings_of_stairs_lead_up_or_down():
+    assert told(two_rooms(openings=[DOOR | {"leads": "up"}])) == [
+        """storeys[0].openings[0] (a - b): "leads" says 'up', but neither room is stairs; leave it out"""
+    ]
+
+
 def test_windows_stay_apart_and_under_the_ceiling():
     window = {"room": "b", "start_m": [8, 0.5], "end_m": [8, 1.5]}
     assert told(two_rooms(windows=[window])) == []
@@ -272,6 +277,11 @@ def test_rooms_stand_on_rooms():
         "only 0 % of room 'annex' stand on indoor rooms" in problem
         for problem in told(HouseSpec.from_json(json.dumps(data)))
     )
+
+
+def test_a_room_without_a_free_place_is_not_reached():
+    cell = {"id": "cell", "label": "toilet", "polygon_m": [[0, 0], [0.5, 0], [0.5, 0.5], [0, 0.5]]}
+    assert ["not reachable on foot" in problem for problem in told(two_rooms(rooms=[cell], openings=[]))] == [True]
 
 
 def test_problems_tells_all_and_validate_the_first():

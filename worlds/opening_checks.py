@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from worlds.house import House
+from worlds.labels import STAIRS
 from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
 from worlds.windows import Window
@@ -31,6 +32,8 @@ def opening_problems(house: House) -> Iterator[str]:
         for i, opening in enumerate(storey.openings):
             place = f"storeys[{level}].openings[{i}] ({opening.rooms[0]} - {opening.rooms[1]})"
             yield from _bad_opening(place, opening, in_wall[id(opening)], storey.height_m)
+            if opening.leads is not None and not any(house.room_by_id[room].label == STAIRS for room in opening.rooms):
+                yield f'{place}: "leads" says {opening.leads!r}, but neither room is stairs; leave it out'
         for window in windows:
             yield from _bad_window(house, window)
 
