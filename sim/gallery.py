@@ -14,11 +14,12 @@ from sim.report.house_plan import plan_image
 from sim.scene import build_scene
 from worlds.furniture.catalogue import kind_of
 from worlds.house import House, Room, build_house
-from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS
+from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.visuals import STAIRS_OBJECT
 
-Picture = UInt8[np.ndarray, "h w 3"]
+Picture = UInt8[np.ndarray, "_ _ 3"]
 
 COLUMNS = 5
 _PLAN_PX = (640, 460)
@@ -90,6 +91,8 @@ def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> 
     scene = build_scene(house, size_px, fovy_deg(camera.intrinsics))
     # What stands in few kinds of rooms tells more.
     telling = {piece.id: 1.0 / len(kind_of(piece.kind).rooms) for piece in house.furniture if piece.room == room.id}
+    if room.label == STAIRS:
+        telling[STAIRS_OBJECT] = 1.0
     weight_of = np.array([telling.get(name, 0.0) for name in scene.object_of_geom])
     with CameraRenderer(scene, camera) as renderer:
 

@@ -19,7 +19,7 @@ def test_a_page_has_a_tile_for_every_house():
 
 def test_every_label_has_a_room_even_where_no_house_does():
     house, room = _lone_room("balcony", 0)
-    assert room.label == "balcony" and house.name == "balcony"
+    assert room.label == "balcony" and house.spec.name == "balcony"
     views = list(room_views(sample_page(["uh2-apt"], 1, 1), ["bathroom", "garage"]))
     assert [(view.label, view.house) for view in views] == [("bathroom", "uh2-apt-1"), ("garage", "garage")]
     assert np.mean(rooms_page(views) != rooms_page(views, labelled=False)) < 0.05
