@@ -94,6 +94,21 @@ def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
     assert not is_solid(house, (starts + ways * before).reshape(-1, 3)).any()
 
 
+@pytest.mark.parametrize("kind", ["door", "cased", "arch", "half wall", "counter", "open"])
+def test_an_opening_ends_below_and_above_where_its_kind_says(kind, rng):
+    house = build_house(every_kind())
+    boundary, opening = next((b, o) for b, o in house.boundaries[0] if o is not None and o.kind == kind)
+    low, high = opening.gap_m(2.6)
+    y = rng.uniform(boundary.low, boundary.high, 40)
+    starts = np.column_stack([rng.uniform(-HALF, HALF, 40) + WALL_X, y, np.full(40, max(low, 1.0) + 0.3)])
+    quads = np.array([face.corners for face in surfaces(house)])
+    top = np.interp(y, *np.array(arch_curve(boundary, opening, high)).T) if kind == "arch" else high
+    for up, expected in ((1.0, top - starts[:, 2]), (-1.0, starts[:, 2] - low)):
+        reach, front = first_hits(quads, starts, np.tile([0.0, 0.0, up], (40, 1)))
+        assert front.all()
+        np.testing.assert_allclose(reach, expected, atol=1e-6)
+
+
 def first_hits(quads, starts, ways):
     """Distance to the first face on each ray, inf where there is none, and whether its front is met."""
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
