@@ -30,7 +30,7 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, Hoarded]:
     width=(0.42, 0.62),
     depth=(0.34, 0.46),
     height=(0.5, 1.6),
-    rooms=_each((*_LIVED_IN, *_STORES, *_HALLS), 0.9)
+    rooms=_each((*_LIVED_IN, *_STORES, *_HALLS), 1.3)
     | _each((*_WORKED_IN, "kitchen", "gym"), 0.7)
     | _each(("bathroom",), 0.3),
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
@@ -51,7 +51,7 @@ def box_pile(s: Size, rng: Generator) -> Parts:
     width=(0.24, 0.34),
     depth=(0.2, 0.28),
     height=(0.2, 0.8),
-    rooms=_each((*_LIVED_IN, "office"), 1.0) | _each(_HALLS, 0.4) | _each(("classroom",), 0.5),
+    rooms=_each((*_LIVED_IN, "office"), 1.8) | _each(_HALLS, 0.5) | _each(("classroom",), 0.5),
     place=OnFloor(),
 )
 def book_pile(s: Size, rng: Generator) -> Parts:

@@ -13,13 +13,15 @@ USUAL = 1.0
 """The clutter of a usual home."""
 _LOOSE_M2 = 0.4
 """What stands on the floor and covers less lies about: there is more of it in a cluttered room."""
+_ROOM_M2 = 12.0
 
 
-def appearances(kind: Kind, label: str, draws: Draws) -> Iterator[tuple[float, int]]:
+def appearances(kind: Kind, label: str, area_m2: float, draws: Draws) -> Iterator[tuple[float, int]]:
     """(clutter from which on it is there, number) of each piece of a kind in a room with `label`, from number 1 on."""
     expected, luck, more = kind.rooms[label], draws.random(), draws.random()
     if isinstance(expected, Hoarded):
-        return ((USUAL + (k - luck) / expected.per_clutter, k) for k in counted(1))
+        step = 1.0 if isinstance(kind.place, OnTop) else _ROOM_M2 / area_m2
+        return ((USUAL + step * (k - luck) / expected.per_clutter, k) for k in counted(1))
     if isinstance(expected, tuple):
         low, high = expected
         total = low + int(more * (high - low + 1))

@@ -19,7 +19,7 @@ class Hoarded:
     """What only a cluttered room has."""
 
     per_clutter: float
-    """Expected number for every step of clutter above 1."""
+    """Expected number for every step of clutter above 1; of what stands on the floor, in a room of 12 m²."""
 
 
 Count = float | tuple[int, int] | Hoarded

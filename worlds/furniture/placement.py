@@ -99,7 +99,7 @@ class _Furnisher:
     def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
         """Place what a usual home has of a kind (per host), and queue the rest."""
         placed: list[Piece] = []
-        each = appearances(kind, self._plan.label, self._draws(kind, 0, host))
+        each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
         for since, number in each:
             if since > USUAL:
                 self._queue(since, kind, number, host, each)
@@ -124,7 +124,7 @@ class _Furnisher:
             self._queue(max(since, piece.since), kind, number, host, rest)
             break
         for guest in self._kinds.guests.get(kind.name, ()):
-            each = appearances(guest, self._plan.label, self._draws(guest, 0, piece))
+            each = appearances(guest, self._plan.label, self._plan.shape.area_m2, self._draws(guest, 0, piece))
             for since, number in each:
                 self._queue(max(since, piece.since), guest, number, piece, each)
                 break
