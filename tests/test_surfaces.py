@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 import pytest
 import shapely
-from opening_rooms import LENGTH_M, WALL_X, every_kind
+from opening_rooms import LENGTH_M, ROOMS, WALL_X, every_kind
 
 from worlds.house import build_house
 from worlds.labels import STAIRS
@@ -97,7 +97,7 @@ def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
 @pytest.mark.parametrize("kind", ["door", "cased", "arch", "half wall", "counter", "open"])
 def test_an_opening_ends_below_and_above_where_its_kind_says(kind, rng):
     house = build_house(every_kind())
-    boundary, opening = next((b, o) for b, o in house.boundaries[0] if o is not None and o.kind == kind)
+    boundary, opening = next((b, o) for b, o in house.boundaries[0] if o is not None and (o.kind, o.rooms) == (kind, ROOMS))
     low, high = opening.gap_m(2.6)
     y = rng.uniform(boundary.low, boundary.high, 40)
     starts = np.column_stack([rng.uniform(-HALF, HALF, 40) + WALL_X, y, np.full(40, max(low, 1.0) + 0.3)])
