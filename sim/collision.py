@@ -23,7 +23,7 @@ _TYPES = {
 
 
 def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
-    """Add walls, floors, treads and solid furniture to `spec` as static collision geoms, named "<id>#<number>"."""
+    """Add walls, floors, stairs, doors as they stand and solid furniture to `spec` as static geoms, "<id>#<number>"."""
     for i, wall in enumerate(house.walls):
         x0, y0, x1, y1 = wall.footprint.bounds
         _add_box(spec, f"wall#{i}", (x0, y0, wall.bottom_m), (x1, y1, wall.top_m))
@@ -32,9 +32,8 @@ def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
             _add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m))
     for flight in house.stairs:
         _add_parts(spec, f"{STAIRS}/{flight.room}/{flight.storey}", flight.parts, (0.0, 0.0, 0.0), 0.0)
-    for piece in house.furniture:
-        if piece.solid:
-            _add_parts(spec, piece.id, piece.parts, piece.position, piece.yaw)
+    for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
+        _add_parts(spec, thing.id, thing.parts, thing.position, thing.yaw)
 
 
 def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> None:
