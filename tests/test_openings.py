@@ -44,7 +44,17 @@ def ell_layout(kinds, corridor_m=1.8):
     return StoreyLayout(rooms, tuple(Link(pair, kind) for pair, kind in zip(pairs, kinds, strict=True)))
 
 
-layouts = st.builds(ell_layout, st.tuples(*[st.sampled_from(KINDS)] * 4), st.sampled_from((1.3, 1.8, 2.4)))
+def hub_layout(kinds, size_m=2.3):
+    """A small office between four corridors, whose doors all would like to swing into it."""
+    s = size_m
+    around = [("w", -2.0, 0.0, 0.0, s), ("e", s, 0.0, s + 2, s), ("s", 0.0, -2.0, s, 0.0), ("n", 0.0, s, s, s + 2)]
+    rooms = (rectangle("hub", 0.0, 0.0, s, s), *(rectangle(*side, label="corridor") for side in around))
+    return StoreyLayout(rooms, tuple(Link(("hub", side[0]), kind) for side, kind in zip(around, kinds, strict=True)))
+
+
+layouts = st.builds(hub_layout, st.tuples(*[st.sampled_from(KINDS)] * 4)) | st.builds(
+    ell_layout, st.tuples(*[st.sampled_from(KINDS)] * 4), st.sampled_from((1.3, 1.8, 2.4))
+)
 seeds = st.integers(0, 2**32)
 
 

@@ -77,7 +77,7 @@ def test_opened_and_closed_houses_are_valid(preset, target):
     assert openness(house) == pytest.approx(target, abs=0.05)
 
 
-@given(st.floats(1.4, 6.0).map(lambda v: round(v, 2)), st.floats(0.0, 1.0), st.integers(0, 20))
+@given(st.floats(1.5, 6.0).map(lambda v: round(v, 2)), st.floats(0.0, 1.0), st.integers(0, 20))
 def test_even_one_short_wall_takes_any_target(wall, target, seed):
     spec = two_rooms(wall, opening("door", 0.15, 0.95))
     assert openness_of(with_openness(spec, target, seed)) == pytest.approx(target, abs=0.05)
@@ -88,14 +88,17 @@ def test_where_the_walls_are_too_short_for_it_the_nearest_is_named():
         with_openness(two_rooms(1.1, opening("door", 0.15, 0.95)), 0.3)
 
 
-def test_kitchens_open_before_bedrooms_and_close_after_them():
-    for start in (0.0, 1.0):
-        spec = with_openness(sample_house("home", 5), start)
-        shares = boundary_openness(build_house(with_openness(spec, 0.5)))
-        labels = {room.id: room.label for storey in spec.storeys for room in storey.rooms}
+@pytest.mark.parametrize("start", [0.0, 1.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_kitchens_open_before_bedrooms_and_close_after_them(start, seed):
+    spec = with_openness(sample_house("apartment", seed), start)
+    labels = {room.id: room.label for storey in spec.storeys for room in storey.rooms}
+    private = {"bathroom", "bedroom", "toilet", "children's room"}
+    for target in (0.1, 0.2, 0.35, 0.5):
+        shares = boundary_openness(build_house(with_openness(spec, target)))
         living = [v for pair, v in shares.items() if {labels[i] for i in pair} <= {"kitchen", "dining room", "living room"}]
-        private = [v for pair, v in shares.items() if {"bathroom", "bedroom"} & {labels[i] for i in pair}]
-        assert min(living) == 1.0 and min(private) == 0.0
+        others = [v for pair, v in shares.items() if private & {labels[i] for i in pair}]
+        assert max(others, default=0.0) == 0.0 or min(living, default=1.0) > 0.99
 
 
 def test_there_are_many_ways_to_be_half_open():

@@ -6,16 +6,18 @@ from dataclasses import dataclass, replace
 
 from worlds.arch import spandrel_area
 from worlds.gaps import Gap
-from worlds.openings import CORNER_M, MIN_DOOR_M, Span, free_spans, make_gap
+from worlds.openings import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_gap
 from worlds.partitions import Partition, gap_area
 from worlds.spec import PASSABLE, OpeningKind
 from worlds.walls import Boundary
 
-MIN_OPEN_M = 0.6
-"""No piece of wall is taken away for less; a body has to pass."""
+_MIN_STRETCH_M = 0.6
+"""Shorter stretches of wall are never taken away whole; a body has to pass."""
 _MIN_HATCH_M = 0.2
 _MAX_FRAMED_M = 2.6
 _HATCH_CORNER_M = 0.05
+_DOOR_CORNER_M = 0.1
+"""Of a narrow door that makes way for a hatch; its leaf clears the wall across by this."""
 _LOW_SILL_M = 0.3
 _EXACT_M2 = 0.03
 _DOOR_M = 0.85
@@ -66,7 +68,7 @@ def area_of(gaps: Sequence[Gap], part: Partition) -> float:
 
 def fully_open(task: Task) -> Gaps:
     """No wall, on every stretch that is wide enough to walk through."""
-    return tuple(_open_gap(task, wall, wall.low, wall.high) for wall in task.part.walls if wall.length >= MIN_OPEN_M)
+    return tuple(_open_gap(task, wall, wall.low, wall.high) for wall in task.part.walls if wall.length >= _MIN_STRETCH_M)
 
 
 def closed(task: Task) -> Gaps:
@@ -88,7 +90,7 @@ def _away(task: Task) -> Gaps:
     left = task.area / task.part.height_m
     gaps: list[Gap] = []
     for wall in sorted(task.part.walls, key=lambda wall: -wall.length):
-        if wall.length < MIN_OPEN_M or (gaps and left < MIN_OPEN_M):
+        if wall.length < _MIN_STRETCH_M or (gaps and left < MIN_OPEN_M):
             break
         width = min(wall.length, max(MIN_OPEN_M, round(left, 2)))
         low = wall.low if task.draw < 0.5 else round(wall.high - width, 6)
@@ -134,7 +136,7 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
         """A hatch, as wide as needed, beside the door."""
         doors = closed(task)
         if narrow_door and doors:
-            span = (task.main, task.main.low + _HATCH_CORNER_M, task.main.high - _HATCH_CORNER_M)
+            span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
             doors = (make_gap("door", span, round(span[1], 6), round(span[1] + MIN_DOOR_M, 6), task.part.height_m),)
         spans = free_spans(task.part.walls, doors, _HATCH_CORNER_M)
         span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))

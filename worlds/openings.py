@@ -16,6 +16,8 @@ from worlds.walls import Boundary
 CORNER_M = 0.15
 APART_M = 0.1
 MIN_DOOR_M = 0.7
+MIN_OPEN_M = 0.8
+"""Of a wall taken away; other walls reach into the gap at corners."""
 _MIN_LOOK_M = 0.4
 _WIDTHS_M: dict[OpeningKind, tuple[float, float]] = {
     "door": (0.8, 1.0), "cased": (1.1, 2.0), "arch": (1.1, 2.0), "half wall": (1.0, 3.0), "counter": (1.0, 2.2),
@@ -63,7 +65,7 @@ def _place(
 ) -> list[Gap]:
     """The gaps of one link; `alone`: there is no way yet between the rooms and this kind is none."""
     if link.kind == "open":
-        wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_DOOR_M]
+        wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
         if not wide:
             raise _too_short(link, walls)
         return [make_gap("open", span, span[1], span[2], storey_m) for span in wide]

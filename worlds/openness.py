@@ -80,7 +80,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     Nothing but openings changes, and what was joined stays joined. Kitchens, dining and living rooms open first, then
     corridors, lobbies and offices, bedrooms and bathrooms last; closing goes the other way. `seed` (absent: the house's)
     draws the order among equals and the ways of opening. Raises `WorldsError` for a target outside of [0, 1], and where the
-    inner walls are so short (less than 1.4 m in all) that there is no such house.
+    inner walls are so short (less than 1.5 m in all) that there is no such house.
     """
     if not 0.0 <= target <= 1.0:
         raise WorldsError(f"no house has openness {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
