@@ -8,15 +8,17 @@ import json
 import math
 import re
 from collections import Counter
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
+from worlds.spec_errors import MAX_JSON_BYTES, explain, listed, near, read_json
 
-MAX_JSON_BYTES = 16_000_000
 MAX_ROOMS = 200
 MAX_PLAN_M2 = 20_000.0
 """Largest rectangle around all rooms, times the storeys: what is surveyed at 10 cm has to fit in memory."""
@@ -24,11 +26,11 @@ MAX_PLAN_M2 = 20_000.0
 _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
 """In indented JSON: arrays of numbers, of points, and of strings."""
 
-Metres = Annotated[float, Field(ge=-1000.0, le=1000.0)]
-Length = Annotated[float, Field(gt=0.0, le=1000.0)]
+Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
+Length = Annotated[float, Field(gt=0.0, le=1000.0, description="[m]")]
 Point = tuple[Metres, Metres]
 Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
-Seed = Annotated[int, Field(ge=0, lt=2**63)]
+Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
 """What one can walk through; over a half wall or a counter one can only look."""
@@ -42,20 +44,21 @@ class RoomSpec(_Data):
     """A room: its name in the house, its label, and its floor polygon (wall centre lines)."""
 
     id: Identifier
-    label: str = Field(description="one of worlds.labels.ROOM_LABELS")
+    label: str = Field(description="what it is used for", json_schema_extra={"enum": list(ROOM_LABELS)})
     polygon_m: tuple[Point, ...] = Field(
-        min_length=4, max_length=64, description="rectilinear, counter-clockwise, corners in [m]"
+        min_length=4, max_length=64, fail_fast=True, description="rectilinear, counter-clockwise, corners in [m]"
     )
     seed: Seed | None = Field(
         default=None,
-        description="of its furniture and finishes; absent: from the house's. Twin rooms have the same seed and shape",
+        description="seed of its furniture and finishes; absent: from the house's. Twins have the same seed and shape",
     )
 
     @field_validator("label")
     @classmethod
     def _known_label(cls, label: str) -> str:
         if label not in ROOM_LABELS:
-            raise ValueError(f"unknown label {label!r}; valid: {', '.join(ROOM_LABELS)}")
+            known = ", ".join(ROOM_LABELS)
+            raise ValueError(f"unknown label {label[:64]!r}{near(label[:64], ROOM_LABELS)}; valid: {known}")
         return label
 
     @field_validator("polygon_m")
@@ -145,20 +148,20 @@ class FurnitureSpec(_Data):
     )
     yaw_rad: float = Field(ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]")
     size_m: tuple[Length, Length, Length] = Field(description="width, depth, height in the piece's own frame [m]")
-    seed: int = Field(ge=0, lt=2**32, description="of its colours and variants")
+    seed: int = Field(ge=0, lt=2**32, description="seed of its colours and variants")
 
 
 class StoreySpec(_Data):
     """One storey; storeys stand on each other in the order of the list."""
 
     height_m: float = Field(default=2.6, gt=2.0, le=6.0, description="floor to ceiling [m]")
-    rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS)
-    openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS)
+    rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS, fail_fast=True)
+    openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS, fail_fast=True)
     windows: tuple[WindowSpec, ...] | None = Field(
-        default=None, max_length=4 * MAX_ROOMS, description="absent: filled in from the house's seed"
+        default=None, max_length=4 * MAX_ROOMS, fail_fast=True, description="absent: filled in from the house's seed"
     )
     furniture: tuple[FurnitureSpec, ...] | None = Field(
-        default=None, max_length=4000, description="absent: filled in from the house's seed"
+        default=None, max_length=4000, fail_fast=True, description="absent: filled in from the house's seed"
     )
 
 
@@ -169,21 +172,21 @@ class AppearanceSpec(_Data):
         default="rich", description="rich: nothing repeats; poor: few features; repeating: walls and floors with a period"
     )
     light: Literal["day", "evening", "dim"] = "day"
-    seed: Seed | None = Field(default=None, description="of materials and colours; absent: the house's")
+    seed: Seed | None = Field(default=None, description="seed of materials and colours; absent: the house's")
 
 
 class HouseSpec(_Data):
     """A house. `HouseSpec.from_json` reads one, `to_json` writes it; the two are inverse."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: Literal[1] = Field(default=1, alias="schema", description="version of this format, counted from 1")
     name: str = Field(default="house", max_length=200)
-    seed: Seed = Field(default=0, description="of windows and furniture (when absent), textures and colours")
+    seed: Seed = Field(default=0, description="seed of windows and furniture (when absent), textures and colours")
     slab_m: float = Field(default=0.3, ge=0.1, le=1.0, description="thickness of the slab between storeys [m]")
     clutter: float = Field(
-        default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in; 0: none, 1: usual, 4: a hoarder's"
+        default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in [1]; 0: none, 1: usual, 4: a hoarder's"
     )
     appearance: AppearanceSpec = AppearanceSpec()
-    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
+    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8, fail_fast=True)
 
     @model_validator(mode="after")
     def _names_resolve(self) -> "HouseSpec":
@@ -191,10 +194,13 @@ class HouseSpec(_Data):
         _check_unique("furniture", [piece.id for storey in self.storeys for piece in storey.furniture or ()])
         for level, storey in enumerate(self.storeys):
             known = {room.id for room in storey.rooms}
-            named = [i for opening in storey.openings for i in opening.rooms]
-            named += [piece.room for piece in storey.furniture or ()] + [window.room for window in storey.windows or ()]
-            for missing in sorted(set(named) - known):
-                raise ValueError(f"storeys[{level}] names room {missing!r}; its rooms are {', '.join(sorted(known))}")
+            for collection, i, named in _room_names(storey):
+                for missing in sorted(known.union(named) - known):
+                    rooms = sorted(known)
+                    raise ValueError(
+                        f"storeys[{level}].{collection}[{i}] names room {missing!r}{near(missing, rooms)}; "
+                        f"its storey's rooms are {listed(rooms)}"
+                    )
         return self
 
     @model_validator(mode="after")
@@ -224,9 +230,13 @@ class HouseSpec(_Data):
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":
         """Read a spec; `source` is named in errors. Raises `SpecError`."""
         try:
+            data = read_json(text, json_schema())
+        except SpecError as error:
+            raise SpecError(f"{source}: {error}") from None
+        try:
             return cls.model_validate_json(text, strict=True)
         except ValidationError as error:
-            raise SpecError(f"{source}: {_first_problem(error)}") from None
+            raise SpecError(f"{source}: {explain(error, data, json_schema())}") from None
 
     @classmethod
     def load(cls, path: Path | str) -> "HouseSpec":
@@ -249,18 +259,24 @@ def _on_one_line(match: re.Match[str]) -> str:
     return re.sub(r"\s+(?=\])|(?<=\[)\s+", "", re.sub(r"\s+", " ", match[0]))
 
 
+def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+    """Everything that names rooms: its list, its place in it, the ids."""
+    yield from (("openings", i, opening.rooms) for i, opening in enumerate(storey.openings))
+    yield from (("windows", i, (window.room,)) for i, window in enumerate(storey.windows or ()))
+    yield from (("furniture", i, (piece.room,)) for i, piece in enumerate(storey.furniture or ()))
+
+
 def _check_unique(what: str, ids: list[str]) -> None:
     repeated = sorted(i for i, times in Counter(ids).items() if times > 1)
     if repeated:
-        raise ValueError(f"{what} ids must be unique in the house; repeated: {', '.join(repeated)}")
+        raise ValueError(f"{what} ids must be unique in the house; repeated: {listed(repeated)}")
 
 
-def _first_problem(error: ValidationError) -> str:
-    problems = error.errors(include_url=False)
-    first = problems[0]
-    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"{place or 'spec'}: {first['msg'].removeprefix('Value error, ')}{more}"
+@cache
+def json_schema() -> dict[str, Any]:
+    """The format of a house as JSON Schema (draft 2020-12), as it is published in worlds/house.schema.json."""
+    schema = HouseSpec.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
 __all__ = [
@@ -272,4 +288,5 @@ __all__ = [
     "RoomSpec",
     "StoreySpec",
     "WindowSpec",
+    "json_schema",
 ]

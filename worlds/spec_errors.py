@@ -1,0 +1,218 @@
+"""The door that a house's JSON comes in by: sizes bounded before anything costs much, mistakes said in plain words.
+
+A mistake is explained from the JSON Schema of the format, so what a message calls valid is what the schema says.
+"""
+
+import difflib
+import json
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from worlds.errors import SpecError
+
+MAX_JSON_BYTES = 16_000_000
+MAX_VALUES = 2_000_000
+_MAX_FIELDS = 100
+_CONTENTS = "valid: a house as JSON"
+_IDENTIFIER = "a name of 1 to 64 letters, digits, spaces and _ . ' -, the first a letter or digit"
+_UNIT = re.compile(r"\[(?:m|rad|1)\]")
+_PATH = tuple[str | int, ...]
+
+
+def read_json(text: str, schema: dict[str, Any]) -> object:
+    """The data in a text. Raises `SpecError` where it is no JSON, huge, says a field twice, or is nested too deeply."""
+    if len(text) > MAX_JSON_BYTES:
+        raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB; {_CONTENTS}")
+    if text.count(",") >= MAX_VALUES:
+        raise SpecError(f"more than {MAX_VALUES} values; a house of 200 rooms has far fewer")
+    try:
+        data = json.loads(text)
+        _check_sizes(data, (), schema, schema)
+        json.loads(text, object_pairs_hook=_check_fields)
+    except json.JSONDecodeError as error:
+        raise SpecError(f"is not JSON: {error.msg} at line {error.lineno} column {error.colno}; {_CONTENTS}") from None
+    except RecursionError:
+        raise SpecError(f"is nested too deeply; {_CONTENTS}") from None
+    except SpecError:
+        raise
+    except ValueError:
+        raise SpecError("has a number of more digits than any number of a house; valid: numbers as in 3.25") from None
+    return data
+
+
+def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    fields = dict(pairs)
+    if len(fields) < len(pairs):
+        key, times = Counter(key for key, _ in pairs).most_common(1)[0]
+        owner = fields.get("id", fields.get("name", fields.get("rooms")))
+        raise SpecError(f"an object ({_shown(owner)}) says {_shown(key)} {times} times; valid: once")
+    return fields
+
+
+def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[str, Any]) -> None:
+    """Before validation, which would first look at every item of an endless list."""
+    node = _resolved(node, schema)
+    if isinstance(data, list) and "items" in node:
+        if len(data) > node["maxItems"]:
+            raise SpecError(f"{_path(path)}: has {len(data)} items; valid: {_described(node, schema)}")
+        for i, item in enumerate(data):
+            _check_sizes(item, (*path, i), node["items"], schema)
+    elif isinstance(data, dict):
+        if len(data) > _MAX_FIELDS:
+            raise SpecError(f"{_path(path) or 'the house'}: has {len(data)} fields; no object of a house has so many")
+        for key in node.get("properties", {}).keys() & data.keys():
+            _check_sizes(data[key], (*path, key), node["properties"][key], schema)
+
+
+def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> str:
+    """The first mistake, in one line: where it is, what it is, what would be valid."""
+    problems = error.errors(include_url=False)
+    first = problems[0]
+    if first["type"] == "missing":
+        # A misspelt field is missing under its right name; the wrong one says more.
+        first = next((p for p in problems if p["type"] == "extra_forbidden" and p["loc"][:-1] == first["loc"][:-1]), first)
+    path: _PATH = first["loc"]
+    kind, value = first["type"], first["input"]
+    if kind == "extra_forbidden":
+        valid = list(_node(path[:-1], schema).get("properties", {}))
+        return f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}; valid: {', '.join(valid)}"
+    if kind == "value_error":
+        return _place(path, data) + first["msg"].removeprefix("Value error, ")
+    if kind == "json_invalid":
+        return f"is not JSON: {first['ctx']['error']}; {_CONTENTS}"
+    if kind == "missing" and isinstance(path[-1], int):
+        path, kind, value = path[:-1], "too_short", list(_at(data, path[:-1]))
+    valid_here = _described(_node(path, schema), schema)
+    if kind == "missing":
+        return f"{_place(path, data)}is missing; valid: {valid_here}"
+    if kind in ("too_short", "too_long") and isinstance(value, list):
+        return f"{_place(path, data)}has {len(value)} items; valid: {valid_here}"
+    return f"{_place(path, data)}is {_shown(value)}; valid: {valid_here}"
+
+
+def near(word: str, valid: Sequence[str]) -> str:
+    """A guess at what was meant, as part of a sentence."""
+    guess = difflib.get_close_matches(word, valid, n=1)
+    return f" (did you mean {guess[0]!r}?)" if guess else ""
+
+
+def listed(names: Sequence[str], most: int = 30) -> str:
+    """Names in a line, not too many."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def _place(path: _PATH, data: object) -> str:
+    """Where a mistake is: the path, and the name of the thing that it leads to or through."""
+    names = []
+    for i, part in enumerate(path):
+        thing = _at(data, path[: i + 1])
+        if isinstance(part, int) and isinstance(thing, dict) and i and path[i - 1] in _THINGS:
+            names = [_name(str(path[i - 1]), thing)]
+    text = _path(path) + "".join(f" ({name})" for name in names if name)
+    return f"{text}: " if text else ""
+
+
+_THINGS = {"rooms": "room", "furniture": "furniture", "openings": "opening", "windows": "window of"}
+
+
+def _name(collection: str, thing: dict[str, object]) -> str:
+    rooms = thing.get("rooms")
+    if collection == "openings":
+        return f"opening {' - '.join(_shown(room) for room in rooms)}" if isinstance(rooms, list) and len(rooms) == 2 else ""
+    identifier = thing.get("room" if collection == "windows" else "id")
+    return f"{_THINGS[collection]} {_shown(identifier)}" if isinstance(identifier, str) else ""
+
+
+def _path(path: _PATH) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
+
+
+def _at(data: Any, path: _PATH) -> Any:
+    for part in path:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
+def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
+    """The part of the schema that a path leads to; empty where it leads out."""
+    node = _resolved(schema, schema)
+    for part in path:
+        if isinstance(part, int):
+            items = node.get("prefixItems")
+            node = node.get("items", {}) if items is None else items[part] if part < len(items) else {}
+        else:
+            node = node.get("properties", {}).get(part, {})
+        node = _resolved(node, schema)
+    return node
+
+
+def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
+    if "anyOf" in node:
+        chosen = next(choice for choice in node["anyOf"] if choice.get("type") != "null")
+        node = {**chosen, "description": node.get("description", "")}
+    if "$ref" in node:
+        node = schema["$defs"][node["$ref"].rpartition("/")[2]]
+    return node
+
+
+def _described(node: dict[str, Any], schema: dict[str, Any]) -> str:
+    """What is valid, in words."""
+    node = _resolved(node, schema)
+    if "enum" in node:
+        return ", ".join(node["enum"])
+    if "const" in node:
+        return repr(node["const"])
+    match node.get("type"):
+        case "number" | "integer":
+            return _number(node)
+        case "string":
+            return _IDENTIFIER if "pattern" in node else f"text of at most {node.get('maxLength', 0)} characters"
+        case "array":
+            return _array(node, schema)
+        case "object":
+            return f"an object with {', '.join(node.get('required') or node['properties'])}"
+    return "nothing here"
+
+
+def _number(node: dict[str, Any]) -> str:
+    unit = _UNIT.search(node.get("description", ""))
+    end = f" {unit[0]}" if unit else ""
+    if node["type"] == "integer":
+        return f"a whole number from {node['minimum']} to {node['exclusiveMaximum'] - 1}{end}"
+    if "minimum" in node:
+        return f"a number from {node['minimum']:g} to {node['maximum']:g}{end}"
+    return f"a number above {node['exclusiveMinimum']:g} and at most {node['maximum']:g}{end}"
+
+
+def _array(node: dict[str, Any], schema: dict[str, Any]) -> str:
+    low, high = node.get("minItems", 0), node.get("maxItems")
+    if "prefixItems" in node:
+        return f"a list of {low}, each {_described(node['prefixItems'][0], schema)}"
+    count = f"{low} to {high}" if low else f"at most {high}"
+    return f"a list of {count}, each {_described(node['items'], schema)}"
+
+
+def _shown(value: object) -> str:
+    """A value from a file, briefly and in one line."""
+    match value:
+        case None:
+            return "null"
+        case bool():
+            return str(value).lower()
+        case float() if not math.isfinite(value):
+            return "not a number" if math.isnan(value) else "infinite"
+        case list() | tuple():
+            return f"a list of {len(value)}"
+        case dict():
+            return "an object"
+        case str():
+            return repr(value if len(value) <= 40 else value[:40] + "...")
+    return str(value)[:40]
