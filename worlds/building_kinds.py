@@ -37,11 +37,13 @@ class Kind:
     """What belongs on upper storeys."""
     repeats: float = 0.0
     """Share of buildings whose upper storeys are all the same."""
+    flat: tuple[int, int] | None = None
+    """Range of the rooms on a storey where there are several storeys and no number of rooms is asked for."""
     shuffled: int = 0
     """How far rooms may change places in `first`."""
 
 
-_HOME_STYLE = Style(spine_m=(1.5, 2.1))
+_HOME_STYLE = Style(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))
 _OFFICE_STYLE = Style((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
 _CLINIC_STYLE = Style((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
 
@@ -49,14 +51,14 @@ KINDS: dict[str, Kind] = {
     "home": Kind(
         (7, 9), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
         ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
-         "library", "gym", "children's room"),
-        _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, "entrance hall"),
+         "children's room"),
+        _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
         ("bedroom", "children's room", "bathroom", "office", "library"),
     ),
     "apartment": Kind(
         (4, 8), (1, 1, 1, 2, 3), ("living room", "kitchen", "bedroom", "bathroom", "dining room", "balcony", "bedroom"),
         ("children's room", "storage room", "toilet", "office", "laundry room", "bedroom", "bathroom", "pantry", "library"),
-        _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=2,
+        _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=1, flat=(4, 6),
     ),
     "office": Kind(
         (7, 14), (1, 2, 2, 3), ("office", "office", "meeting room", "office", "kitchen", "open-plan office", "toilet"),
@@ -66,11 +68,11 @@ KINDS: dict[str, Kind] = {
     ),
     "ori": Kind(
         (7, 7), (2,), ("kitchen", "office", "office", "office", "office", "meeting room", "print room"),
-        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9, carved=0.0), (None, "lobby"),
+        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9), (None, "lobby"),
     ),
     "uh2-apt": Kind(
-        (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom",),
-        Style((2.0, 2.3), (3.4, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
+        (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom", "office", "storage room"),
+        Style((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
         upstairs=("bedroom", "bathroom"),
     ),
     "uh2-office": Kind(
@@ -88,7 +90,7 @@ KINDS: dict[str, Kind] = {
         (9, 15), (1, 2, 2), ("classroom", "classroom", "office", "toilet", "library", "classroom", "gym", "storage room"),
         ("classroom", "classroom", "laboratory", "toilet", "office", "storage room", "kitchen", "dining room",
          "meeting room", "print room", "bathroom"),
-        _CLINIC_STYLE, Habits(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
+        replace(_CLINIC_STYLE, depth_m=(4.6, 6.0)), Habits(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
     ),
 }  # fmt: skip
 
@@ -100,10 +102,12 @@ def draw_programmes(
 
     There are at least as many rooms as storeys.
     """
-    labels = _labels(kind, rooms, rng)
+    labels = _labels(kind, rooms, storeys, rng)
     hall = kind.halls[int(rng.integers(len(kind.halls)))]
     if storeys > 1 and rooms >= 3 * storeys and rng.random() < kind.repeats:
-        return _repeating(labels, storeys, hall, kind, rng), kind.style
+        same = _repeating(labels, storeys, hall, kind, rng)
+        if same is not None:
+            return same, kind.style
     if storeys == 1 and "living room" in labels and rooms <= 6 and rng.random() < (0.5 if rooms > 3 else 1.0):
         return _around_a_living_room(labels, kind, rng)
     return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.habits, hall, rng), kind.style
@@ -132,9 +136,10 @@ def by_storey(
             wanted = [0]
         level = min(wanted, key=lambda k: area[k] - 10.0 * (k == 0))
         out[level].append(label)
-        area[level] += sum(SIZES[label].usual) / 2
+        area[level] += _area([label])
     _fill_empty(out)
-    out.sort(key=lambda own: (not set(own) & set(_BELOW), -sum(sum(SIZES[label].usual) for label in own)))
+    out.sort(key=lambda own: (not set(own) & set(_BELOW), -_area(own)))
+    _settle(out)
     for label in labels:
         if label == "garden":
             out[0].append(label)
@@ -144,6 +149,20 @@ def by_storey(
     return out
 
 
+def _area(labels: Sequence[str]) -> float:
+    """Wished for indoors, about [m²]."""
+    return sum(sum(SIZES[label].usual) / 2 for label in labels if label not in OUTDOOR_LABELS)
+
+
+def _settle(storeys: list[list[str]]) -> None:
+    """No storey is much larger than the ground one: such a storey changes places with what may leave the ground."""
+    for level in range(1, len(storeys)):
+        fixed, free = ([label for label in storeys[0] if (label in _BELOW) == below] for below in (True, False))
+        if free and _area(storeys[level]) > 1.15 * _area(storeys[0]):
+            storeys[0], storeys[level] = fixed + storeys[level], free
+    storeys[1:] = sorted(storeys[1:], key=_area, reverse=True)
+
+
 def _fill_empty(storeys: list[list[str]]) -> None:
     for own in storeys:
         if not own:
@@ -151,7 +170,8 @@ def _fill_empty(storeys: list[list[str]]) -> None:
             own.append(richest.pop())
 
 
-def _labels(kind: Kind, rooms: int, rng: np.random.Generator) -> list[str]:
+def _labels(kind: Kind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
+    """The rooms of a building; indoor ones at least as many as storeys."""
     order = list(kind.first)
     if kind.shuffled:
         keys = np.arange(len(order)) + rng.uniform(0, kind.shuffled, len(order))
@@ -162,19 +182,30 @@ def _labels(kind: Kind, rooms: int, rng: np.random.Generator) -> list[str]:
         label = pool.pop()
         if label not in _ONCE or label not in order:
             order.append(label)
-    return order[:rooms]
+    drawn = order[:rooms]
+    while sum(label not in OUTDOOR_LABELS for label in drawn) < storeys:
+        drawn[next(i for i, label in enumerate(drawn) if label in OUTDOOR_LABELS)] = "storage room"
+    return drawn
 
 
 def _repeating(
     labels: Sequence[str], storeys: int, hall: str | None, kind: Kind, rng: np.random.Generator
-) -> tuple[StoreyProgramme, ...]:
-    """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it."""
+) -> tuple[StoreyProgramme, ...] | None:
+    """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it.
+
+    None where the ground storey would be the smaller one.
+    """
     share = len(labels) // storeys
-    upper = _storey([label for label in labels[:share] if label != "garden"], kind.habits, rng, None)
+    equal = len(labels) == share * storeys and "garden" not in labels
+    inside = [label for label in labels if label != "garden"]
+    above = inside[:share] if equal else inside[len(inside) - share :]
+    ground = [*inside[: len(inside) - share * (storeys - 1)], *["garden"] * (len(labels) - len(inside))]
+    if not 0.0 < _area(above) <= _area(above if equal else ground):
+        return None
+    upper = _storey(above, kind.habits, rng, None)
     upper = replace(upper, seed=int(rng.integers(_SEEDS)), runs=seeded(upper.runs, rng))
-    if len(labels) == share * storeys and "garden" not in labels:
-        return (replace(upper, hall=hall), *[upper] * (storeys - 1))
-    return (_storey(labels[share * (storeys - 1) :], kind.habits, rng, hall), *[upper] * (storeys - 1))
+    first = replace(upper, hall=hall) if equal else _storey(ground, kind.habits, rng, hall)
+    return (first, *[upper] * (storeys - 1))
 
 
 def _around_a_living_room(
@@ -190,7 +221,7 @@ def _around_a_living_room(
         public = run.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
         entry = opens[int(rng.integers(len(opens)))] if public else "door"
         runs.append(replace(run, bays=tuple(replace(bay, entry=entry) for bay in run.bays)))
-    style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0)
+    style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0, spine_m2=16.0)
     return (replace(storey, runs=tuple(runs), spine="living room"),), style
 
 

@@ -19,7 +19,8 @@ from worlds.wings import BANDS, Band, Depths, Shell, StairsBay, distribute, stai
 SLAB_M = 0.3
 _SHORTEST_BAND = 250
 """A band planned for less [cm] is left out."""
-_STRETCH = 1.4
+_WRAPS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
+_STRETCH = 1.5
 """Bands are widened to their shell up to this factor; shorter ones leave the storey's end open."""
 
 
@@ -37,7 +38,11 @@ class Style:
     winged_m: float = 26.0
     """Above this total length there may be a second wing."""
     wings: float = 0.7
-    """Share of such plans that have one."""
+    """Share of such plans that have one; very long ones always do."""
+    spine_m2: float = 0.0
+    """Least area of a spine that is a room to live in."""
+    wrapped: float = 0.35
+    """Share of plans, where it can be, whose last room wraps round the end of the spine."""
 
 
 @dataclass
@@ -47,6 +52,8 @@ class _Storey:
     bands: dict[Band, list[Run]]
     slot: Run | None = None
     lengths: dict[Band, int] = field(default_factory=dict)
+    wrap: int = 0
+    """How far the last room of the south band reaches beyond the spine and round its end [cm]."""
     past_spine: frozenset[Band] = frozenset()
     """Bands that go on beside stairs at the spine's end."""
 
@@ -61,7 +68,11 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.
     stairs, at_end, depths = _stairs(depths, room, style, len(programmes), height, rng)
     shell = Shell(depths, dict.fromkeys(BANDS, 0), stairs, at_end)
     storeys = _assign(programmes, shell, room, rng)
+    if not at_end and rng.random() < style.wrapped:
+        _wrap(storeys, shell, rng)
     shell = _measured(shell, storeys)
+    roomy = min(520, round(1e4 * style.spine_m2 / shell.length))
+    shell = replace(shell, depths=replace(shell.depths, spine=max(shell.depths.spine, roomy)))
     swap, flip_x, flip_y = (bool(k) for k in rng.integers(0, 2, 3))
     turn = Symmetry(swap, flip_x, flip_y)
     cross_apart = bool(rng.random() < 0.5)
@@ -87,7 +98,7 @@ def _topology(
     total = max(sum(bay_width(bay, (south + north) // 2) for run in p.runs for bay in run.bays) for p in programmes)
     if total < 100 * rng.uniform(*style.one_sided_m):
         return Depths(spine, south), {"south": total}
-    if total < 100 * style.winged_m or rng.random() > style.wings:
+    if total < 100 * style.winged_m or (total < 4000 and rng.random() > style.wings):
         share = float(rng.choice([0.0, 0.3, 0.5]))
         half = total // 2
         rooms: dict[Band, int] = {"south": half, "north 0": round(half * share), "north 2": half - round(half * share)}
@@ -118,6 +129,8 @@ def _stairs(
             room["north 2"] = room.get("north 2", 0) + room.pop("north 0")
         return stairs_bay("U", rise, depths.spine / 100, flipped), True, depths
     stairs = stairs_bay(kind, rise, flipped=flipped)
+    if kind == "U" and 0 < depths.north - stairs.length <= 80:
+        stairs = replace(stairs, length=depths.north)
     if depths.north:
         depths = replace(depths, north=max(depths.north, stairs.depth))
         room["south"] += stairs.front // 2
@@ -134,11 +147,11 @@ def _assign(
     storeys: list[_Storey] = []
     for k, programme in enumerate(programmes):
         if k and programme.runs is programmes[k - 1].runs:
-            storeys.append(_Storey(storeys[-1].bands, storeys[-1].slot))
+            storeys.append(replace(storeys[-1]))
             continue
         runs = list(programme.runs)
         slot = _take_slot(runs, shell) if k == 0 or storeys[-1].slot else None
-        allowed = {b: n for b, n in room.items() if k == 0 or storeys[-1].bands[b]}
+        allowed = dict(room) if k == 0 else _room_above(storeys[-1], shell)
         bands = distribute(runs, allowed, shell.depths, _kept(runs))
         for inside in bands.values():
             rng.shuffle(inside)
@@ -149,6 +162,29 @@ def _assign(
                 inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
         storeys.append(_Storey({band: bands.get(band, []) for band in room}, slot))
     return storeys
+
+
+def _room_above(storey: _Storey, shell: Shell) -> dict[Band, int]:
+    """What may be built on a storey: not on a band so short that little rooms would grow large below what is above."""
+    length = {band: sum(_widths(storey, band, shell)) for band in storey.bands}
+    return {band: n for band, n in length.items() if n > _SHORTEST_BAND + 100 or (band == "south" and n)}
+
+
+def _wrap(storeys: Sequence[_Storey], shell: Shell, rng: np.random.Generator) -> None:
+    """Let the south band of the ground storey, and of those that repeat it, end with a room round the spine's end."""
+    south = storeys[0].bands["south"]
+    able = [run for run in south if run.bays[-1].form == "plain" and run.bays[-1].twin is None]
+    able = [run for run in able if run.bays[-1].labels[0] in _WRAPS and sum(run.bays[-1].areas) >= 16.0]
+    if not able or shell.depths.spine > 280:
+        return
+    area = able[0].bays[-1].areas[0]
+    wrap = round(min(450.0, 1e4 * area * rng.uniform(0.45, 0.65) / (shell.depths.south + shell.depths.spine)))
+    if wrap < 180:
+        return
+    south.remove(able[0])
+    south.append(able[0])
+    for storey in storeys:
+        storey.wrap = wrap if storey.bands["south"] is south else 0
 
 
 def _kept(runs: Sequence[Run]) -> dict[int, Band]:
@@ -174,23 +210,29 @@ def _take_slot(runs: list[Run], shell: Shell) -> Run | None:
 
 def _measured(shell: Shell, storeys: Sequence[_Storey]) -> Shell:
     """The shell as long as its longest storey in every band; says every storey how far its bands reach, top down."""
-    lengths = _longest(shell, storeys)
-    shell = replace(shell, lengths=lengths)
+    shell = replace(shell, lengths=_longest(shell, storeys))
+    for storey in storeys:
+        if _STRETCH * sum(_widths(storey, "south", shell)) < shell.length:
+            storey.wrap = 0  # too much of the spine has nothing in the south
+    shell = replace(shell, lengths=_longest(shell, storeys))
     if shell.at_end:
         passed: set[Band] = set()
         for storey in reversed(storeys):
             passed |= {b for b in storey.bands if shell.reach(b, sum(_widths(storey, b, shell))) > shell.length}
             storey.past_spine = frozenset(passed)
-        lengths = _longest(shell, storeys)
-        shell = replace(shell, lengths=lengths)
+        shell = replace(shell, lengths=_longest(shell, storeys))
+    shell = shell.flush()
     above: dict[Band, int] = {}
     for storey in reversed(storeys):
         storey.lengths = {}
         for band in storey.bands:
             own = sum(_widths(storey, band, shell))
-            whole = lengths[band] if lengths[band] <= _STRETCH * own else 0
-            if band not in storey.past_spine and shell.reach(band, whole) > shell.length:
-                whole = 0
+            whole = shell.lengths[band]
+            if shell.at_end and band not in storey.past_spine:
+                whole -= max(0, shell.reach(band, whole) - shell.length)
+            whole = whole if whole <= _STRETCH * own else 0
+            if band == "south" and storey.wrap:
+                whole = shell.length
             storey.lengths[band] = max(own, whole, above.get(band, 0)) if own else 0
         above = storey.lengths
     return shell
@@ -202,6 +244,9 @@ def _longest(shell: Shell, storeys: Sequence[_Storey]) -> dict[Band, int]:
 
 def _widths(storey: _Storey, band: Band, shell: Shell) -> list[int]:
     widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
+    if widths and storey.wrap and band == "south":
+        beyond = storey.wrap * (shell.depths.south + shell.depths.spine) // shell.depths.south
+        widths[-1] = max(DOOR_FRONT + 40, widths[-1] - beyond)
     if widths and shell.stairs and band in storey.past_spine:
         # The last bay reaches past the spine's end, but enough of it has to touch the spine.
         widths[-1] = max(widths[-1], shell.stairs.length + DOOR_FRONT)
@@ -214,9 +259,13 @@ def _placed(storey: _Storey, shell: Shell) -> list[Placed]:
         bays, widths = storey.bays(band), _widths(storey, band, shell)
         start, joined = 0, _joints(storey.bands[band])
         filled = share_out(widths, bays, storey.lengths[band]) if bays else []
+        if len(bays) > 1 and filled[-1] != filled[-2] and bays[-1].twin == bays[-2].twin is not None:
+            bays[-1] = bays[-1].apart(1)
         for bay, joint, width in zip(bays, joined, filled, strict=True):
             out.append(Placed(band, bay, start, width, joint))
             start += width
+        if band == "south" and storey.wrap and out:
+            out[-1] = replace(out[-1], wrap=storey.wrap)
     return out
 
 

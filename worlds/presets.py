@@ -102,8 +102,11 @@ def _counts(kind: Kind, rooms: int | None, storeys: int | None, rng: np.random.G
     if storeys is not None:
         _check_storeys(storeys, rooms if rooms is not None else storeys)
         levels, usual = storeys, max(usual, 3 * storeys if usual < 2 * storeys else 0)
-    count = usual if rooms is None else rooms
-    return count, levels if storeys is not None else min(levels, max(1, count // 2))
+    if rooms is not None:
+        return rooms, levels if storeys is not None else min(levels, max(1, 3 * rooms // 4))
+    if kind.flat is not None and levels > 1:
+        usual = levels * int(rng.integers(kind.flat[0], kind.flat[1] + 1))
+    return usual, min(levels, max(1, 3 * usual // 4))
 
 
 def _check_storeys(storeys: int, indoors: int) -> None:

@@ -25,6 +25,8 @@ SMALL = ("toilet", "storage room", "pantry", "laundry room", "print room")
 _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-plan office", "gym")
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
 _SEEDS = 2**31
+_ROW = 4
+_OTHER_SEED = 1009
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,11 @@ class Bay:
     """Bays of the same twin number get exactly the same shape."""
     seed: int | None = None
     """Of furniture and finishes; the small rooms have the following ones."""
+
+    def apart(self, steps: int) -> "Bay":
+        """The same with other looks, and no twin of this one; itself for 0 steps."""
+        twin, seed = (None if value is None else value + _OTHER_SEED * steps for value in (self.twin, self.seed))
+        return replace(self, twin=twin, seed=seed)
 
     def with_front(self) -> "Bay":
         """The same with nothing carved from the host's front."""
@@ -79,8 +86,6 @@ class Habits:
     """Share of kitchens, dining and living rooms without walls between them."""
     twins: float = 0.0
     """Share of equal rooms that are built alike."""
-    carved: float = 0.5
-    """Share of small rooms that stand on the corridor rather than behind their host."""
 
 
 def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generator) -> tuple[Run, ...]:
@@ -93,7 +98,7 @@ def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generat
     joined = list(chain.bays) if chain else []
     singles = _twins([_bay(label, rng) for label in left], habits, rng)
     bays = _carve(joined + singles, len(joined), small, rng)
-    runs = [Run((bay,)) for bay in bays[len(joined) :]]
+    runs = _rows(bays[len(joined) :])
     if chain is not None:
         runs.append(replace(chain, bays=tuple(bays[: len(joined)])))
     return tuple(runs[i] for i in rng.permutation(len(runs)))
@@ -149,6 +154,16 @@ def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Ba
     return out
 
 
+def _rows(bays: Sequence[Bay]) -> list[Run]:
+    """Twins stand side by side, at most `_ROW` of them: only in one band can they be alike to the centimetre."""
+    runs = [Run((bay,)) for bay in bays if bay.twin is None]
+    for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
+        alike = [bay for bay in bays if bay.twin == twin]
+        for i in range(0, len(alike), _ROW):
+            runs.append(Run(tuple(bay.apart(i) for bay in alike[i : i + _ROW])))
+    return runs
+
+
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
     """Give every small room a host; those for whom there is none get bays of their own.
 
@@ -156,23 +171,24 @@ def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Ge
     """
     out = list(bays)
     for label in small:
-        hosts = [i for i, bay in enumerate(out) if _takes(bay, label, i < joined)]
+        area = _draw_area(label, rng)
+        hosts = [i for i, bay in enumerate(out) if _takes(bay, label, area, i < joined)]
         likely = [i for i in hosts if out[i].labels[0] in SIZES[label].beside]
         if not hosts:
             out.append(_bay(label, rng))
             continue
         choice = likely or hosts
         i = choice[int(rng.integers(len(choice)))]
-        bay, area = out[i], _draw_area(label, rng)
+        bay = out[i]
         form: Form = "corner" if i < joined else _form(bay, label, rng)
         out[i] = replace(bay, labels=(*bay.labels, label), areas=(*bay.areas, area), form=form, twin=None, seed=None)
     return out
 
 
-def _takes(bay: Bay, label: str, joined: bool) -> bool:
-    if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels:
+def _takes(bay: Bay, label: str, area: float, joined: bool) -> bool:
+    if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels or bay.areas[0] < 2.2 * (area + sum(bay.areas[1:])):
         return False
-    return bay.form == "plain" or (not joined and bay.form == "corner" and bay.areas[0] >= 14.0)
+    return bay.form == "plain" or (not joined and bay.form == "corner")
 
 
 def _form(bay: Bay, label: str, rng: np.random.Generator) -> Form:

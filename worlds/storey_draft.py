@@ -14,6 +14,11 @@ from worlds.rectangles import Corner, Rect, Symmetry, contact, metres, outline
 from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
 from worlds.wings import Band, Shell
 
+_LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
+_LONGEST_HALL = 1100
+"""A longer hall is a corridor [cm]."""
+_NICHE = 60
+"""Corners of a spine are not nearer to each other [cm]."""
 _WAY = 100
 """Least wall between two rooms that are joined [cm]."""
 _OUTSIDE_FIRST = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
@@ -29,6 +34,8 @@ class Placed:
     width: int
     joint: Run | None
     """The run that joins it to the bay before it."""
+    wrap: int = 0
+    """How far its host reaches beyond the spine and round its end [cm]."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +102,7 @@ def draft_storey(
     draft = StoreyDraft()
     spine = _spine(draft, programme, shell, placed, cross_apart)
     if shell.stairs is not None:
-        _stairs(draft, shell, spine, level, storeys, programme.seed)
+        _stairs(draft, shell, spine, level, storeys)
     hosts = _bays(draft, shell, placed, spine)
     rect = shell.slot()
     if slot is not None and rect is not None:
@@ -119,45 +126,55 @@ def _spine(
     end = min(end, shell.length)
     arms = [shell.stairs_edge().rect(*arm) for arm in shell.stairs.arms()] if shell.stairs else []
     wing = [(x, c, x + shell.depths.cross, c + shell.depths.north + cross)] if cross else []
-    split = _hall_end(shell, placed, end) if programme.hall else 0
+    split = _hall_end(programme.hall, shell, placed, end) if programme.hall else 0
     parts = []
-    if split:
-        parts.append(draft.add(programme.hall or "", [(0, 0, split, c)], programme.seed))
+    if programme.hall and split:
+        in_hall = arms if _stairs_end(shell) <= split else []
+        parts.append(draft.add(programme.hall, [(0, 0, split, c), *in_hall]))
+        arms = [] if in_hall else arms
     main = [(split, 0, end, c), *arms] + ([] if cross_apart else wing)
-    parts.append(draft.add(programme.spine, main, programme.seed))
+    label = programme.hall if programme.hall and not split and end <= _LONGEST_HALL else programme.spine
+    parts.append(draft.add(label, main, programme.seed if programme.hall is None else None))
     if split:
-        draft.link(parts[0], parts[1], "open" if programme.seed is None else "cased")
+        draft.link(parts[0], parts[1], "open")
     if cross_apart and wing:
-        parts.append(draft.add(programme.spine, wing, programme.seed))
+        parts.append(draft.add(programme.spine, wing, None if programme.seed is None else programme.seed + 1))
         draft.link(parts[-2], parts[-1], "open")
     return parts
 
 
-def _hall_end(shell: Shell, placed: Sequence[Placed], end: int) -> int:
+def _stairs_end(shell: Shell) -> int:
+    """Where stairs in the north band end; far away if there are none."""
+    return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
+
+
+def _hall_end(hall: str, shell: Shell, placed: Sequence[Placed], end: int) -> int:
     """Where the entrance hall may end so that every bay keeps enough of one of the two for its door; 0: nowhere."""
     fronts = []
     for p in placed:
         if p.band not in ("west", "east"):
             r = shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)
             fronts.append((r[0], r[2], p.bay.form in ("plain", "inner")))
-    limit = end - 200
-    if shell.stairs and not shell.at_end:
-        limit = min(limit, shell.stairs_start)
-    limit = min(limit, shell.passage_start)
+    limit = min(end - 400, _LONGEST_HALL, shell.passage_start if shell.depths.cross else end)
+    least = max(250.0, 1e4 * _LEAST_HALL_M2.get(hall, 0.0) / shell.depths.spine)
+    beside = (shell.stairs_start, _stairs_end(shell)) if shell.stairs and not shell.at_end else (0, 0)
     for cut in sorted({hi for _, hi, _ in fronts}):
         in_pieces = [(max(cut - lo, hi - cut), whole) for lo, hi, whole in fronts if lo < cut < hi]
-        if 250 <= cut <= min(limit, 700) and all(longer >= 300 and whole for longer, whole in in_pieces):
+        if not all(longer >= 300 and whole for longer, whole in in_pieces):
+            continue
+        clear = cut in beside or not beside[0] - _NICHE < cut < beside[1] + _NICHE
+        if least <= cut <= limit and clear:
             return cut
     return 0
 
 
-def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, storeys: int, seed: int | None) -> None:
+def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, storeys: int) -> None:
     stairs, edge = shell.stairs, shell.stairs_edge()
     if stairs is None:
         return
-    room = draft.add(STAIRS, [edge.rect(*stairs.cell())], seed)
-    front = next(k for k in spine if draft.rooms[k].label == draft.rooms[spine[-1]].label)
+    room = draft.add(STAIRS, [edge.rect(*stairs.cell())])
     up, down = ((edge.point(*gap[:2]), edge.point(*gap[2:])) for gap in stairs.gaps())
+    front = max(spine, key=lambda k: contact(draft.rooms[k].rects, [edge.rect(*stairs.gaps()[0])]))
     if level + 1 < storeys:
         draft.gaps.append((front, room, "up", up))
     if level > 0:
@@ -170,6 +187,9 @@ def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[Placed], spine: Seq
     for p in placed:
         bay, depth = p.bay, shell.depths.of(p.band)
         rects = bay_rooms(bay, shell.edge(p.band), p.start, p.width, depth)
+        if p.wrap:
+            end = p.start + p.width
+            rects[0] += (shell.edge(p.band).rect(end, -shell.depths.spine, end + p.wrap, depth),)
         numbers = [
             draft.add(label, r, None if bay.seed is None else bay.seed + i)
             for i, (label, r) in enumerate(zip(bay.labels, rects, strict=True))
@@ -203,7 +223,7 @@ def _outside(
 
     places = sorted(south, key=wish)
     if programme.garden:
-        end = max(p.start + p.width for p, _ in south)
+        end = max(p.start + p.width + p.wrap for p, _ in south)
         garden = draft.add("garden", [edge.rect(0, depth, end, depth + int(rng.integers(360, 461)))])
         best = [host for p, host in places if wish((p, host)) < 3] or [host for _, host in places]
         draft.link(best[int(rng.integers(len(best)))], garden, "cased")

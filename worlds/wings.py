@@ -14,7 +14,7 @@ stand in the north band or at the main spine's end.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from worlds.bays import run_width
@@ -24,6 +24,9 @@ from worlds.rectangles import Edge, Rect
 
 Band = Literal["south", "north 0", "north 1", "north 2", "west", "east"]
 BANDS: tuple[Band, ...] = ("south", "north 0", "north 1", "north 2", "west", "east")
+_FROM_THE_EAST: tuple[Band, ...] = ("north 2", "north 1", "north 0")
+_LEAST_STEP = 60
+"""Between the ends of bands on either side of a spine [cm]."""
 _SHORTEST = 220
 """Least length of a spine that ends at stairs [cm]."""
 _ARM = 140
@@ -146,6 +149,19 @@ class Shell:
             return total
         return max(_SHORTEST, total - self.stairs.length, passage_end if self.depths.cross else 0)
 
+    def flush(self) -> "Shell":
+        """The same without small steps: ends of bands that lie nearly side by side do so."""
+        n = dict(self.lengths)
+        step = n["south"] - (self.passage_start + self.depths.cross + n["north 2"])
+        last = next((band for band in _FROM_THE_EAST if n[band]), None)
+        if -_LEAST_STEP < step < 0:
+            n["south"] -= step
+        elif 0 < step < _LEAST_STEP and last is not None:
+            n[last] += step
+        if abs(n["west"] - n["east"]) < _LEAST_STEP:
+            n["west"] = n["east"] = max(n["west"], n["east"])
+        return replace(self, lengths=n)
+
     def reach(self, band: Band, length: int) -> int:
         """How far east a band of that length goes; 0 for those along the second wing."""
         if band in ("west", "east"):
@@ -193,12 +209,18 @@ def distribute(runs: Sequence[Run], room: dict[Band, int], depths: Depths, kept:
     for i in order:
         run = runs[i]
 
-        area = sum(sum(bay.areas) for bay in run.bays)
-        # Rooms that a deep band would make too large go to a shallow one.
-        waste = {band: run_width(run, depths.of(band)) - area * 1e4 / depths.of(band) for band in left}
-        free = {band: left[band] - 2.0 * waste[band] for band in left}
+        width = {band: run_width(run, depths.of(band)) for band in left}
+        free = {
+            band: left[band] - 2.0 * (_misfit(run, depths.of(band)) + max(0, width[band] - left[band])) for band in left
+        }
         roomiest: Band = max(free, key=free.__getitem__)
         band = kept.get(i, roomiest)
         bands[band].append(run)
-        left[band] -= run_width(run, depths.of(band))
+        left[band] -= width[band]
     return bands
+
+
+def _misfit(run: Run, depth: int) -> float:
+    """How much wider a run is than its area wants, in a deep band, or than is good for its rooms, in a shallow one [cm]."""
+    wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
+    return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))
