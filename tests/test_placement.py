@@ -18,7 +18,7 @@ from worlds.labels import ROOM_LABELS, STAIRS
 from worlds.presets import sample_house
 from worlds.spec import LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
-BODY_M = 0.299
+BODY_M = 0.319
 
 
 def _seeded(seed):
@@ -89,8 +89,14 @@ HOARDED = ("living room 4.2 x 4.0", "kitchen 4.2 x 4.0", "L-shaped bedroom", "be
 
 
 @pytest.fixture(params=[*((name, 1.5) for name in STOREYS), *((name, 4.0) for name in HOARDED)], scope="module", ids=str)
-def furnished(request):
-    name, clutter = request.param
+def case(request):
+    """Name of a storey, clutter."""
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def furnished(case):
+    name, clutter = case
     return STOREYS[name], furnish(STOREYS[name], _seeded(5), clutter)
 
 
@@ -141,8 +147,8 @@ def test_openings_are_clear(furnished):
                     assert footprint.intersection(zone).area < 1e-3, f"{piece.id} is in the way"
 
 
-def test_a_body_gets_from_opening_to_opening_and_about_the_room(furnished):
-    storey, pieces = furnished
+def test_a_body_gets_from_opening_to_opening_and_about_the_room(case, furnished):
+    (_, clutter), (storey, pieces) = case, furnished
     for room, polygon, inside in _rooms(storey, pieces):
         solids = unary_union([_footprint(piece).buffer(BODY_M) for piece in inside if is_solid(piece.kind)])
         free = polygon.buffer(-0.05 - BODY_M, join_style="mitre").difference(solids)
@@ -150,7 +156,9 @@ def test_a_body_gets_from_opening_to_opening_and_about_the_room(furnished):
         doors = [LineString([o.start_m, o.end_m]).buffer(0.6) for o in storey.openings if room.id in o.rooms]
         through = [region for region in regions if all(region.intersects(door) for door in doors)]
         covered = max((region.buffer(BODY_M).area for region in through), default=0.0)
-        assert covered >= 0.35 * polygon.area, f"{room.id}: a body covers {covered:.1f} of {polygon.area:.1f} m²"
+        assert covered >= (0.35 if clutter < 2.0 else 0.24) * polygon.area, (
+            f"{room.id}: a body covers {covered:.1f} of {polygon.area:.1f} m²"
+        )
 
 
 def test_what_a_leaf_sweeps_is_empty(furnished):

@@ -126,7 +126,7 @@ def hand_basin(s: Size, rng: Generator) -> Parts:
 
 @furniture(
     "bathroom mirror",
-    width=(0.45, 0.65),
+    width=(0.36, 0.65),
     depth=(0.03, 0.05),
     height=(0.6, 0.8),
     rooms={"bathroom": (1, 1), "toilet": (1, 1)},

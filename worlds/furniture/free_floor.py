@@ -9,10 +9,12 @@ from jaxtyping import UInt8
 
 from worlds.furniture.room_shape import Point, Rectangle, RoomShape, grown
 
-BODY_RADIUS_M = 0.3
+BODY_RADIUS_M = 0.32
+"""More than the 0.25 m of a walker: the grid that it walks on, 10 cm wide and anywhere, has to have a way wherever this
+one has."""
 CELL_M = 0.1
 HALF_WALL_M = 0.05
-_REACH = round(BODY_RADIUS_M / CELL_M)
+_REACH = int(BODY_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
 """Blocked cells round the room's bounding box: windows round a place stay inside the grid."""
 _BODY = np.ones((2 * _REACH + 1,) * 2, np.uint8)
