@@ -125,7 +125,7 @@ def by_storey(
 ) -> list[list[str]]:
     """Share rooms among storeys: what has to be below, below, the rest evenly; no storey stays without a room.
 
-    There are at least as many rooms as storeys, the outdoor ones not counted.
+    There are at least as many rooms as storeys, the outdoor ones not counted, and at most as many balconies.
     """
     out: list[list[str]] = [[] for _ in range(storeys)]
     area = [0.0] * storeys
@@ -140,12 +140,11 @@ def by_storey(
     _fill_empty(out)
     out.sort(key=lambda own: (not set(own) & set(_BELOW), -_area(own)))
     _settle(out)
-    for label in labels:
-        if label == "garden":
-            out[0].append(label)
-        elif label == "balcony":
-            levels = [k for k in range(storeys) if k > 0 or "garden" not in labels] or [0]
-            out[levels[int(rng.integers(len(levels)))]].append(label)
+    out[0] += [label for label in labels if label == "garden"]
+    # A storey has at most one balcony, and the one with the garden is the last to get one.
+    levels = sorted(rng.permutation(storeys).tolist(), key=lambda k: k == 0 and "garden" in labels)
+    for level in levels[: labels.count("balcony")]:
+        out[level].append("balcony")
     return out
 
 
@@ -180,7 +179,8 @@ def _labels(kind: Kind, rooms: int, storeys: int, rng: np.random.Generator) -> l
     while len(order) < rooms:
         pool = pool or [kind.more[i] for i in rng.permutation(len(kind.more))]
         label = pool.pop()
-        if label not in _ONCE or label not in order:
+        most = storeys if label == "balcony" else 1 if label in _ONCE else rooms
+        if order.count(label) < most:
             order.append(label)
     drawn = order[:rooms]
     while sum(label not in OUTDOOR_LABELS for label in drawn) < storeys:
@@ -200,6 +200,8 @@ def _repeating(
     inside = [label for label in labels if label != "garden"]
     above = inside[:share] if equal else inside[len(inside) - share :]
     ground = [*inside[: len(inside) - share * (storeys - 1)], *["garden"] * (len(labels) - len(inside))]
+    if max(above.count("balcony"), ground.count("balcony")) > 1:
+        return None
     if not 0.0 < _area(above) <= _area(above if equal else ground):
         return None
     upper = _storey(above, kind.habits, rng, None)
@@ -228,4 +230,4 @@ def _around_a_living_room(
 def _storey(labels: Sequence[str], habits: Habits, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
     inside = [label for label in labels if label not in OUTDOOR_LABELS]
     runs = programme_runs(inside, habits, rng)
-    return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balconies=labels.count("balcony"))
+    return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balcony="balcony" in labels)

@@ -68,6 +68,8 @@ def sample_from_rooms(
     _check_storeys(storeys, sum(label not in OUTDOOR_LABELS for label in others))
     if others.count("garden") > 1:
         raise WorldsError(f"{others.count('garden')} gardens were asked for; a house has at most one")
+    if others.count("balcony") > storeys:
+        raise WorldsError(f"{others.count('balcony')} balconies were asked for; valid: at most one a storey ({storeys})")
     rngs = _generators(seed)
     habits = Habits(open_plan=0.5, twins=0.3)
     programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])

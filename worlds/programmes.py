@@ -74,7 +74,7 @@ class StoreyProgramme:
     hall: str | None = None
     """Label of the first stretch of the spine, where it has one of its own."""
     garden: bool = False
-    balconies: int = 0
+    balcony: bool = False
     seed: int | None = None
     """Of the spine, on floors that repeat."""
 
