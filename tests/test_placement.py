@@ -10,13 +10,16 @@ from shapely import affinity
 from shapely.geometry import LineString, Point, Polygon, box
 from shapely.ops import unary_union
 
-from worlds.furniture.placement import _kinds_for, furnish, is_solid, parts_of
+from worlds.errors import HouseError
+from worlds.furniture.catalogue import CATALOGUE
+from worlds.furniture.placement import _kinds_for, furnish, is_solid
 from worlds.furniture.registry import KINDS, furniture
 from worlds.furniture.room_plan import FLAT_M
 from worlds.furniture.ways import PASSAGE_M
+from worlds.house import build_house
 from worlds.labels import ROOM_LABELS, STAIRS
 from worlds.presets import sample_house
-from worlds.spec import LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
+from worlds.spec import FurnitureSpec, HouseSpec, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
 BODY_M = 0.319
 
@@ -211,10 +214,9 @@ def test_solid_pieces_are_square_to_the_walls(furnished):
         assert not is_solid(piece.kind) or abs(quarters - round(quarters)) < 1e-9
 
 
-def test_pieces_have_parts_and_unique_names(furnished):
+def test_pieces_have_unique_names_and_stairs_are_bare(furnished):
     storey, pieces = furnished
     assert len({piece.id for piece in pieces}) == len(pieces)
-    assert all(parts_of(piece) == parts_of(piece) != () for piece in pieces)
     assert not [piece for room, _, inside in _rooms(storey, pieces) if room.label == STAIRS for piece in inside]
 
 
@@ -315,6 +317,33 @@ def test_rooms_nearly_always_hold_what_makes_them(label, kinds):
     ]
     for kind in kinds:
         assert sum(kind in room for room in rooms) >= 9, kind
+
+
+def test_a_piece_that_cannot_be_is_named():
+    def house(**changes):
+        piece = {"id": "0.1.0 plant", "kind": "plant", "room": "hall", "size_m": (0.3, 0.3, 0.3), "yaw_rad": 0.0, "seed": 0}
+        given = FurnitureSpec(position_m=(-1.0, 1.0, 0.0), **piece | changes)
+        upper = STOREYS["office 4.2 x 4.0"]
+        ground = upper.model_copy(update={"furniture": (given,)})
+        renamed = tuple(room.model_copy(update={"id": f"upper {room.id}"}) for room in upper.rooms)
+        return HouseSpec(storeys=(ground, StoreySpec(rooms=renamed)))
+
+    with pytest.raises(HouseError, match=r"'0\.1\.0 plant'.*'throne'"):
+        build_house(house(kind="throne"))
+    taken = build_house(house()).furniture[-1].id
+    with pytest.raises(HouseError, match="unique"):
+        build_house(house(id=taken))
+
+
+def test_every_kind_finds_a_place_somewhere():
+    missing = dict(CATALOGUE)
+    for seed in range(20):
+        for label in sorted({label for kind in missing.values() for label in kind.rooms}):
+            size = (11.0, 6.0) if label in ("garden", "garage") else (6.0, 5.0) if seed % 2 else (4.2, 4.0)
+            storey = _pair(label, _rectangle(*size))
+            for piece in furnish(storey.model_copy(update={"rooms": storey.rooms[:1]}), _seeded(seed), 2.0):
+                missing.pop(piece.kind, None)
+    assert not missing
 
 
 def test_chairs_face_their_table():

@@ -13,5 +13,6 @@ To add a kind, write one function in the module of its theme (or a new module, n
             box((s.left + 0.08, s.right - 0.08), (s.front - 0.16, s.front - 0.01), (0.75, 0.77), WHITE, "keyboard"),
         )
 
+`rooms` says how many: 0.2 is an expected number, (1, 2) what the room always has, `Hoarded(0.5)` what only clutter brings.
 The rest (placement, truth, rendering, tests) follows from the catalogue.
 """

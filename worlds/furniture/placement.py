@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
-import numpy as np
 from numpy.random import Generator
 
 from worlds.furniture.candidates import candidates
 from worlds.furniture.catalogue import CATALOGUE, kind_of
 from worlds.furniture.counts import USUAL, appearances
 from worlds.furniture.draws import Draws, pool, stream_key
-from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Parts, Range, Size
+from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Range, Size
 from worlds.furniture.piece import Piece
 from worlds.furniture.room_plan import RoomPlan
 from worlds.labels import STAIRS
@@ -53,11 +52,6 @@ def furnish(
             if piece.since <= clutter
         ]
     return tuple(specs)
-
-
-def parts_of(spec: FurnitureSpec) -> Parts:
-    """The parts of a piece in its own frame. Raises `WorldsError` for an unknown kind."""
-    return kind_of(spec.kind).build(Size(*spec.size_m), np.random.default_rng(spec.seed))
 
 
 def is_solid(kind: str) -> bool:
