@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from worlds.building_kinds import KINDS, Kind, by_storey, draw_programmes, programmes_of
+from worlds.building_kinds import KINDS, Kind
 from worlds.errors import WorldsError
 from worlds.floor_plan import SLAB_M, Style, lay_out
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings import place_openings
 from worlds.openness import with_openness
 from worlds.programmes import Habits, StoreyProgramme
+from worlds.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.spec import HouseSpec, StoreySpec
 
 MAX_ROOMS_ASKED = 40

@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from worlds.bays import DOOR_FRONT, bay_rooms
+from worlds.bays import bay_rooms
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.layout import Link, StoreyLayout
@@ -17,13 +15,10 @@ from worlds.wings import Band, Shell
 _LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
 _LONGEST_HALL = 1100
 """A longer hall is a corridor [cm]."""
-_WIDEST_BALCONY, _LEAST_BALCONY = 500, 150
-"""[cm]"""
 _NICHE = 60
 """Corners of a spine are not nearer to each other [cm]."""
 _WAY = 100
 """Least wall between two rooms that are joined [cm]."""
-_OUTSIDE_FIRST = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
 
 
 @dataclass(frozen=True)
@@ -98,9 +93,8 @@ def draft_storey(
     placed: Sequence[Placed],
     slot: Run | None,
     cross_apart: bool,
-    rng: np.random.Generator,
-) -> StoreyDraft:
-    """All rooms of a storey: the spine first, then stairs, bays and what lies outside."""
+) -> tuple[StoreyDraft, list[int]]:
+    """All indoor rooms of a storey: the spine first, then stairs, then bays; and the numbers of the bays' hosts."""
     draft = StoreyDraft()
     spine = _spine(draft, programme, shell, placed, cross_apart)
     if shell.stairs is not None:
@@ -110,8 +104,7 @@ def draft_storey(
     if slot is not None and rect is not None:
         room = draft.add(slot.bays[0].labels[0], [rect], slot.bays[0].seed)
         draft.link(draft.nearest(room, spine), room)
-    _outside(draft, programme, shell, placed, hosts, rng)
-    return draft
+    return draft, hosts
 
 
 def _spine(
@@ -205,51 +198,3 @@ def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[Placed], spine: Seq
             draft.link(hosts[-1], host, p.joint.joint)
         hosts.append(host)
     return hosts
-
-
-def _outside(
-    draft: StoreyDraft,
-    programme: StoreyProgramme,
-    shell: Shell,
-    placed: Sequence[Placed],
-    hosts: Sequence[int],
-    rng: np.random.Generator,
-) -> None:
-    """A garden all along the south, a balcony behind some room."""
-    depth, edge, first = shell.depths.south, shell.edge("south"), 0
-    open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
-    backs = [(p, host) for p, host in zip(placed, hosts, strict=True) if p.band in open_bands]
-    if programme.balcony:
-        backs.sort(key=lambda pair: _wish(pair, programme.garden))
-        p, host = backs[0]
-        wide = min(p.width, _WIDEST_BALCONY)
-        start = p.start + (p.width - wide) // 2
-        if programme.garden and p.band == "south":
-            # Both have to share the south side.
-            p, host = next(pair for pair in backs if pair[0].band == "south" and pair[0].start == 0)
-            start, wide = 0, max(_LEAST_BALCONY, p.width // 3)
-            first = wide
-        out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
-        balcony = draft.add("balcony", [shell.edge(p.band).rect(start, out, start + wide, out + away)])
-        draft.link(_behind(draft, balcony, host), balcony)
-    if programme.garden:
-        south = [(p, host) for p, host in backs if p.band == "south"]
-        end = max(p.start + p.width + p.wrap for p, _ in south)
-        garden = draft.add("garden", [edge.rect(first, depth, end, depth + int(rng.integers(360, 461)))])
-        south.sort(key=lambda pair: _wish(pair, False))
-        best = [host for p, host in south if p.bay.labels[0] in _OUTSIDE_FIRST[:3]] or [host for _, host in south]
-        draft.link(_behind(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
-
-
-def _wish(pair: tuple[Placed, int], south_last: bool) -> tuple[bool, int]:
-    """How little a bay asks for a place outside."""
-    label = pair[0].bay.labels[0]
-    rank = _OUTSIDE_FIRST.index(label) if label in _OUTSIDE_FIRST else len(_OUTSIDE_FIRST)
-    return south_last and pair[0].band == "south", rank
-
-
-def _behind(draft: StoreyDraft, outside: int, host: int) -> int:
-    """The room that leads outside: the host, unless what is carved from its back leaves it no wall there."""
-    if contact(draft.rooms[outside].rects, draft.rooms[host].rects) >= DOOR_FRONT:
-        return host
-    return draft.nearest(outside, range(outside))
