@@ -53,12 +53,14 @@ def sides(room):
     "strategy",
     [
         houses(max_storeys=3, doors=("no leaf", "open", "ajar", "closed")),
-        houses(min_rooms=9, max_rooms=16, labels=("garden", "corridor", "balcony")),
+        houses(min_rooms=9, max_rooms=16, max_storeys=1, labels=("garden", "corridor", "balcony")),
+        houses(min_rooms=20, max_rooms=30, max_storeys=4),
         open_plans(),
         room_pairs(),
     ],
-    ids=["houses", "many rooms", "open plans", "pairs"],
+    ids=["houses", "gardens", "many rooms", "open plans", "pairs"],
 )
+@settings(max_examples=25)
 @given(data=st.data())
 def test_every_drawn_house_stands_and_can_be_walked(strategy, data):
     spec = data.draw(strategy)
@@ -139,6 +141,7 @@ def test_the_number_of_rooms_shrinks_to_exactly_what_fails():
         (houses, {"labels": "kitchen"}, "labels='kitchen' is not a list"),
         (houses, {"labels": []}, "labels="),
         (houses, {"labels": ["stairs"]}, "labels has 'stairs'; valid: kitchen"),
+        (houses, {"labels": ["garden"]}, "labels has 'garden', which bears no storey; valid with max_storeys=1 only"),
         (room_pairs, {"kinds": ["window"]}, f"kinds has 'window'; valid: {', '.join(KINDS)}"),
         (room_pairs, {"doors": ["locked"]}, "doors has 'locked'; valid: no leaf, open, ajar, closed"),
         (houses, {"openness": (0.6, 0.2)}, "openness=(0.6, 0.2) is not a range within 0 ... 1"),

@@ -2,7 +2,8 @@
 
     row 1  | room | room    |          The first room of a row starts at x = 0, on top of the first room of the row below;
     -------+------+---+-----+          the others follow to its east. Whatever is said about the rooms, the house stands and
-    stairs | room     | room|  row 0   can be walked; leaving a room out changes nothing about the rooms before it.
+    stairs | room     | room|  row 0   can be walked; leaving a room out changes nothing about the rooms before it. A storey
+                                       that bears another is a full rectangle as large as that one.
 
 `worlds.strategies` draws the sayings. All arithmetic is in whole decimetres, so that walls meet exactly.
 """
@@ -23,6 +24,11 @@ MIN_SIZE_DM = 20
 MIN_WIDTH_DM, MAX_DOOR_DM = 8, 10
 _MIN_CONTACT_DM = 7
 """Where two rooms touch, they share at least so much wall: enough to leave it out and walk through."""
+_MIN_GAP_DM = 4
+"""Rooms are flush or differ by so much."""
+_MIN_STEM_DM = 12
+"""A wall that is at least so long has room for a door."""
+_ROW_DM, _STACK_DM = 240, 360
 _MARGIN_DM = 2
 _STAIRS_DM = 34
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
@@ -82,11 +88,11 @@ def grow(
             floors.append([])
         floors[-1].append(saying)
     bare = {"furniture": ()} if clutter is None else {}
-    storeys, count = [], 0
-    for level, floor in enumerate(floors):
-        plan = _Plan.of(floor, first_number=count + 1)
-        count += len(floor)
-        storeys.append(plan.storey(level, len(floors), min_openness, bare))
+    plans: list[_Plan] = []
+    for level in reversed(range(len(floors))):
+        first_number = 1 + sum(map(len, floors[:level]))
+        plans.insert(0, _Plan.of(floors[level], first_number, plans[0].extent if plans else (0, 0)))
+    storeys = [plan.storey(level, len(plans), min_openness, bare) for level, plan in enumerate(plans)]
     return HouseSpec(name="grown", clutter=1.0 if clutter is None else clutter, storeys=tuple(storeys))
 
 
@@ -162,17 +168,30 @@ class _Plan:
     height_m: float
 
     @staticmethod
-    def of(sayings: Sequence[GrownRoom], first_number: int) -> "_Plan":
+    def of(sayings: Sequence[GrownRoom], first_number: int, bears: tuple[int, int]) -> "_Plan":
+        """The plan of a storey that bears one of a width and depth [dm]."""
         rows: list[list[_Placed]] = []
         contacts: list[_Contact] = []
-        for number, saying in enumerate(sayings, start=first_number):
-            if not rows or saying.start == "row":
-                rows.append([])
-            below = [room for room in rows[-2] if room.box[3] == rows[-2][0].box[3]] if len(rows) > 1 else []
-            room = _place(f"{saying.label} {number}", saying, rows[-1], below)
-            contacts += _contacts(room, rows[-1][-1] if rows[-1] else None, below)
-            rows[-1].append(room)
+        y0, number, grouped = 0, first_number, _rows(sayings)
+        for row in grouped:
+            depth = row[0].depth_dm if row is not grouped[-1] else max(row[0].depth_dm, bears[1] - y0)
+            below = [room for room in rows[-1] if room.box[3] == y0] if rows else []
+            rows.append([])
+            for saying in row:
+                x0 = rows[-1][-1].box[2] if rows[-1] else 0
+                least = bears[0] if saying is row[-1] else 0
+                box = (x0, y0, _east(max(x0 + saying.width_dm, least), below), y0 + depth)
+                room = _placed(f"{saying.label} {number}", saying, box, solid=bears > (0, 0), first=not rows[-1])
+                contacts += _contacts(room, rows[-1][-1] if rows[-1] else None, below)
+                rows[-1].append(room)
+                number += 1
+            y0 += depth
         return _Plan(tuple(room for row in rows for room in row), tuple(contacts), sayings[0].height_m)
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """Width and depth of the storey [dm]."""
+        return max(room.box[2] for room in self.rooms), max(room.box[3] for room in self.rooms)
 
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
         rooms = [RoomSpec(id=room.id, label=room.saying.label, polygon_m=room.polygon) for room in self.rooms]
@@ -196,24 +215,46 @@ class _Plan:
         return StoreySpec(height_m=self.height_m, rooms=tuple(rooms), openings=tuple(openings), **more)  # type: ignore[arg-type]
 
 
-def _place(name: str, saying: GrownRoom, row: Sequence[_Placed], below: Sequence[_Placed]) -> _Placed:
-    x0, y0 = (row[-1].box[2], row[0].box[1]) if row else (0, below[0].box[3] if below else 0)
-    x1 = x0 + saying.width_dm
-    # Rooms touch along a good piece of wall or not at all: an opening fits wherever two rooms meet.
+def _rows(sayings: Sequence[GrownRoom]) -> list[list[GrownRoom]]:
+    """Which rooms stand in which row. Neither rows nor stacks of them grow without end."""
+    rows: list[list[GrownRoom]] = []
+    for saying in sayings:
+        full = bool(rows) and sum(room.width_dm for room in rows[-1]) >= _ROW_DM
+        deep = sum(row[0].depth_dm for row in rows) >= _STACK_DM
+        if not rows or full or (saying.start == "row" and not deep):
+            rows.append([])
+        rows[-1].append(saying)
+    return rows
+
+
+def _east(x1: int, below: Sequence["_Placed"]) -> int:
+    """Where a room ends that reaches to `x1` or a little farther.
+
+    Rooms touch along a good piece of wall or not at all, so that an opening fits wherever two rooms meet.
+    """
     ends = [end for room in below for end in room.top]
     while any(0 < abs(x1 - end) < _MIN_CONTACT_DM for end in ends):
         x1 += 1
-    depth = min(saying.depth_dm, row[0].box[3] - y0) if row else saying.depth_dm
+    return x1
+
+
+def _placed(name: str, saying: GrownRoom, box: Box, *, solid: bool, first: bool) -> _Placed:
+    """A room in its row. A first room is as deep as its row; in a storey that bears another, all are, without notches."""
+    x0, y0, x1, y1 = box
+    if solid:
+        return _Placed(name, saying, box, notch_east=False, notch_west=False)
+    if not first and y1 - (y0 + saying.depth_dm) >= _MIN_GAP_DM:
+        y1 = y0 + saying.depth_dm
     stem = (x1 - x0) - 2 * ((x1 - x0) // 3)
-    is_t = saying.shape == "T" and bool(row) and stem >= 12
-    return _Placed(name, saying, (x0, y0, x1, y0 + depth), notch_east=saying.shape == "L" or is_t, notch_west=is_t)
+    is_t = saying.shape == "T" and not first and stem >= _MIN_STEM_DM
+    return _Placed(name, saying, (x0, y0, x1, y1), notch_east=saying.shape == "L" or is_t, notch_west=is_t)
 
 
 def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> list[_Contact]:
     x0, y0, x1, _ = room.box
     spans = [(other, max(x0, other.top[0]), min(x1, other.top[1])) for other in below]
     south = sorted((span for span in spans if span[2] > span[1]), key=lambda span: span[1] - span[2])
-    from_south = bool(south) and (west is None or (room.saying.from_south and south[0][2] - south[0][1] >= 12))
+    from_south = bool(south) and (west is None or (room.saying.from_south and south[0][2] - south[0][1] >= _MIN_STEM_DM))
     contacts = []
     if west is not None:
         way = room.saying.other if from_south else room.saying.way_in

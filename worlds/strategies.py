@@ -45,7 +45,7 @@ def houses(
         max_rooms: at most 40.
         max_storeys: at most 4; houses of several storeys have one staircase through all of them.
         furnished: whether `build_house` fills in furniture; its amount is drawn.
-        labels: what the rooms can be, the simplest first.
+        labels: what the rooms can be, the simplest first; gardens and balconies in one-storey houses only.
         kinds: what can be in the walls, the simplest first; where nobody could walk through, there is a door beside it.
         doors: how door leaves can stand, the simplest first; "closed" doors end a walk that cannot open them.
         openness: if given, inner walls are opened or closed with doors (see `worlds.openness`) until the house's openness
@@ -56,6 +56,9 @@ def houses(
     _check_bool("furnished", furnished)
     starts: tuple[Start, ...] = ("beside", "row", "storey") if max_storeys > 1 else ("beside", "row")
     room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), starts)
+    outdoor = [label for label in labels if label in OUTDOOR_LABELS]
+    if outdoor and max_storeys > 1:
+        raise InvalidArgument(f"labels has {outdoor[0]!r}, which bears no storey; valid with max_storeys=1 only")
     clutter = {"clutter": st.sampled_from(_CLUTTER)} if furnished else {}
     rooms = st.lists(room, min_size=min_rooms, max_size=max_rooms)
     drawn = st.builds(grow, rooms, max_storeys=st.just(max_storeys), **clutter)
