@@ -44,4 +44,5 @@ def _old_enough(query: Keyframe, graph: PoseGraph, config: PlaceRecognitionConfi
     stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
     seconds = query.stamp - stamps
     metres = graph.path_m[query.id] - graph.path_m
-    return np.asarray((seconds >= config.min_gap_s) & (metres >= config.min_gap_m) & (stamps < query.stamp))
+    # Within a microsecond: stamps of recordings are rounded, and a gap at the limit must not depend on how.
+    return np.asarray((seconds >= config.min_gap_s - 1e-6) & (metres >= config.min_gap_m) & (stamps < query.stamp))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.quaternions import pose_rows, poses_of
 from lexis.types import Camera, Image, Observation
 from sim.camera import CameraRenderer, fovy_deg
 from sim.errors import SimError
@@ -52,10 +53,11 @@ class Session:
         return len(self.tour.stamps)
 
     def __iter__(self) -> Iterator[tuple[Observation, Truth]]:
-        odometry = self.odometry
+        # As quaternions, which is how odometry comes: a recording of the run then gives the same poses, bit by bit.
+        T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
         for i, image in enumerate(self._images()):
             stamp = float(self.tour.stamps[i])
-            yield Observation(i, stamp, image, odometry.T_O_B[i], odometry.increment_covariance[i]), self.truths[i]
+            yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
     def _images(self) -> Iterator[Image]:
         with ThreadPoolExecutor(max_workers=1) as thread:

@@ -12,12 +12,9 @@ from lexis.encoder import Encoder, load_encoder
 from lexis.slam import Slam
 from lexis.types import LexisMap
 from sim.harness.config import RunConfig
-from sim.odometry import PRESETS as ODOMETRY_PRESETS
-from sim.odometry import simulate_odometry
+from sim.harness.walk import walk
 from sim.session import Session
-from sim.tour import plan_tour
-from worlds.house import House, build_house
-from worlds.validation import validate
+from worlds.house import House
 from worlds.walkable import Walkable
 
 
@@ -76,24 +73,19 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     `SimError` or `LexisError` where the config asks for what cannot be.
     """
     encoder = encoder or load_encoder(config.encoder)
-    streams = config.streams()
     seconds: dict[str, float] = {}
     with _timed(seconds, "house_s"):
-        house = build_house(config.house_spec())
-        validate(house)
-        walkable = Walkable(house)
-        tour = plan_tour(house, walkable, streams["tour"], config.tour())
-    odometry = simulate_odometry(tour.T_W_B, tour.stamps, ODOMETRY_PRESETS[config.odometry], streams["odometry"])
+        walked = walk(config)
     with _timed(seconds, "scene_s"):
-        session = Session(house, tour, odometry, config.camera)
-    slam = Slam(config.camera, encoder, house.spec.room_labels, config.slam_config())
+        session = Session(walked.house, walked.tour, walked.odometry, config.camera)
+    slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
     for observation, _ in session:
         slam.process(observation)
         if progress is not None:
             progress((observation.index + 1) / len(session))
     lexis_map = slam.finish()
     seconds["render_s"] = session.render_seconds
-    return Run(config, house, walkable, session, lexis_map, seconds)
+    return Run(config, walked.house, walked.walkable, session, lexis_map, seconds)
 
 
 @contextmanager

@@ -1,0 +1,50 @@
+"""Rotations as unit quaternions x y z w that give the same matrix, bit by bit, however often they are written and read.
+
+A matrix does not survive the way through a quaternion by itself: rounding moves its last digits every time. Here all
+components but one are multiples of 2**-40, which rounding errors cannot hide; that turns a rotation by 1e-12 rad at most,
+and after the first time by nothing.
+"""
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.spatial.transform import Rotation
+
+from lexis.types import Poses
+
+Quaternions = Float64[np.ndarray, "n 4"]
+
+_GRID = 2.0**40
+_LARGE = 0.49
+"""Some component of every unit quaternion is larger."""
+
+
+def as_quaternions(rotations: Float64[np.ndarray, "n 3 3"]) -> Quaternions:
+    """Unit quaternions x y z w, with w >= 0, of rotations that are orthonormal within 1e-6."""
+    if not len(rotations):
+        return np.zeros((0, 4))
+    exact = Rotation.from_matrix(rotations).as_quat(canonical=True)
+    row = np.arange(len(exact))
+    follows = np.argmax(np.abs(exact[:, ::-1]) >= _LARGE, axis=1)  # w if it is large, else z, else y, else x
+    sign = np.copysign(1.0, exact[row, 3 - follows])
+    result = np.round(exact * _GRID) / _GRID
+    result[row, 3 - follows] = 0.0
+    result[row, 3 - follows] = sign * np.sqrt(1.0 - np.square(result).sum(axis=1))
+    return result
+
+
+def as_rotations(quaternions: Quaternions) -> Float64[np.ndarray, "n 3 3"]:
+    """Rotation matrices of quaternions x y z w."""
+    return Rotation.from_quat(quaternions).as_matrix() if len(quaternions) else np.zeros((0, 3, 3))
+
+
+def pose_rows(poses: Poses) -> Float64[np.ndarray, "n 7"]:
+    """Poses as rows of tx ty tz qx qy qz qw [m]."""
+    return np.column_stack([poses[:, :3, 3], as_quaternions(poses[:, :3, :3])])
+
+
+def poses_of(rows: Float64[np.ndarray, "n 7"]) -> Poses:
+    """The poses of rows of tx ty tz qx qy qz qw [m]; gives `pose_rows` the same rows back."""
+    poses = np.tile(np.eye(4), (len(rows), 1, 1))
+    poses[:, :3, :3] = as_rotations(rows[:, 3:])
+    poses[:, :3, 3] = rows[:, :3]
+    return poses

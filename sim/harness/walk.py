@@ -1,0 +1,32 @@
+"""What a run and a recording of it share: the house, the way through it, and the odometry along that way."""
+
+from dataclasses import dataclass
+
+from sim.harness.config import RunConfig
+from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from sim.odometry import Odometry, simulate_odometry
+from sim.tour import Tour, plan_tour
+from worlds.house import House, build_house
+from worlds.validation import validate
+from worlds.walkable import Walkable
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """A walk through a house before anything is seen on it."""
+
+    house: House
+    walkable: Walkable
+    tour: Tour
+    odometry: Odometry
+
+
+def walk(config: RunConfig) -> Walk:
+    """The walk that `config` describes. Raises `WorldsError` or `SimError` where it asks for what cannot be."""
+    streams = config.streams()
+    house = build_house(config.house_spec())
+    validate(house)
+    walkable = Walkable(house)
+    tour = plan_tour(house, walkable, streams["tour"], config.tour())
+    odometry = simulate_odometry(tour.T_W_B, tour.stamps, ODOMETRY_PRESETS[config.odometry], streams["odometry"])
+    return Walk(house, walkable, tour, odometry)
