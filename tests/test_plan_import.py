@@ -1,0 +1,205 @@
+"""Plans drawn elsewhere: our own come back as they were, sloppy ones are put right, and what cannot be meant is refused."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from worlds.errors import SpecError, WorldsError
+from worlds.plan_import import import_plan, to_geojson
+from worlds.presets import sample_house
+
+LEFT, RIGHT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [8, 0], [8, 3], [4, 3]]
+DOOR = {"type": "Feature", "properties": {"kind": "door"}, "geometry": {"type": "Point", "coordinates": [4.1, 1.5]}}
+
+
+def room(label, corners, **properties):
+    ring = [*corners, corners[0]]
+    return {
+        "type": "Feature",
+        "properties": {"label": label, **properties},
+        "geometry": {"type": "Polygon", "coordinates": [ring]},
+    }
+
+
+def written(tmp_path, *features):
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def svg(tmp_path, body, head='data-metres-per-unit="0.01"'):
+    path = tmp_path / "plan.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>')
+    return path
+
+
+def refusal(path, **options):
+    with pytest.raises(WorldsError) as error:
+        import_plan(path, **options)
+    assert str(error.value).startswith(str(path)) and "\n" not in str(error.value)
+    return str(error.value)
+
+
+def rooms(spec):
+    return {r.id: (level, r.label, r.polygon_m) for level, storey in enumerate(spec.storeys) for r in storey.rooms}
+
+
+def gaps(spec):
+    return {
+        (level, frozenset(o.rooms), o.kind, frozenset([o.start_m, o.end_m]), o.leaf, o.leads, o.height_m)
+        for level, storey in enumerate(spec.storeys)
+        for o in storey.openings
+    }
+
+
+def corners_of(spec):
+    """Every room's corners, wherever its polygon starts."""
+    return {name: (level, label, frozenset(polygon)) for name, (level, label, polygon) in rooms(spec).items()}
+
+
+@pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt", "random"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_we_export_comes_back(tmp_path, preset, seed):
+    house = sample_house(preset, seed)
+    path = tmp_path / "plan.geojson"
+    path.write_text(to_geojson(house))
+    back = import_plan(path).spec
+    assert corners_of(back) == corners_of(house)
+    assert gaps(back) == gaps(house)
+    assert [storey.height_m for storey in back.storeys] == [storey.height_m for storey in house.storeys]
+
+
+def test_a_turned_sloppy_plan_in_map_coordinates_is_put_right(tmp_path):
+    rng, angle = np.random.default_rng(3), math.radians(17.0)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+    def sloppy(points):
+        points = np.array(points) + rng.uniform(-0.015, 0.015, (len(points), 2))
+        return (points @ turn.T + [451_000.0, 5_000_000.0]).tolist()
+
+    door = {**DOOR, "geometry": {"type": "LineString", "coordinates": sloppy([[4.2, 1.0], [4.2, 1.9]])}}
+    plan = import_plan(written(tmp_path, room("kitchen", sloppy(LEFT)), room("office", sloppy(RIGHT)), door))
+    (storey,) = plan.spec.storeys
+    sizes = [np.ptp(np.array(r.polygon_m), axis=0) for r in storey.rooms]
+    assert np.allclose(sizes, [[4, 3], [4, 3]], atol=0.05)
+    assert storey.openings[0].width_m == pytest.approx(0.9, abs=0.05)
+    assert any("turned by -17" in note or "turned by -16.9" in note for note in plan.notes) and any(
+        "moved by" in note for note in plan.notes
+    )
+
+
+def test_without_doors_every_room_is_reached_through_the_corridor(tmp_path):
+    corridor = room("Hallway", [[0, 3], [8, 3], [8, 5], [0, 5]])
+    plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), corridor))
+    assert [set(o.rooms) for o in plan.spec.storeys[0].openings] == [{"corridor", "kitchen"}, {"corridor", "office"}]
+    assert plan.notes == ("no openings are drawn: 2 were made up, so that every room can be reached",)
+
+
+def test_stairs_get_their_openings_too(tmp_path):
+    cell = [[-3.4, 0], [0, 0], [0, 2], [-3.4, 2]]
+    storeys = [room(label, c, storey=k) for k in (0, 1) for label, c in (("stairs", cell), ("corridor", LEFT))]
+    spec = import_plan(written(tmp_path, *storeys)).spec
+    assert [[o.leads for o in storey.openings] for storey in spec.storeys] == [["up"], ["down"]]
+
+
+def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_path):
+    apart = [[x + 0.12, y] for x, y in RIGHT]
+    path = written(tmp_path, room("kitchen", LEFT), room("office", apart), DOOR)
+    assert "no wall between two rooms" in refusal(path) or "gap" in refusal(path)
+    (storey,) = import_plan(path, snap_m=0.15).spec.storeys
+    assert {x for r in storey.rooms for x, _ in r.polygon_m} == {0.0, 4.06, 8.12}
+
+
+def test_svg_shapes_transforms_and_y_down(tmp_path):
+    body = """
+      <g id="storey-0" transform="translate(100 50)">
+        <rect id="kitchen_1" width="400" height="300"/>
+        <path data-label="office" data-name="my office" d="M400 0 h400 V300 l-400,0 z"/>
+        <line class="door" x1="400" y1="100" x2="400" y2="190"/>
+        <text>a note</text><circle r="3"/><path d="M0 0 C 1 1 2 2 3 3"/>
+      </g>"""
+    plan = import_plan(svg(tmp_path, body))
+    kitchen, office = plan.spec.storeys[0].rooms
+    assert (kitchen.id, office.id) == ("kitchen", "my office")
+    assert set(kitchen.polygon_m) == {(1.0, -3.5), (5.0, -3.5), (5.0, -0.5), (1.0, -0.5)}
+    (door,) = plan.spec.storeys[0].openings
+    assert {door.start_m, door.end_m} == {(5.0, -1.5), (5.0, -2.4)}
+    assert plan.notes == ("1 shapes that say neither a label nor a kind were passed over",)
+
+
+@pytest.mark.parametrize(
+    ("features", "message"),
+    [
+        ([room("kitchn", LEFT)], "features[0]: unknown label 'kitchn' (did you mean 'kitchen'?)"),
+        (
+            [room("gym", [[0, 0], [4, 0], [5, 3], [0, 3]], name="my gym")],
+            "features[0] ('my gym'): the wall from corner 1 (4.00",
+        ),
+        ([room("gym", [[0, 0], [4e-5, 0], [4e-5, 3e-5], [0, 3e-5]])], "at least 4 corners farther apart"),
+        ([room("gym", LEFT), room("office", [[3, 0], [8, 0], [8, 3], [3, 3]]), DOOR], "overlap"),
+        ([room("gym", LEFT), room("office", [[9, 0], [12, 0], [12, 3], [9, 3]])], "not reachable"),
+        ([room("gym", LEFT, storey=9)], "features[0]: storey '9'; valid: 0 (the lowest) to 7"),
+        ([room("gym", LEFT, storey=1)], "no rooms on storey 0"),
+        ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is no pair of coordinates"),
+        ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
+        ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
+        ([room("gym", LEFT)] * 201, "has 201 rooms"),
+    ],
+)
+def test_drawings_that_cannot_be_meant_are_refused_with_their_place(tmp_path, features, message):
+    assert message in refusal(written(tmp_path, *features))
+
+
+def test_a_door_far_from_any_wall_is_refused_and_one_to_the_outside_left_out(tmp_path):
+    pair = room("gym", LEFT), room("office", RIGHT)
+
+    def door(x, y):
+        return {**DOOR, "geometry": {"type": "Point", "coordinates": [x, y]}}
+
+    assert "no wall between two rooms is within 0.3 m of the door at (2.00, 1.50) m" in refusal(
+        written(tmp_path, *pair, DOOR, door(2, 1.5))
+    )
+    plan = import_plan(written(tmp_path, *pair, DOOR, door(2, 0)))
+    assert plan.notes == ("features[3]: leads out of the house; left out",) and len(plan.spec.storeys[0].openings) == 1
+
+
+BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (BOMB + "<svg>&b;</svg>", "document type definition"),
+        ('<!DOCTYPE svg SYSTEM "file:///etc/passwd"><svg/>', "document type definition"),
+        ("<svg>" + "<g>" * 200, "nested deeper than 100"),
+        ("<svg>" + "<g/>" * 100_001 + "</svg>", "more than 100000"),
+        ("<html/>", "outermost element is <html>"),
+        ("<svg><g></svg>", "is not SVG: mismatched tag at line 1"),
+        ("<svg/>", "does not say its scale"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0 C 1 1 2 2 3 3 Z"/></svg>', "has a curve (C)"),
+        ('<svg data-metres-per-unit="1"><rect id="gym" width="5cm" height="3"/></svg>', "width is '5cm'"),
+        ('<svg data-metres-per-unit="1"><rect id="gym" width="5" height="3" transform="skewX(3)"/></svg>', "skewX"),
+        (" " * 16_000_001, "larger than 16 MB"),
+    ],
+)
+def test_hostile_and_broken_svg_is_refused(tmp_path, text, message):
+    path = tmp_path / "plan.svg"
+    path.write_text(text)
+    assert message in refusal(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"features": 3}', "[" * 100_000, '{"features": [null, 3, {}]}'])
+def test_broken_geojson_is_refused(tmp_path, text):
+    path = tmp_path / "plan.geojson"
+    path.write_text(text)
+    refusal(path)
+
+
+def test_files_of_other_kinds_and_senseless_scales_are_refused(tmp_path):
+    assert "valid: .svg, .geojson, .json" in refusal(tmp_path / "plan.dxf")
+    assert "cannot be read" in refusal(tmp_path / "missing.svg")
+    for options in ({"metres_per_unit": 0.0}, {"metres_per_unit": math.nan}, {"snap_m": 1.0}):
+        with pytest.raises(SpecError, match="valid:"):
+            import_plan("plan.svg", **options)

@@ -1,0 +1,126 @@
+"""A floor plan as somebody drew it: polygons and strokes that are nearly, but not quite, a house."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from worlds.errors import SpecError
+from worlds.labels import ROOM_LABELS
+from worlds.spec import MAX_ROOMS, OpeningKind, Point
+from worlds.spec_errors import MAX_JSON_BYTES, near
+
+MAX_STROKES = 3200
+MAX_STOREYS = 8
+_SYNONYMS = {
+    "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
+    "foyer": "entrance hall", "entrance": "entrance hall", "lounge": "living room", "living": "living room",
+    "dining": "dining room", "study": "office", "staircase": "stairs", "stairwell": "stairs", "laundry": "laundry room",
+    "storage": "storage room", "terrace": "balcony", "nursery": "children's room", "lab": "laboratory", "yard": "garden",
+}  # fmt: skip
+_KIND_SYNONYMS: dict[str, OpeningKind] = {"doorway": "door", "passage": "cased", "opening": "cased", "hatch": "counter"}
+
+
+@dataclass(frozen=True)
+class DrawnRoom:
+    """A room's outline."""
+
+    where: str
+    """Its place in the file, for messages."""
+    name: str
+    """Empty: none was given."""
+    label: str
+    storey: int
+    corners: tuple[Point, ...]
+    """Without the first again at the end; either way round [m]."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Something drawn on a wall: a door or another opening."""
+
+    where: str
+    kind: OpeningKind
+    storey: int
+    points: tuple[Point, ...]
+    """One (its middle) or both ends [m]."""
+    details: tuple[tuple[str, Any], ...] = ()
+    """Further fields of `OpeningSpec`; those of `leaf` have the rooms' names as drawn."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """All that a file says, in metres, x right and y up."""
+
+    rooms: tuple[DrawnRoom, ...]
+    strokes: tuple[Stroke, ...]
+    heights_m: tuple[tuple[int, float], ...] = ()
+    """Storeys whose height is given."""
+    notes: tuple[str, ...] = ()
+
+
+def read_text(path: Path) -> str:
+    """A file of at most 16 MB. Raises `SpecError`."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_JSON_BYTES + 1)
+        if len(data) > MAX_JSON_BYTES:
+            raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB")
+        return data.decode("utf-8-sig")
+    except OSError as error:
+        raise SpecError(f"cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SpecError("is not text in UTF-8") from None
+
+
+def words(text: str) -> str:
+    """A name without case, underscores and the number at its end: "Office_2" is an office."""
+    return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
+
+
+def find_label(text: str) -> str | None:
+    """The room label that a text means, if any."""
+    plain = words(text)
+    known = {label.replace("-", " "): label for label in ROOM_LABELS}
+    return known.get(plain.replace("-", " ")) or _SYNONYMS.get(plain)
+
+
+def label_of(where: str, text: str) -> str:
+    """The room label that a text means. Raises `SpecError`."""
+    if (label := find_label(text)) is None:
+        guess = near(words(text), ROOM_LABELS)
+        raise SpecError(f"{where}: unknown label {text[:60]!r}{guess}; valid: {', '.join(ROOM_LABELS)}")
+    return label
+
+
+def find_kind(text: str) -> OpeningKind | None:
+    """The kind of opening that a text means, if any."""
+    plain = words(text).replace("-", " ")
+    kinds: dict[str, OpeningKind] = {kind: kind for kind in get_args(OpeningKind)}
+    return kinds.get(plain) or _KIND_SYNONYMS.get(plain)
+
+
+def kind_of(where: str, text: str) -> OpeningKind:
+    """The kind of opening that a text means. Raises `SpecError`."""
+    if (kind := find_kind(text)) is None:
+        raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}; valid: {', '.join(get_args(OpeningKind))}")
+    return kind
+
+
+def storey_of(where: str, value: object) -> int:
+    """A storey's number, 0 for the ground floor. Raises `SpecError`."""
+    text = str(value)
+    if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:
+        raise SpecError(f"{where}: storey {text[:40]!r}; valid: 0 (the lowest) to {MAX_STOREYS - 1}")
+    return int(text[0])
+
+
+def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> Drawing:
+    """A drawing of bounded size. Raises `SpecError`."""
+    drawing = Drawing(tuple(rooms), tuple(strokes), **more)
+    if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
+        raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}")
+    if len(drawing.strokes) > MAX_STROKES:
+        raise SpecError(f"has {len(drawing.strokes)} openings; valid: at most {MAX_STROKES}")
+    return drawing

@@ -1,0 +1,160 @@
+"""`import_plan`: a floor plan drawn elsewhere (GeoJSON or SVG) becomes a house, and the house is proved to stand.
+
+Drawings are imprecise. The whole plan is turned so that its walls run along x and y; corners that are a little off move to
+common lines; openings move to the nearest wall between two rooms. What cannot be meant is refused with its place. For the
+formats see `worlds.imports.geojson` and `worlds.imports.svg`.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from worlds.errors import SpecError, WorldsError
+from worlds.house import build_house
+from worlds.imports.doorways import made_up, on_walls
+from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, read_text
+from worlds.imports.geojson import read_geojson, to_geojson
+from worlds.imports.straighten import main_direction, straighten, turned
+from worlds.imports.svg import read_svg
+from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
+from worlds.validation import validate
+
+_FAR_M = 900.0
+
+
+@dataclass(frozen=True)
+class ImportedPlan:
+    """A house, and what was done to the drawing to get it."""
+
+    spec: HouseSpec
+    notes: tuple[str, ...]
+    """One line each, for people."""
+
+
+def import_plan(
+    path: Path | str, *, metres_per_unit: float | None = None, snap_m: float = 0.05, name: str | None = None, seed: int = 0
+) -> ImportedPlan:
+    """The house in a floor plan; windows and furniture are filled in by `build_house`.
+
+    Args:
+        path: a file that ends in .svg, .geojson or .json, of at most 16 MB.
+        metres_per_unit: scale of the drawing; None: of GeoJSON 1, of SVG what its root says.
+        snap_m: corners so near to each other lie on one line [m]; as wide as walls are drawn, if rooms have gaps between.
+        name: of the house; None: the file's.
+        seed: of the house.
+
+    Raises:
+        WorldsError: where the plan cannot be read or is no house: the message names the file and the room or opening.
+    """
+    path = Path(path)
+    if metres_per_unit is not None and not 0.0 < metres_per_unit < 1e6:
+        raise SpecError(f"metres_per_unit is {metres_per_unit}; valid: above 0")
+    if not 0.001 <= snap_m <= 0.3:
+        raise SpecError(f"snap_m is {snap_m}; valid: 0.001 to 0.3")
+    try:
+        drawing = _read(path, metres_per_unit)
+        spec, notes = _house(drawing, snap_m, (name or path.stem)[:200], seed)
+        validate(build_house(spec))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise SpecError(f"{path}: {first['msg'].removeprefix('Value error, ')}") from None
+    except WorldsError as error:
+        raise type(error)(f"{path}: {error}") from None
+    return ImportedPlan(spec, (*drawing.notes, *notes))
+
+
+def _read(path: Path, metres_per_unit: float | None) -> Drawing:
+    match path.suffix.lower():
+        case ".svg":
+            return read_svg(read_text(path), metres_per_unit)
+        case ".geojson" | ".json":
+            return read_geojson(read_text(path), 1.0 if metres_per_unit is None else metres_per_unit)
+    raise SpecError(f"ends in {path.suffix!r}; valid: .svg, .geojson, .json")
+
+
+def _house(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[HouseSpec, list[str]]:
+    notes: list[str] = []
+    angle = main_direction(drawing.rooms)
+    if angle:
+        notes.append(f"turned by {-math.degrees(angle):.2f} degrees, so that walls run along x and y")
+    outlines = [(room, turned(room.corners, angle)) for room in drawing.rooms]
+    shift = _shift([corner for _, corners in outlines for corner in corners])
+    if shift != (0.0, 0.0):
+        notes.append(f"moved by ({shift[0]:.0f}, {shift[1]:.0f}) m, so that the origin is at a corner of the plan")
+    polygons = straighten([(room, _moved(corners, shift)) for room, corners in outlines], snap_m)
+    ids = _ids(drawing.rooms)
+    rooms = [
+        RoomSpec(id=identifier, label=room.label, polygon_m=polygon)
+        for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
+    ]
+    storeys = _storeys(drawing, rooms)
+    if drawing.strokes:
+        by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
+        openings = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
+    else:
+        openings = dict(made_up(storeys))
+        made = sum(map(len, openings.values()))
+        notes.append(f"no openings are drawn: {made} were made up, so that every room can be reached")
+    whole = tuple(s.model_copy(update={"openings": tuple(openings.get(level, ()))}) for level, s in enumerate(storeys))
+    return HouseSpec(name=name, seed=seed, storeys=whole), notes
+
+
+def _drawn_openings(
+    strokes: Sequence[Stroke],
+    storeys: Sequence[StoreySpec],
+    ids: dict[str, str],
+    angle: float,
+    shift: Point,
+    notes: list[str],
+) -> dict[int, tuple[OpeningSpec, ...]]:
+    openings: dict[int, tuple[OpeningSpec, ...]] = {}
+    for stroke in strokes:
+        if stroke.storey >= len(storeys):
+            raise SpecError(f"{stroke.where}: is on storey {stroke.storey}, which has no rooms")
+        opening = on_walls(stroke, _moved(turned(stroke.points, angle), shift), storeys[stroke.storey], ids)
+        if opening is None:
+            notes.append(f"{stroke.where}: leads out of the house; left out")
+        else:
+            openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
+    return openings
+
+
+def _storeys(drawing: Drawing, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
+    heights, storeys = dict(drawing.heights_m), []
+    for level in range(1 + max(room.storey for room in drawing.rooms)):
+        here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)
+        if not here:
+            raise SpecError(f"has no rooms on storey {level}, but on one above; storeys are numbered from 0 without a gap")
+        storeys.append(StoreySpec(rooms=here, height_m=heights.get(level, 2.6)))
+    return storeys
+
+
+def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
+    """A name for each room, as near to the drawn one as the format allows, the only one in the house."""
+    ids: list[str] = []
+    for room in rooms:
+        plain = re.sub(r"^[^A-Za-z0-9]+", "", re.sub(r"[^A-Za-z0-9 _.'-]+", " ", room.name)).strip()[:56] or room.label
+        number = 2
+        identifier = plain
+        while identifier in ids:
+            identifier, number = f"{plain} {number}", number + 1
+        ids.append(identifier)
+    return ids
+
+
+def _shift(corners: Sequence[Point]) -> Point:
+    """Plans in map coordinates move to the origin; others stay where they are."""
+    x, y = zip(*corners, strict=True)
+    near = max(map(abs, (*x, *y))) <= _FAR_M
+    return (0.0, 0.0) if near else (-float(math.floor(min(x))), -float(math.floor(min(y))))
+
+
+def _moved(points: Sequence[Point], shift: Point) -> tuple[Point, ...]:
+    return tuple((x + shift[0], y + shift[1]) for x, y in points)
+
+
+__all__ = ["ImportedPlan", "import_plan", "to_geojson"]
