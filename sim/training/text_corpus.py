@@ -1,0 +1,115 @@
+"""Texts that the text tower is distilled on: every word it may meet, alone, joined and in sentences, and our captions.
+
+No label is attached to any of them: the teacher alone says what they mean. Phrases that are held out are left out.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from itertools import chain
+
+import numpy as np
+import open_clip.tokenizer
+from jaxtyping import Float32
+
+from lexis.prompts import with_article
+from sim.training.phrases import (
+    HELD_OUT_PHRASES,
+    OBJECT_NAMES,
+    PLACE_FRAMES,
+    ROOM_ACTIVITIES,
+    ROOM_NAMES,
+    ROOM_THINGS,
+    TEMPLATES,
+    THING_FRAMES,
+    framed,
+)
+
+_PHRASES = (
+    "{0}", "{0} {1}", "{0} {1}", "{0} {1}", "{0}{1}", "{0} {2} {1}", "{0} and {1}", "{1} with {a0}", "{1} for {0}",
+    "{1} of {0}", "{0} the {1}", "{0} my {1}", "{0} {a1}", "{0} in the {1}", "{1} full of {0}", "{0} on the {1}",
+    "{0} the {2} {1}", "{0}'s {1}", "{1} where {2} {0}", "{1} to {0} {2}", "{0} with {2} {1}", "{0} to the {1}",
+)  # fmt: skip
+"""Of random words; nonsense is welcome, the teacher embeds it too."""
+
+_HEADS = (
+    "room", "area", "space", "place", "hall", "house", "corner", "shop", "closet", "cabinet", "table", "chair", "shelf",
+    "stand", "board", "machine", "rack", "box", "floor", "door", "lamp", "bed", "bench", "yard", "way",
+    "ette", "er", "ing", "ery", "s",
+)  # fmt: skip
+"""What many names end in."""
+_SCENES = (
+    "{0} with {1}", "{0} with {1} and {2}", "{1} in {0}", "{1} and {2}", "a room with {1} and {2}", "{0} with {1} in it",
+)  # fmt: skip
+"""A room and two things."""
+_BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
+_NEAR_SHARE = 0.7
+
+
+_FORBIDDEN = re.compile(
+    r"\b(?:" + "|".join(re.escape(phrase) for phrase in HELD_OUT_PHRASES if " " in phrase) + r")\b", re.IGNORECASE
+)
+
+
+def plain_words(more: Iterable[str] = ()) -> tuple[str, ...]:
+    """The words of the tokenizer's vocabulary and those among `more`, in plain letters, sorted."""
+    tokens = open_clip.tokenizer.SimpleTokenizer().encoder
+    whole = (token.removesuffix("</w>") for token in tokens if token.endswith("</w>"))
+    return tuple(sorted({word for word in chain(whole, more) if re.fullmatch("[a-z]{3,}", word)}))
+
+
+def captions() -> tuple[str, ...]:
+    """Every trained name, activity and thing in every trained frame."""
+    rooms = (framed(TEMPLATES, names) for names in ROOM_NAMES.values())
+    places = (framed(PLACE_FRAMES, activities) for activities in ROOM_ACTIVITIES.values())
+    things = (framed(THING_FRAMES, names) for table in (ROOM_THINGS, OBJECT_NAMES) for names in table.values())
+    return tuple(dict.fromkeys(chain.from_iterable(chain(rooms, places, things))))
+
+
+def near_words(
+    words: Sequence[str], vectors: Float32[np.ndarray, "words d"], anchors: Float32[np.ndarray, "anchors d"], count: int
+) -> tuple[str, ...]:
+    """The `count` words that lie closest to any of the anchors, and twice those that stand in captions.
+
+    Vectors and anchors come from the teacher: by its own judgement, these words matter in houses.
+    """
+    order = np.argsort(-(vectors @ anchors.T).max(axis=1), kind="stable")
+    tables = (ROOM_NAMES, ROOM_ACTIVITIES, ROOM_THINGS, OBJECT_NAMES)
+    entries = " ".join(entry for table in tables for row in table.values() for entry in row)
+    used = tuple(sorted(set(re.findall("[a-z]{3,}", entries.lower()))))
+    return (*(words[i] for i in order[:count]), *used, *used)
+
+
+def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.random.Generator) -> tuple[str, ...]:
+    """`count` different texts of random words, those of `near` above all; none holds a held-out phrase of several words."""
+    found: dict[str, None] = {}
+    frames = (*TEMPLATES, *PLACE_FRAMES, *THING_FRAMES)
+    while len(found) < count:
+        drawn = [_draw(words, near, rng, count) for _ in range(3)]
+        phrases, frame_of = rng.integers(len(_PHRASES), size=count), rng.integers(len(frames), size=count)
+        heads, ends = rng.random(count) < _HEAD_SHARE, rng.integers(len(_HEADS), size=count)
+        bare = rng.random(count) < _BARE_SHARE
+        for k, (first, second, third) in enumerate(zip(*drawn, strict=True)):
+            last = _HEADS[ends[k]] if heads[k] else second
+            phrase = _PHRASES[phrases[k]].format(first, last, third, a0=with_article(first), a1=with_article(last))
+            text = phrase if bare[k] else frames[frame_of[k]].format(phrase, a=with_article(phrase))
+            if not _FORBIDDEN.search(text):
+                found[text] = None
+    return tuple(found)[:count]
+
+
+def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
+    """`count` captions, fewer where some are equal, of a room by a trained name with one or two things that stand there."""
+    labels = tuple(ROOM_NAMES)
+    return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
+
+
+def _scene(label: str, rng: np.random.Generator) -> str:
+    name = with_article(str(rng.choice(ROOM_NAMES[label])))
+    things = [with_article(str(thing)) for thing in rng.choice(ROOM_THINGS[label], 2, replace=False)]
+    return _SCENES[int(rng.integers(len(_SCENES)))].format(name, *things)
+
+
+def _draw(words: Sequence[str], near: Sequence[str], rng: np.random.Generator, count: int) -> list[str]:
+    close = rng.random(count) < _NEAR_SHARE
+    indices = np.where(close, rng.integers(len(near), size=count), rng.integers(len(words), size=count))
+    return [near[i] if c else words[i] for i, c in zip(indices, close, strict=True)]

@@ -1,0 +1,206 @@
+"""Stage 1 of training `lexis-mini`: its text tower, distilled from a sentence encoder; no image is needed.
+
+The tower is open_clip's own text transformer over CLIP's vocabulary. It learns to say what the teacher says (through
+`text_target`) of words, random compositions and captions, so that words which stand in no caption lie where they belong.
+Stage 2 trains the image tower against it and leaves it as it is.
+"""
+
+import argparse
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import open_clip.tokenizer
+import torch
+from jaxtyping import Float, Float32, Int
+from open_clip.transformer import TextTransformer
+from safetensors.torch import save_file
+from torch import Tensor, nn
+
+from sim.training.teacher import SentenceEncoder, load_teacher
+from sim.training.text_corpus import captions, compositions, near_words, plain_words, room_scenes
+from sim.training.text_target import fit_target_map, labelled_captions
+
+EMBED_DIM = 256
+TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width": 128, "heads": 4, "layers": 2}
+"""As in an open_clip model config."""
+
+_POOL_BATCHES = 20
+"""Batches are sorted by length within this many, so that little is padded."""
+_INIT_DEVIATION = 0.3
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class DistilConfig:
+    """How much text, how long and how hard."""
+
+    compositions: int = 250_000
+    scenes: int = 15_000
+    near: int = 2_500
+    """Words that belong to houses, by the teacher's judgement; most compositions are made of them."""
+    epochs: int = 3
+    batch: int = 512
+    learning_rate: float = 2e-3
+    weight_decay: float = 0.01
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class DistilProgress:
+    """Reported after every epoch."""
+
+    epoch: int
+    cosine: float
+    """Between tower and target, mean over the epoch's texts while it ran."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """Texts as the tower reads them, with what it is to say."""
+
+    tokens: Int[Tensor, "n t"]
+    targets: Float[Tensor, "n e"]
+    words: Int[np.ndarray, "w"]
+    """Indices of the texts that are single words."""
+
+
+def distil(
+    teacher: SentenceEncoder,
+    config: DistilConfig,
+    report: Callable[[DistilProgress], None],
+    text_cfg: Mapping[str, int] = TEXT_CFG,
+    embed_dim: int = EMBED_DIM,
+) -> TextTransformer:
+    """The trained tower; the same on every run with one torch thread."""
+    lesson = prepare(teacher, config, text_cfg["context_length"], embed_dim)
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(config.seed)
+        tower = TextTransformer(output_dim=embed_dim, **text_cfg)
+    _begin_with_words(tower, lesson)
+    optimiser = torch.optim.AdamW(_groups(tower, config.weight_decay), config.learning_rate, betas=(0.9, 0.99), fused=True)
+    steps = config.epochs * (len(lesson.tokens) // config.batch)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, config.learning_rate, total_steps=max(steps, 1), pct_start=0.1)
+    for epoch in range(config.epochs):
+        cosines = []
+        for chosen in _batches(lesson.tokens, config.batch, np.random.default_rng([config.seed, 1, epoch])):
+            said = nn.functional.normalize(encode(tower, lesson.tokens[chosen]), dim=-1)
+            cosine = (said * lesson.targets[chosen]).sum(dim=-1).mean()
+            optimiser.zero_grad()
+            (1.0 - cosine).backward()  # type: ignore[no-untyped-call]
+            optimiser.step()
+            schedule.step()
+            cosines.append(cosine.item())
+        report(DistilProgress(epoch + 1, float(np.mean(cosines))))
+    return tower.eval()
+
+
+def prepare(teacher: SentenceEncoder, config: DistilConfig, context_length: int, embed_dim: int) -> Lesson:
+    """Draw the texts, ask the teacher for all of them, fit the target map."""
+    rng = np.random.default_rng([config.seed, 0])
+    words = plain_words(teacher.words)
+    vectors = _ask(teacher, words)
+    labelled = labelled_captions()
+    rooms = _ask(teacher, labelled.texts)
+    near = near_words(words, vectors, _centres(rooms, labelled.rooms), config.near)
+    rest = (*captions(), *room_scenes(config.scenes, rng), *compositions(words, near, config.compositions, rng))
+    everything = np.concatenate([vectors, _ask(teacher, rest)])
+    target = fit_target_map(rooms, labelled, everything, embed_dim)
+    tokens = open_clip.tokenizer.SimpleTokenizer(context_length=context_length)([*words, *rest])
+    return Lesson(tokens, torch.from_numpy(target(everything)), np.arange(len(words)))
+
+
+def encode(tower: TextTransformer, tokens: Int[Tensor, "n t"]) -> Float[Tensor, "n e"]:
+    """What `tower(tokens)` returns, without computing the padding: attention is causal, so nothing looks at it."""
+    length = int((tokens != 0).sum(dim=1).max())
+    tokens = tokens[:, :length]
+    x = tower.token_embedding(tokens) + tower.positional_embedding[:length]
+    x = tower.ln_final(tower.transformer(x, attn_mask=tower.attn_mask[:length, :length]))
+    return x[torch.arange(len(tokens)), tokens.argmax(dim=-1)] @ tower.text_projection  # type: ignore[no-any-return]
+
+
+def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.ndarray, "n e"]:
+    """Unit embeddings of texts."""
+    tokens = open_clip.tokenizer.SimpleTokenizer(context_length=tower.context_length)(list(texts))
+    with torch.inference_mode():
+        parts = [nn.functional.normalize(encode(tower, part), dim=-1) for part in tokens.split(512)]
+    return torch.cat(parts).numpy()
+
+
+def save_text_tower(tower: TextTransformer, path: Path) -> None:
+    """Write the tower in half precision, under the names that it has within an open_clip model."""
+    beside = path.with_name(path.name + ".part")
+    save_file({name: value.half().contiguous() for name, value in tower.state_dict().items()}, beside)
+    beside.replace(path)
+
+
+def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
+    """Start every word's token at the leading part of its target, so that training starts from a bag of words."""
+    width = tower.token_embedding.embedding_dim
+    single = lesson.words[((lesson.tokens[lesson.words] != 0).sum(dim=1) == 3).numpy()]  # start, the word, end
+    targets = lesson.targets[single][:, :width]
+    kept = targets.shape[1]
+    with torch.no_grad():
+        tower.token_embedding.weight[lesson.tokens[single, 1], :kept] = targets * (_INIT_DEVIATION / targets.std())
+        tower.token_embedding.weight[:] = tower.token_embedding.weight[_whole_word_of()]
+        tower.text_projection[:kept, :kept] += 0.5 * torch.eye(kept)
+
+
+def _whole_word_of() -> Int[Tensor, "vocabulary"]:
+    """For the token of a piece within words ("bath" of "bathtub"), that of the word of the same letters; else itself."""
+    index = open_clip.tokenizer.SimpleTokenizer().encoder
+    return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
+
+
+def _ask(teacher: SentenceEncoder, texts: Sequence[str]) -> Float32[np.ndarray, "n d"]:
+    started = time.perf_counter()
+    with torch.autocast("cpu", torch.bfloat16):  # twice as fast; cosine to full precision 0.9999
+        embeddings = teacher.encode(texts)
+    _log.info("asked the teacher for %d texts in %.0f s", len(texts), time.perf_counter() - started)
+    return embeddings
+
+
+def _centres(rows: Float32[np.ndarray, "n d"], groups: Int[np.ndarray, "n"]) -> Float32[np.ndarray, "g d"]:
+    means = np.stack([rows[groups == group].mean(axis=0) for group in np.unique(groups)])
+    return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
+
+
+def _groups(tower: nn.Module, weight_decay: float) -> list[dict[str, object]]:
+    """Weight decay for matrices; none for the table, whose rows are seldom seen, nor for biases and norms."""
+    named = list(tower.named_parameters())
+    decayed = [p for name, p in named if p.ndim > 1 and "embedding" not in name]
+    free = [p for name, p in named if p.ndim < 2 or "embedding" in name]
+    return [{"params": decayed, "weight_decay": weight_decay}, {"params": free, "weight_decay": 0.0}]
+
+
+def _batches(tokens: Int[Tensor, "n t"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "b"]]:
+    lengths = (tokens != 0).sum(dim=1).numpy()
+    order = rng.permutation(len(tokens))
+    pools = (order[i : i + size * _POOL_BATCHES] for i in range(0, len(order), size * _POOL_BATCHES))
+    sorted_pools = (pool[np.argsort(lengths[pool], kind="stable")] for pool in pools)
+    batches = [pool[i : i + size] for pool in sorted_pools for i in range(0, len(pool) - size + 1, size)]
+    yield from (batches[i] for i in rng.permutation(len(batches)))
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Distil the text tower and write it: `python -m sim.training.text_tower --out text-tower.safetensors`."""
+    parser = argparse.ArgumentParser(prog="python -m sim.training.text_tower", description=main.__doc__)
+    parser.add_argument("--out", type=Path, required=True, help="file for the weights, .safetensors")
+    parser.add_argument("--teacher", type=Path, help="folder with MiniLM's weights; default: the installed package")
+    parser.add_argument("--seed", type=int, default=0)
+    chosen = parser.parse_args(argv)
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    torch.set_num_threads(1)
+
+    def report(progress: DistilProgress) -> None:
+        _log.info("epoch %d: cosine to the teacher %.3f", progress.epoch, progress.cosine)
+
+    save_text_tower(distil(load_teacher(chosen.teacher), DistilConfig(seed=chosen.seed), report), chosen.out)
+
+
+if __name__ == "__main__":
+    main()
