@@ -4,6 +4,7 @@ Exit status: 0 on success, 2 on bad input, with one line on stderr that says wha
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,6 +28,9 @@ TO_HELP = (
     "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
     "images look more like another room counts only where there is no other"
 )
+DATASET_HELP = "folder of a recording: TUM RGB-D (rgb.txt), EuRoC ASL (mav0) or ROS 2 bag; lexis.datasets says what is read"
+ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
+ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
 QUERY_NOTE = "mini knows names of rooms and little else; questions in free words want a map made with real CLIP weights."
 
 
@@ -43,10 +47,12 @@ def _parser() -> Parser:
     run = add_command(
         commands, "run", _run, "map a recorded run", 'lexis run recording --rooms "kitchen,office,corridor,stairs" -o map'
     )
-    run.add_argument("dataset", type=Path, metavar="DATASET", help="folder with rgb.txt, odometry.tum and camera.json")
-    run.add_argument("--rooms", type=_rooms, required=True, help="names of rooms, with commas between them")
+    run.add_argument("dataset", type=Path, metavar="DATASET", help=DATASET_HELP)
+    run.add_argument("--rooms", type=_rooms, required=True, help=ROOMS_HELP)
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
+    run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
     path = add_command(
         commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
     )
@@ -73,12 +79,12 @@ def _run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    from lexis.datasets import open_dataset
+    from lexis.datasets import DatasetConfig, open_dataset
     from lexis.files import check_replaceable
     from lexis.slam import Slam
 
     check_replaceable(arguments.out, JSON_FILE)
-    dataset = open_dataset(arguments.dataset)
+    dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     slam = Slam(dataset.camera, _encoder(arguments.encoder), arguments.rooms)
     for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
         slam.process(observation)
@@ -131,7 +137,17 @@ def _encoder(model: str) -> "OpenClipEncoder":
 
 
 def _rooms(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
+    if not text.endswith(".json"):
+        return tuple(name.strip() for name in text.split(","))
+    try:
+        labels = json.loads(Path(text).read_text(encoding="utf-8"))["labels"]
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{text}: cannot be read: {error.strerror}") from None
+    except (KeyError, TypeError, ValueError):
+        labels = None
+    if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
+        raise argparse.ArgumentTypeError(f'{text}: has no list "labels" of names of rooms')
+    return tuple(labels)
 
 
 if __name__ == "__main__":

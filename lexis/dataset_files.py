@@ -1,140 +1,147 @@
-"""The files of a recorded run, each read into what LEXIS uses and checked on the way."""
+"""What the readers of recorded runs share: what they give, images decoded and checked, odometry at the images' stamps."""
 
-import math
 import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 import cv2
 import numpy as np
-from jaxtyping import Float64
-from pydantic import ValidationError
+from jaxtyping import Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
-from lexis.camera_io import CameraData
-from lexis.errors import DatasetError, LexisError
-from lexis.files import numbered_lines
-from lexis.inputs import check_camera
-from lexis.tum import read_tum
-from lexis.types import Camera, Covariance, Image, Poses
+from lexis.errors import DatasetError
+from lexis.types import Camera, Image, Poses
 
-IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
-def read_camera(path: Path) -> Camera:
-    """The camera of `camera.json`. Raises DatasetError."""
-    try:
-        camera = CameraData.model_validate_json(path.read_bytes()).camera()
-        check_camera(camera)
-    except OSError as error:
-        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a camera as JSON") from None
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise DatasetError(f"{path}: {'.'.join(map(str, first['loc'])) or 'camera'}: {first['msg']}") from None
-    except LexisError as error:
-        raise DatasetError(f"{path}: {error}") from None
-    return camera
+@dataclass(frozen=True)
+class DatasetConfig:
+    """What a dataset leaves unsaid, or leaves to choose."""
+
+    odometry: str | None = None
+    """Which odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: where LEXIS-sim writes it."""
+    camera: str | None = None
+    """Which camera, where there are several: a sensor's folder or the namespace of topics. None: cam0."""
+    max_odometry_gap_s: float = 0.5
+    """Longest time over which the odometry is interpolated to an image's stamp [s]."""
+    rotation_sigma: float = 0.003
+    """Without covariances: drift of orientation per square root of path [rad/√m]."""
+    translation_sigma: float = 0.015
+    """Without covariances: drift of position per square root of path [m/√m]."""
 
 
-def read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[Path, ...]]:
-    """Stamps [s] and paths of the images that `rgb.txt` lists. Raises DatasetError."""
-    path = directory / IMAGE_LIST
-    stamps: list[float] = []
-    images: list[Path] = []
-    for number, line in numbered_lines(path):
-        stamp, name = _stamp_and_rest(path, number, line)
-        if stamps and stamp <= stamps[-1]:
-            raise DatasetError(f"{path}:{number}: stamp {stamp} follows {stamps[-1]}; valid: ascending stamps")
-        stamps.append(stamp)
-        images.append(_image_path(directory, f"{path}:{number}", name))
-    if not images:
-        raise DatasetError(f"{path}: lists no image; valid: lines of 'stamp file'")
-    return np.array(stamps), tuple(images)
+@dataclass(frozen=True, eq=False)
+class Track:
+    """An odometry at its own stamps."""
+
+    source: str
+    """File or topic, for messages."""
+    stamps: Float64[np.ndarray, "n"]
+    """Ascending [s]."""
+    T_O_B: Poses
 
 
-def _image_path(directory: Path, where: str, name: str) -> Path:
-    relative = PurePosixPath(name)
-    if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
-        raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")
-    path = directory / relative
-    if not os.path.isfile(path):
-        raise DatasetError(f"{where}: there is no file {path}; valid: the name of an image, from the folder of {IMAGE_LIST}")
-    return path
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A dataset as its files have it."""
+
+    camera: Camera
+    stamps: Float64[np.ndarray, "n"]
+    """Of the images, ascending [s]."""
+    images: Callable[[], Iterator[Image]]
+    """All of them in that order, one at a time. Raises DatasetError where one is unreadable or of another size."""
+    odometry: Track
+    increment_covariances: Float64[np.ndarray, "n 6 6"] | None
+    """Of the odometry's error since the image before; None where the dataset does not say."""
 
 
-def odometry_at(path: Path, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
+def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
     """T_O_B at the images' stamps [s]: straight between positions, at constant rate between orientations.
 
-    Raises LexisError where the odometry does not reach an image, or has a gap of more than `max_gap_s` around one.
+    A pose with exactly an image's stamp is taken as it is. Raises DatasetError where the odometry does not reach an image,
+    or has a gap of more than `max_gap_s` around one.
     """
-    stamps, poses = read_tum(path)
+    stamps, poses = track.stamps, track.T_O_B
     after = np.searchsorted(stamps, at)
     exact = np.take(stamps, after, mode="clip") == at
     before = np.where(exact, after, after - 1)
     outside = (before < 0) | (after >= len(stamps))
     if outside.any():
         image = int(np.flatnonzero(outside)[0])
-        raise DatasetError(f"{path}: covers {stamps[0]} s to {stamps[-1]} s, but image {image} is of {at[image]} s")
+        raise DatasetError(f"{track.source}: covers {stamps[0]} s to {stamps[-1]} s, but image {image} is of {at[image]} s")
     gap = stamps[after] - stamps[before]
     if gap.max() > max_gap_s:
         image = int(gap.argmax())
         raise DatasetError(
-            f"{path}: a gap of {gap[image]:.3f} s around image {image} at {at[image]} s; valid: up to {max_gap_s} s"
+            f"{track.source}: a gap of {gap[image]:.3f} s around image {image} at {at[image]} s; valid: up to {max_gap_s} s"
         )
-    if len(stamps) == 1:
-        return poses[after]
-    result = np.tile(np.eye(4), (len(at), 1, 1))
-    result[:, :3, :3] = Slerp(stamps, Rotation.from_matrix(poses[:, :3, :3]))(at).as_matrix()
-    result[:, :3, 3] = np.stack([np.interp(at, stamps, poses[:, axis, 3]) for axis in range(3)], axis=1)
+    result = poses[after]
+    if not exact.all():
+        between = at[~exact]
+        result[~exact, :3, :3] = Slerp(stamps, Rotation.from_matrix(poses[:, :3, :3]))(between).as_matrix()
+        result[~exact, :3, 3] = np.stack([np.interp(between, stamps, poses[:, axis, 3]) for axis in range(3)], axis=1)
     return result
 
 
-def read_covariances(path: Path, stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 6 6"] | None:
-    """Covariances of the odometry's increments, one per image; None without the file. Raises DatasetError."""
-    if not path.exists():
-        return None
-    lines = numbered_lines(path)
-    if len(lines) != len(stamps):
-        raise DatasetError(f"{path}: {len(lines)} covariances; valid: one for each of the {len(stamps)} images")
-    return np.array([_covariance(path, *line, stamp) for line, stamp in zip(lines, stamps.tolist(), strict=True)])
+def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
+    """Raise DatasetError unless there are stamps and they ascend."""
+    if not len(stamps):
+        raise DatasetError(f"{where}: is empty; valid: at least one entry")
+    if (np.diff(stamps) <= 0).any():
+        k = int(np.flatnonzero(np.diff(stamps) <= 0)[0]) + 1
+        raise DatasetError(f"{where}: stamp {stamps[k]} follows {stamps[k - 1]}; valid: ascending stamps")
 
 
-def _covariance(path: Path, number: int, line: str, expected: float) -> Covariance:
-    stamp, rest = _stamp_and_rest(path, number, line)
-    try:
-        matrix = np.array([float(word) for word in rest.split()]).reshape(6, 6)
-        usable = np.isfinite(matrix).all() and np.allclose(matrix, matrix.T) and np.linalg.eigvalsh(matrix).min() >= -1e-12
-    except ValueError:
-        usable = False
-    if not usable or abs(stamp - expected) > 1e-6:
-        raise DatasetError(f"{path}:{number}: valid: the image's stamp {expected} and a positive semi-definite 6x6 matrix")
-    return matrix
+def usable_covariance(matrix: Float64[np.ndarray, "6 6"]) -> bool:
+    """Whether a matrix is finite, symmetric and positive semi-definite."""
+    finite = bool(np.isfinite(matrix).all())
+    return finite and np.allclose(matrix, matrix.T) and bool(np.linalg.eigvalsh(matrix).min() >= -1e-12)
 
 
-def _stamp_and_rest(path: Path, number: int, line: str) -> tuple[float, str]:
-    first, _, rest = line.strip().partition(" ")
-    try:
-        stamp = float(first)
-    except ValueError:
-        stamp = math.nan
-    if not math.isfinite(stamp) or not rest.strip():
-        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and what belongs to it")
-    return stamp, rest.strip()
+def image_file(folder: Path, where: str, name: str) -> Path:
+    """The image that a list names, seen from `folder`. Raises DatasetError unless it is a file inside."""
+    relative = PurePosixPath(name)
+    if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
+        raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")
+    path = folder / relative
+    if not os.path.isfile(path):
+        raise DatasetError(f"{where}: there is no file {path}; valid: the name of an image, from its list's folder")
+    return path
 
 
 def read_image(path: Path, camera: Camera) -> Image:
     """The RGB image of a file. Raises DatasetError where it is unreadable or of another size than the camera's."""
-    pixels = cv2.imread(os.fspath(path), cv2.IMREAD_COLOR)
+    try:
+        content = np.fromfile(path, np.uint8)
+    except OSError as error:
+        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a PNG or JPEG") from None
+    return decode_image(content, str(path), camera)
+
+
+def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) -> Image:
+    """The RGB image of the bytes of a PNG or JPEG. Raises DatasetError as `read_image` does."""
+    pixels = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
     if pixels is None:
-        raise DatasetError(f"{path}: is not a readable PNG or JPEG")
+        raise DatasetError(f"{where}: is not a readable PNG or JPEG")
+    return fitting(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
+
+
+def fitting(image: Image, where: str, camera: Camera) -> Image:
+    """The image itself. Raises DatasetError where it is of another size than the camera's."""
     expected = (camera.intrinsics.height, camera.intrinsics.width)
-    if pixels.shape[:2] != expected:
-        height, width = pixels.shape[:2]
-        raise DatasetError(f"{path}: is {width}x{height} px; the camera of {CAMERA} makes {expected[1]}x{expected[0]} px")
-    return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8)
+    if image.shape[:2] != expected:
+        height, width = image.shape[:2]
+        raise DatasetError(f"{where}: is {width}x{height} px; the calibrated camera makes {expected[1]}x{expected[0]} px")
+    return image
 
 
-def write_image(path: Path, image: Image) -> None:
-    """Write an RGB image. Raises OSError."""
-    if not cv2.imwrite(os.fspath(path), cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
-        raise OSError(None, "the image was not written")
+def rectifier(camera: Camera, distortion: Float64[np.ndarray, "k"]) -> Callable[[Image], Image]:
+    """Takes the radial-tangential distortion out of images; without distortion it leaves every bit alone."""
+    if not distortion.any():
+        return lambda image: image
+    size = camera.intrinsics.width, camera.intrinsics.height
+    matrix = camera.intrinsics.matrix
+    maps = cv2.initUndistortRectifyMap(matrix, distortion, np.eye(3), matrix, size, cv2.CV_16SC2)
+    return lambda image: np.asarray(cv2.remap(image, maps[0], maps[1], cv2.INTER_LINEAR), np.uint8)

@@ -42,8 +42,8 @@ def test_reading_gives_back_what_was_recorded(recorded):
     for read, expected in zip(dataset, written, strict=True):
         assert (read.index, read.stamp) == (expected.index, pytest.approx(expected.stamp))
         np.testing.assert_array_equal(read.image, expected.image)
-        np.testing.assert_allclose(read.T_O_B, expected.T_O_B, atol=1e-7)
-        np.testing.assert_allclose(read.increment_covariance, expected.increment_covariance, atol=1e-12)
+        np.testing.assert_allclose(read.T_O_B, expected.T_O_B, atol=1e-11)
+        np.testing.assert_array_equal(read.increment_covariance, expected.increment_covariance)
 
 
 def test_odometry_of_another_rate_is_interpolated(recorded):
@@ -82,6 +82,11 @@ def too_small(folder):
     cv2.imwrite(str(folder / "rgb" / "000003.png"), np.zeros((12, 16, 3), np.uint8))
 
 
+def outside(folder):
+    (folder / "odometry_covariance.txt").unlink()
+    edited(folder, "rgb.txt", "100.500000", "107.000000")
+
+
 def gap(folder):
     stamps, poses = read_tum(folder / "odometry.tum")
     write_tum(folder / "odometry.tum", stamps[[0, -1]] + [-0.1, 0.1], poses[[0, -1]])
@@ -99,7 +104,7 @@ def gap(folder):
         (lambda f: edited(f, "rgb.txt", "rgb/000001.png", "/etc/shadow.png"), "inside the dataset"),
         (lambda f: edited(f, "rgb.txt", "100.100000 ", "soon "), r"rgb\.txt:3: .*stamp"),
         (lambda f: (f / "rgb" / "000004.png").unlink(), r"rgb\.txt:6: there is no file"),
-        (lambda f: edited(f, "rgb.txt", "100.500000", "107.000000"), "covers 100.0 s to 100.5 s, but image 5 is of 107.0 s"),
+        (outside, "covers 100.0 s to 100.5 s, but image 5 is of 107.0 s"),
         (gap, "a gap of 0.700 s around image 0"),
         (lambda f: edited(f, "odometry_covariance.txt", "100.200000", "100.210000"), r"odometry_covariance\.txt:4"),
         (lambda f: edited(f, "odometry_covariance.txt", "\n100.5", "\n#"), "5 covariances"),

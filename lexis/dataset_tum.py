@@ -1,0 +1,143 @@
+"""Recorded runs as the TUM RGB-D benchmark lays them out.
+
+    rgb.txt                    lines of "stamp file"; # begins a comment
+    odometry.tum               lines of "stamp tx ty tz qx qy qz qw": T_O_B, at any rate over the same time
+    camera.json                width, height, fx, fy, cx, cy [px] and T_B_C, row by row
+    odometry_covariance.txt    optional: per image, "stamp" and the 36 numbers of the covariance of the odometry's increment
+                               since the image before, rotation first [rad², m²]
+
+Images are 8-bit PNG or JPEG without distortion.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+from pydantic import ValidationError
+
+from lexis.camera_io import CameraData
+from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image, usable_covariance
+from lexis.errors import DatasetError, LexisError
+from lexis.files import numbered_lines, replaced_folder
+from lexis.inputs import check_camera
+from lexis.quaternions import pose_rows
+from lexis.tum import read_tum
+from lexis.types import Camera, Covariance, Image, Observation
+
+IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"
+
+
+def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
+    """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    camera = _read_camera(directory / (config.camera or CAMERA))
+    stamps, paths = _read_image_list(directory)
+    odometry = directory / (config.odometry or ODOMETRY)
+
+    def images() -> Iterator[Image]:
+        return (read_image(path, camera) for path in paths)
+
+    track = Track(str(odometry), *read_tum(odometry))
+    # The covariances are of LEXIS-sim's odometry and say nothing of another one.
+    covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
+    return Recorded(camera, stamps, images, track, covariances)
+
+
+def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observation]) -> None:
+    """Record observations, images as PNG; the folder appears whole or not at all. Raises LexisError."""
+    with replaced_folder(directory, IMAGE_LIST) as folder:
+        (folder / "rgb").mkdir()
+        write_camera(folder / CAMERA, camera)
+        with (
+            open(folder / IMAGE_LIST, "w") as images,
+            open(folder / ODOMETRY, "w") as odometry,
+            open(folder / COVARIANCE, "w") as covariances,
+        ):
+            images.write("# stamp [s], file\n")
+            covariances.write("# stamp [s], 6x6 row by row\n")
+            for i, observation in enumerate(observations):
+                stamp, name = f"{observation.stamp:.6f}", f"rgb/{i:06d}.png"
+                (folder / name).write_bytes(cv2.imencode(".png", observation.image[..., ::-1])[1].tobytes())
+                images.write(f"{stamp} {name}\n")
+                odometry.write(odometry_line(stamp, observation))
+                covariances.write(covariance_line(stamp, observation))
+
+
+def write_camera(path: Path, camera: Camera) -> None:
+    """Write a camera as JSON. Raises OSError."""
+    path.write_text(CameraData.of(camera).model_dump_json(indent=1) + "\n", encoding="utf-8")
+
+
+def odometry_line(stamp: str, observation: Observation) -> str:
+    """A line of the odometry's file, with every digit."""
+    return f"{stamp} {' '.join(map(repr, pose_rows(observation.T_O_B[None])[0].tolist()))}\n"
+
+
+def covariance_line(stamp: str, observation: Observation) -> str:
+    """A line of the covariances' file, with every digit."""
+    return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
+
+
+def _read_camera(path: Path) -> Camera:
+    try:
+        camera = CameraData.model_validate_json(path.read_bytes()).camera()
+        check_camera(camera)
+    except OSError as error:
+        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a camera as JSON") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise DatasetError(f"{path}: {'.'.join(map(str, first['loc'])) or 'camera'}: {first['msg']}") from None
+    except LexisError as error:
+        raise DatasetError(f"{path}: {error}") from None
+    return camera
+
+
+def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[Path, ...]]:
+    """Stamps [s] and paths of the images that `rgb.txt` lists."""
+    path = directory / IMAGE_LIST
+    stamps: list[float] = []
+    images: list[Path] = []
+    for number, line in numbered_lines(path):
+        stamp, name = _stamp_and_rest(path, number, line)
+        if stamps and stamp <= stamps[-1]:
+            raise DatasetError(f"{path}:{number}: stamp {stamp} follows {stamps[-1]}; valid: ascending stamps")
+        stamps.append(stamp)
+        images.append(image_file(directory, f"{path}:{number}", name))
+    if not images:
+        raise DatasetError(f"{path}: lists no image; valid: lines of 'stamp file'")
+    return np.array(stamps), tuple(images)
+
+
+def _read_covariances(path: Path, stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 6 6"] | None:
+    """Covariances of the odometry's increments, one per image; None without the file."""
+    if not path.exists():
+        return None
+    lines = numbered_lines(path)
+    if len(lines) != len(stamps):
+        raise DatasetError(f"{path}: {len(lines)} covariances; valid: one for each of the {len(stamps)} images")
+    return np.array([_covariance(path, *line, stamp) for line, stamp in zip(lines, stamps.tolist(), strict=True)])
+
+
+def _covariance(path: Path, number: int, line: str, expected: float) -> Covariance:
+    stamp, rest = _stamp_and_rest(path, number, line)
+    try:
+        matrix = np.array([float(word) for word in rest.split()]).reshape(6, 6)
+        usable = usable_covariance(matrix) and abs(stamp - expected) <= 1e-6
+    except ValueError:
+        usable = False
+    if not usable:
+        raise DatasetError(f"{path}:{number}: valid: the image's stamp {expected} and a positive semi-definite 6x6 matrix")
+    return matrix
+
+
+def _stamp_and_rest(path: Path, number: int, line: str) -> tuple[float, str]:
+    first, _, rest = line.strip().partition(" ")
+    try:
+        stamp = float(first)
+    except ValueError:
+        stamp = math.nan
+    if not math.isfinite(stamp) or not rest.strip():
+        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and what belongs to it")
+    return stamp, rest.strip()
