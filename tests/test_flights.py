@@ -204,7 +204,8 @@ def test_a_body_walks_through_all_storeys_and_a_tour_goes_up_and_down(kind):
     walkable = Walkable(built)
     assert set(walkable.reachable_rooms()) == {room.id for room in built.rooms}
     assert set(Walkable(replace(built, stairs=())).reachable_rooms()) < {room.id for room in built.rooms}
-    heights = plan_tour(built, walkable, np.random.default_rng(0)).motion.positions[:, 2]
+    motion = plan_tour(built, walkable, np.random.default_rng(0)).motion
+    heights = motion.position(np.append(np.arange(0.0, motion.duration_s, 0.02), motion.duration_s))[:, 2]
     assert heights.min() == 0.0 and heights.max() == pytest.approx(floors(spec)[-1])
     assert heights[0] == heights[-1] == 0.0
     for flight in built.stairs:

@@ -1,0 +1,48 @@
+"""`Sway`: how a carried or legged camera swings about its walk, as sums of sines; smooth to every derivative."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.errors import SimError
+
+SwayKind: TypeAlias = Literal["none", "hand-held", "quadruped"]
+
+_HAND_HELD_HZ = (0.45, 0.9, 1.8)
+_HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15], [1, 1, 5, 0.10, 0.25, 0.05]])
+"""At each frequency: along x, y, z [mm], of roll, pitch, yaw [deg]. A step takes 0.55 s, two make a cycle."""
+_QUADRUPED_HZ = (1.5, 3.0)
+_QUADRUPED = np.array([[0, 5, 1, 0.9, 0.2, 0.3], [2, 0, 5, 0.1, 0.7, 0.0]])
+"""A trot: from side to side with each pair of legs, up and down with each step."""
+_JITTER = 0.25
+"""Amplitudes and frequencies differ by up to this share from one walk to the next."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sway:
+    """Displacement in the level body frame (x, y, z [m]) and rotation (roll, pitch, yaw [rad]) at full walking speed."""
+
+    amplitude: Float64[np.ndarray, "m 6"]
+    angular_frequency: Float64[np.ndarray, "m"]
+    """[rad/s]"""
+    phase: Float64[np.ndarray, "m 6"]
+    """[rad]"""
+
+    def at(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 6"]:
+        """The swing at times [s], or its derivative of any order."""
+        angle = self.angular_frequency[:, None] * t[:, None, None] + self.phase + derivative * np.pi / 2
+        return np.asarray((self.amplitude * self.angular_frequency[:, None] ** derivative * np.sin(angle)).sum(axis=1))
+
+
+def draw_sway(kind: SwayKind, rng: np.random.Generator) -> Sway | None:
+    """The swing of one walk. Raises `SimError` for an unknown kind."""
+    if kind not in get_args(SwayKind):
+        raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(get_args(SwayKind))}")
+    if kind == "none":
+        return None
+    hertz, size = (_HAND_HELD_HZ, _HAND_HELD) if kind == "hand-held" else (_QUADRUPED_HZ, _QUADRUPED)
+    amplitude = size * np.repeat([1e-3, np.pi / 180], 3) * rng.uniform(1 - _JITTER, 1 + _JITTER, size.shape)
+    frequency = 2 * np.pi * np.array(hertz) * rng.uniform(1 - _JITTER / 2, 1 + _JITTER / 2)
+    return Sway(amplitude, frequency, rng.uniform(0.0, 2 * np.pi, size.shape))

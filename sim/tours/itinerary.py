@@ -1,0 +1,176 @@
+"""The kinds of tours: which places each goes to, and what is gone through again to reach a length."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import cycle, islice, pairwise
+
+import numpy as np
+from jaxtyping import Bool
+from scipy.sparse.csgraph import dijkstra
+
+from sim.errors import SimError
+from sim.tours.config import TourConfig
+from sim.tours.lanes import lanes_through
+from sim.tours.order import first_lap, short_cycle, thinned
+from sim.tours.stops import COMFORT_M, Stops
+from sim.tours.ways import Ways
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.walkable import Walkable, polyline_length
+
+SMOOTHED = 0.95
+"""How long a smooth path is, as a share of its way over the graph, about."""
+_SCATTER_M = 0.25
+"""What is gone through again passes its stops this near to those of the first time, not through them."""
+_PLACES = 48
+_WIDER = 1.25
+_WIDEST_M = 6.0
+_SHORTEST_LAP_M = 2.0
+_NEAR_ENOUGH_M = 0.15
+_DRAWN = 0.3
+"""How much clearance a metre nearer to where the tour would have gone on is worth."""
+
+
+@dataclass(frozen=True, eq=False)
+class Itinerary:
+    """Nodes of the walkable graph to go to, before the way home to the first one."""
+
+    first: Sequence[int]
+    """Gone to in any case."""
+    again: Sequence[int]
+    """Gone to next, over and over, as far as the length allows."""
+    unasked: int
+    """How many of those where no length is asked for."""
+    distance: Callable[[int, int], float]
+    """Between nodes that follow one another [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """Plans tours of one kind. Lengths are measured over the graph, before the way is smoothed."""
+
+    house: House
+    walkable: Walkable
+    config: TourConfig
+    stops: Stops
+    ways: Ways
+    seed: int
+    """Of all draws, so that planning again for another length draws the same."""
+
+    @staticmethod
+    def of(house: House, walkable: Walkable, config: TourConfig, rng: np.random.Generator) -> "Planner":
+        """Raises `SimError` where the house has no two places to stop at."""
+        ways = Ways(walkable, config.prefer_clearance_m, straight=config.kind == "lawn-mower")
+        return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
+
+    def nodes(self, length_m: float | None) -> list[int]:
+        """Where to go in turn, home included, for about a length; longer where no tour is so short. None: as it comes."""
+        rng = np.random.default_rng(self.seed)
+        kinds = {
+            "rooms": self._rooms,
+            "both ways": self._both_ways,
+            "loop": self._loop,
+            "random": self._random,
+            "lawn-mower": self._lawn_mower,
+        }
+        plan = kinds[self.config.kind](np.inf if length_m is None else length_m, rng)
+        if length_m is not None:
+            return self._filled(plan, length_m, rng)
+        again = [self._scatter(node, rng) for node in islice(cycle(plan.again), plan.unasked)]
+        return [*plan.first, *again, plan.first[0]]
+
+    def _rooms(self, most_m: float, rng: np.random.Generator) -> Itinerary:
+        lap, base = first_lap(self.house, self.stops, rng)
+        lap = thinned(self.stops, lap, most_m)
+        base = [stop for stop in lap if stop in base]
+        return self._of_stops(lap, base if len(base) > 1 else lap, len(base))
+
+    def _both_ways(self, most_m: float, rng: np.random.Generator) -> Itinerary:
+        lap, _ = first_lap(self.house, self.stops, rng)
+        lap = thinned(self.stops, lap, most_m, there_and_back=True)
+        there_and_back = [*lap, *lap[-2::-1]]
+        return self._of_stops(there_and_back, there_and_back[1:], 0)
+
+    def _loop(self, _: float, rng: np.random.Generator) -> Itinerary:
+        """Around as many stops as the circuit's length allows, the nearest first, and a detour for what is left of it."""
+        _, base = first_lap(self.house, self.stops, rng)
+        home, circuit, length_m = base[0], [base[0]], self.config.circuit_m / SMOOTHED
+        for stop in np.argsort(self.stops.between[home]).tolist():
+            wider = [home, *short_cycle(self.stops.between, home, [*circuit[1:], stop])]
+            if stop != home and self.stops.length([*wider, home]) <= length_m:
+                circuit = wider
+        nodes: list[int] = self.stops.nodes[circuit].tolist()
+        nodes += self._detour(nodes[-1], nodes[0], length_m - self.stops.length(circuit), nodes[-1])
+        around = polyline_length(self.ways.line([*nodes, nodes[0]]))
+        if around < 0.8 * self.config.circuit_m:
+            raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}, but this house has room for {around:.0f} m only")
+        again = [*nodes[1:], nodes[0]]
+        return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.ways.length)
+
+    def _random(self, _: float, rng: np.random.Generator) -> Itinerary:
+        comfortable = self.walkable.connected & (self.walkable.clearance >= COMFORT_M) & ~self._on_stairs()
+        free = np.flatnonzero(comfortable if comfortable.sum() >= _PLACES else self.walkable.connected)
+        places = rng.choice(free, min(_PLACES, len(free)), replace=False)
+        stops = Stops(places, dijkstra(self.walkable.graph, indices=places)[:, places], {})
+        order = np.concatenate([rng.permutation(len(places)) for _ in range(8)])
+        order = order[np.append(True, np.diff(order) != 0)].tolist()
+        return self._of_stops(order[:1], order[1:], 0, stops)
+
+    def _lawn_mower(self, most_m: float, rng: np.random.Generator) -> Itinerary:
+        centres = Stops(self.stops.nodes, self.stops.between, {room: own[:1] for room, own in self.stops.of_room.items()})
+        room_of = {own[0]: room for room, own in centres.of_room.items()}
+        rooms = [room_of[stop] for stop in first_lap(self.house, centres, rng)[0]]
+        lane_m = self.config.lane_m
+        while True:
+            lanes = lanes_through(self.walkable, rooms, lane_m)
+            if lane_m > _WIDEST_M or sum(self.ways.length(a, b) for a, b in pairwise([*lanes, lanes[0]])) <= most_m:
+                return Itinerary(lanes, lanes, 0, self.ways.length)
+            lane_m *= _WIDER
+
+    def _of_stops(
+        self, first: Sequence[int], again: Sequence[int], unasked: int, stops: Stops | None = None
+    ) -> Itinerary:
+        nodes, between = (stops or self.stops).nodes.tolist(), (stops or self.stops).between
+        number = {node: k for k, node in enumerate(nodes)}
+        return Itinerary(
+            [nodes[k] for k in first],
+            [nodes[k] for k in again],
+            unasked,
+            lambda a, b: float(between[number[a], number[b]]),
+        )
+
+    def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
+        """What comes first, then as much again as leaves the way home, and a detour on that one for the rest."""
+        home, here, nodes = plan.first[0], plan.first[-1], list(plan.first)
+        to_home = self.walkable.distances_from(home)
+        left = length_m - sum(plan.distance(a, b) for a, b in pairwise(plan.first))
+        lap = sum(plan.distance(a, b) for a, b in pairwise(plan.again))
+        following = iter(cycle(plan.again)) if lap > _SHORTEST_LAP_M else iter(())
+        towards = here
+        for towards in following:
+            if (way := plan.distance(here, towards)) + to_home[towards] > left:
+                break
+            left -= way
+            here = towards
+            nodes.append(self._scatter(here, rng))
+        return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
+
+    def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
+        """A place that makes the way home as long as wished: a roomy one, in the direction that the tour would go on."""
+        way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
+        if not way[here] < length_m < np.inf:
+            return []
+        off = np.where(self._on_stairs(), np.inf, np.abs(way - length_m))
+        near = np.flatnonzero(off <= off.min() + _NEAR_ENOUGH_M)
+        gap = np.linalg.norm(self.walkable.nodes[near] - self.walkable.nodes[towards], axis=1)
+        return [int(near[np.argmax(np.minimum(self.walkable.clearance[near], 2 * COMFORT_M) - _DRAWN * gap)])]
+
+    def _on_stairs(self) -> Bool[np.ndarray, "n"]:
+        stairs = np.array([room.label == STAIRS for room in self.house.rooms])
+        return stairs[self.walkable.node_room]
+
+    def _scatter(self, node: int, rng: np.random.Generator) -> int:
+        """A place near a node from which the body can go straight to it."""
+        near = self.walkable.nodes_near(self.walkable.nodes[node], _SCATTER_M)
+        centre = np.broadcast_to(self.walkable.nodes[node], (len(near), 3))
+        return int(rng.choice(near[self.walkable.solids.clear(centre, self.walkable.nodes[near], self.walkable.radius_m)]))

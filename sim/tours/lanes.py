@@ -1,0 +1,57 @@
+"""Lanes up and down a room, as a lawn-mower goes."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Float64, Int
+
+from worlds.walkable import Walkable
+
+_SHORTEST_M = 0.4
+
+
+def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
+    """Nodes at the ends of every free stretch of every lane, room by room; each room from the corner nearest to the last."""
+    route: list[int] = []
+    for room in rooms:
+        inside = walkable.nodes_in(room)
+        inside = inside[walkable.connected[inside]]
+        runs = _runs(walkable.nodes[inside, :2], lane_m, walkable.resolution_m)
+        ways = [[int(inside[k]) for k in order] for order in _orders(runs)]
+        route += min(ways, key=lambda way: _gap(walkable.nodes, route, way[0]))
+    return route
+
+
+def _gap(nodes: Float64[np.ndarray, "n 3"], route: Sequence[int], start: int) -> float:
+    return float(np.linalg.norm(nodes[start] - nodes[route[-1]])) if route else 0.0
+
+
+def _orders(lanes: Sequence[Sequence[tuple[int, int]]]) -> Iterator[list[int]]:
+    """The four ways through lanes of stretches: from either side, beginning in either direction."""
+    for side in (1, -1):
+        for first in (0, 1):
+            order: list[int] = []
+            for k, lane in enumerate(lanes[::side]):
+                forwards = (k + first) % 2 == 0
+                stretches = lane if forwards else [(end, start) for start, end in lane[::-1]]
+                order += [end for stretch in stretches for end in stretch]
+            yield order
+
+
+def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> list[list[tuple[int, int]]]:
+    """The free stretches of every lane along a room's longer side: first and last point of each."""
+    along = int(np.argmax(np.ptp(points, axis=0)))
+    across = points[:, 1 - along]
+    count = max(1, round(float(np.ptp(across)) / lane_m))
+    centres = across.min() + (np.arange(count) + 0.5) * np.ptp(across) / count
+    lines = across[np.argmin(np.abs(across - centres[:, None]), axis=1)]
+    lanes = [_stretches(points, np.flatnonzero(np.abs(across - line) < 0.1 * step_m), along, step_m) for line in lines]
+    return [lane for lane in lanes if lane] or [[(int(k := np.argmin(np.abs(across - centres[0]))), int(k))]]
+
+
+def _stretches(
+    points: Float64[np.ndarray, "n 2"], own: Int[np.ndarray, "k"], along: int, step_m: float
+) -> list[tuple[int, int]]:
+    own = own[np.argsort(points[own, along])]
+    pieces = np.split(own, np.flatnonzero(np.diff(points[own, along]) > 1.5 * step_m) + 1)
+    return [(int(p[0]), int(p[-1])) for p in pieces if points[p[-1], along] - points[p[0], along] >= _SHORTEST_M]

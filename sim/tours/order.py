@@ -1,0 +1,87 @@
+"""In which order a tour goes to its stops, and which of them it leaves out when it has to be short."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from itertools import pairwise, permutations
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.tours.stops import Stops
+from worlds.house import House
+
+
+def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
+    """Stops through all storeys from the lowest up, and those of them that are on the lowest."""
+    rooms_on: dict[int, list[str]] = {}
+    for room in house.rooms:
+        if room.id in stops.of_room:
+            rooms_on.setdefault(room.storey, []).append(room.id)
+    lap: list[int] = []
+    base = 0
+    for level in sorted(rooms_on):
+        rooms = rooms_on[level]
+        if not lap:
+            rooms = list(np.roll(rooms, -int(rng.integers(len(rooms)))))
+        lap += _around(stops, rooms, lap[-1] if lap else None)
+        base = base or len(lap)
+    return lap, lap[:base]
+
+
+def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: bool = False) -> list[int]:
+    """The lap without the stops that cost most, down to one a room, until it and the way home are short enough.
+
+    Longer than asked where one stop a room is too long already.
+    """
+    room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
+    left, per_room = list(lap), Counter(room_of[stop] for stop in lap)
+    while (2 * stops.length(left) if there_and_back else stops.length([*left, left[0]])) > most_m:
+        spare = {k: _saving(stops.between, left, k) for k, stop in enumerate(left) if per_room[room_of[stop]] > 1 and k > 0}
+        if not spare:
+            break
+        dropped = left.pop(max(spare, key=lambda k: spare[k]))
+        per_room[room_of[dropped]] -= 1
+    return left
+
+
+def _saving(between: Float64[np.ndarray, "m m"], lap: Sequence[int], k: int) -> float:
+    before, here, after = lap[k - 1], lap[k], lap[(k + 1) % len(lap)]
+    return float(between[before, here] + between[here, after] - between[before, after])
+
+
+def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequence[int]) -> list[int]:
+    """A short order of `others` on a round trip from `start`: nearest neighbour, then 2-opt."""
+    left, order = list(others), [start]
+    while left:
+        order.append(min(left, key=lambda stop: between[order[-1], stop]))
+        left.remove(order[-1])
+    improved = True
+    while improved:
+        improved = False
+        for i in range(1, len(order) - 1):
+            for j in range(i + 1, len(order)):
+                a, b, c, d = order[i - 1], order[i], order[j], order[(j + 1) % len(order)]
+                if between[a, c] + between[b, d] < between[a, b] + between[c, d] - 1e-9:
+                    order[i : j + 1] = order[i : j + 1][::-1]
+                    improved = True
+    return order[1:]
+
+
+def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
+    """All stops of some rooms in a short order, from `here` or else from the first room's first stop, towards the start."""
+    room_of: Mapping[int, str] = {stops.of_room[room][0]: room for room in rooms}
+    start = next(iter(room_of)) if here is None else here
+    centres = short_cycle(stops.between, start, [c for c in room_of if c != start])
+    route: list[int] = []
+    if here is None:
+        centres = [start, *centres]
+    for centre, towards in pairwise([*centres, start]):
+        route += _through(stops.between, stops.of_room[room_of[centre]], route[-1] if route else start, towards)
+    return route
+
+
+def _through(between: Float64[np.ndarray, "m m"], own: Sequence[int], entry: int, towards: int) -> list[int]:
+    """The order of a room's few stops that makes the way from `entry` through it shortest."""
+    orders = [list(order) for order in permutations(own) if entry not in own or order[0] == entry]
+    length = [float(between[[entry, *order], [*order, towards]].sum()) for order in orders]
+    return orders[int(np.argmin(length))]

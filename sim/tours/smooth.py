@@ -1,0 +1,162 @@
+"""`smooth_path`: a walkable line made smooth like an elastic band, as far from everything solid as a body has to stay.
+
+The band bends as little as it can, is drawn to the line and pushed off the obstacles (ADMM, exact distances to boxes).
+Where it still comes too near, the line itself is taken: that one is known to be free.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.ndimage import grey_dilation, uniform_filter1d
+
+from sim.tours.near import Near
+from worlds.walkable import Walkable
+
+STEP_M = 0.01
+"""Between the points of a smooth path."""
+_BAND_STEP_M = 0.05
+_PER_STEP = 5
+_STIFFNESS = 6.0**4
+"""The band rounds a corner over some 6 of its steps to either side."""
+_PENALTY = 3.0
+_ITERATIONS = 50
+_ON_STAIRS = 20.0
+_PINNED = 1e4
+"""How firmly the band is held to the line: elsewhere 1, here on stairs and at their ends, and where the way turns back."""
+_SPARE_M = (0.01, 0.05)
+"""Least and most that the band keeps beyond the body's radius."""
+_NEEDED_M = 0.002
+"""Kept by the path beyond the radius, because the spline through time cuts corners by about a millimetre."""
+_REACH_M = 0.3
+"""How far the band may go from the line and still know its obstacles."""
+_BLEND = 8
+"""Steps of the band over which the path changes to the line."""
+_SLOPE_STEPS = 5
+"""Steps over which a stair's foot and head are rounded, twice."""
+_TURNS_BACK = -0.85
+"""Cosine of the turn from which on a corner is a place to turn round in."""
+
+
+def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
+    """Points a centimetre apart from end to end of a walkable line. Places to turn round in are kept, corners are not."""
+    base = _divided(line)
+    base[:, 2] = _rounded(base[:, 2])
+    reach = walkable.radius_m + _SPARE_M[1] + _REACH_M
+    wells = Near.of(base, walkable.wells, reach)
+    at_stairs = np.flatnonzero(wells.distance(base[:, :2]) < walkable.radius_m - 1e-6)
+    near = Near.of(base, walkable.solids, reach).and_also(wells.without(at_stairs))
+    hold = np.ones(len(base))
+    hold[at_stairs] = _ON_STAIRS
+    hold[_turning_points(base)] = _PINNED
+    keep = np.clip(near.distance(base[:, :2]), walkable.radius_m + _SPARE_M[0], walkable.radius_m + _SPARE_M[1])
+    band = _relaxed(base[:, :2], hold, near, keep)
+    smooth, straight = _spline(np.column_stack([band, base[:, 2]])), _between(base)
+    return evenly(_clear(smooth, straight, near, walkable.radius_m + _NEEDED_M), STEP_M)
+
+
+def arc_length(points: Float64[np.ndarray, "k d"]) -> Float64[np.ndarray, "k"]:
+    """Way along the points up to each [m]."""
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+
+
+def evenly(points: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
+    """Points at equal distances, about a step, along a line through many."""
+    s = arc_length(points)
+    at = np.linspace(0.0, s[-1], max(2, round(s[-1] / step_m) + 1))
+    return np.stack([np.interp(at, s, axis) for axis in points.T], axis=-1)
+
+
+def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
+    """The line's corners and points between them, at most a step apart; none twice."""
+    line = line[np.append(True, np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-6)]
+    pieces = [
+        np.linspace(a, b, math.ceil(float(np.linalg.norm(b - a)) / _BAND_STEP_M), endpoint=False)
+        for a, b in pairwise(line)
+    ]
+    return np.concatenate([*pieces, line[-1:]])
+
+
+def _rounded(height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
+    """Heights with the ends of slopes rounded; level stretches stay exactly as they are."""
+    for _ in range(2):
+        wide = np.pad(height, _SLOPE_STEPS // 2, mode="edge")
+        windows = np.lib.stride_tricks.sliding_window_view(wide, _SLOPE_STEPS)
+        height = np.where(np.ptp(windows, axis=1) == 0.0, height, windows.mean(axis=1))
+    return height
+
+
+def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
+    """The ends, and the points at which the way turns back."""
+    step = np.diff(base[:, :2], axis=0)
+    step /= np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-9)
+    back = np.flatnonzero((step[1:] * step[:-1]).sum(axis=1) < _TURNS_BACK) + 1
+    return np.concatenate([[0], back, [len(base) - 1]])
+
+
+def _relaxed(
+    base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: Near, keep: Float64[np.ndarray, "n"]
+) -> Float64[np.ndarray, "n 2"]:
+    """The band: least bending, near the line, `keep` from obstacles."""
+    n = len(base)
+    if n < 5:
+        return base
+    bending = np.zeros((3, n))  # upper form, bands of D'D with D the second difference
+    bending[2] = np.concatenate([[1, 5], np.full(n - 4, 6), [5, 1]])
+    bending[1, 1:] = -np.concatenate([[2], np.full(n - 3, 4), [2]])
+    bending[0, 2:] = 1
+    system = _STIFFNESS * bending
+    system[2] += hold + _PENALTY
+    factor = cholesky_banded(system)
+    drawn, dual = hold[:, None] * base, np.zeros_like(base)
+    free = band = base
+    for _ in range(_ITERATIONS):
+        band = cho_solve_banded((factor, False), drawn + _PENALTY * (free - dual))
+        free = near.pushed_out(band + dual, keep)
+        dual += band - free
+    return np.asarray(band)
+
+
+def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
+    """A cubic B-spline with these control points, its ends in the first and last; `_PER_STEP` points a step."""
+    wide = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
+    t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
+    basis = (1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3
+    count = len(points) - 1
+    spans = sum(weight / 6 * wide[k : k + count] for k, weight in enumerate(basis))
+    return np.concatenate([np.swapaxes(spans, 0, 1).reshape(-1, points.shape[1]), points[-1:]])
+
+
+def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
+    """The line through points, at as many places as the spline has."""
+    t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
+    spans = (1 - t) * points[:-1] + t * points[1:]
+    return np.concatenate([np.swapaxes(spans, 0, 1).reshape(-1, points.shape[1]), points[-1:]])
+
+
+def _clear(
+    smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: Near, distance_m: float
+) -> Float64[np.ndarray, "m 3"]:
+    """The smooth path, or the straight one around all places where that is nearer to obstacles than it should be."""
+    share = np.zeros(len(smooth))
+    path = smooth
+    while True:
+        bad = _too_near(path, near, distance_m) & (share < 1.0)
+        if not bad.any():
+            return path
+        wide = _BLEND * _PER_STEP
+        share = np.maximum(share, grey_dilation(bad.astype(np.float64), size=wide))
+        eased = uniform_filter1d(grey_dilation(share, size=wide), wide)
+        share = np.where(share == 1.0, 1.0, eased)
+        path = smooth + share[:, None] * (straight - smooth)
+
+
+def _too_near(path: Float64[np.ndarray, "m 3"], near: Near, distance_m: float) -> Bool[np.ndarray, "m"]:
+    bad = np.full(len(path), False)
+    for k in range(_PER_STEP):
+        places = path[k::_PER_STEP, :2]
+        padded = np.concatenate([places, places[-1:]])[: near.points]
+        bad[k::_PER_STEP] = (near.distance(padded) < distance_m)[: len(places)]
+    return bad

@@ -1,0 +1,69 @@
+"""`Stops`: the places in every room that a tour goes to, and how far apart they are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.sparse.csgraph import dijkstra
+
+from sim.errors import SimError
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.walkable import Walkable
+
+COMFORT_M = 0.35
+"""A stop keeps this far from obstacles where the room allows, and twice this is as good as it gets."""
+_AREA_PER_STOP_M2 = 7.0
+_MAX_STOPS = 3
+_STOP_SPACING_M = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """Places to visit, numbered from 0."""
+
+    nodes: Int[np.ndarray, "m"]
+    """Of the walkable graph."""
+    between: Float64[np.ndarray, "m m"]
+    """Walking distances over the graph [m]."""
+    of_room: dict[str, list[int]]
+    """Stops of each room, the most central first."""
+
+    @staticmethod
+    def of(house: House, walkable: Walkable) -> "Stops":
+        """Up to three in every room that can be reached. Raises `SimError` where there are not even two in the house."""
+        reachable = set(walkable.reachable_rooms())
+        nodes: list[int] = []
+        of_room = {}
+        for room in house.rooms:
+            if room.label != STAIRS and room.id in reachable:
+                own = _stops_in(walkable, room.id)
+                of_room[room.id] = list(range(len(nodes), len(nodes) + len(own)))
+                nodes += own
+        if len(nodes) < 2:
+            raise SimError(
+                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} places "
+                "in it; a tour needs two at least"
+            )
+        return Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
+
+    def length(self, stops: Sequence[int]) -> float:
+        """Of the way from stop to stop [m]."""
+        return float(self.between[stops[:-1], stops[1:]].sum())
+
+
+def _stops_in(walkable: Walkable, room: str) -> list[int]:
+    """Free places of a room that together show it: the most central first, then each far from those before it."""
+    inside = walkable.nodes_in(room)
+    inside = inside[walkable.connected[inside]]
+    count = min(_MAX_STOPS, 2 + round(len(inside) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
+    clearance = walkable.clearance[inside]
+    inside = inside[roomy := clearance >= min(COMFORT_M, 0.8 * clearance.max())]
+    points, comfort = walkable.nodes[inside, :2], np.minimum(clearance[roomy], 2 * COMFORT_M)
+    chosen = [int(np.argmax(comfort - np.linalg.norm(points - points.mean(axis=0), axis=1)))]
+    nearest = np.linalg.norm(points - points[chosen[0]], axis=1)
+    while len(chosen) < count and nearest.max() > _STOP_SPACING_M:
+        chosen.append(int(np.argmax(nearest + comfort)))
+        nearest = np.minimum(nearest, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return [int(inside[k]) for k in chosen]

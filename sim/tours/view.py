@@ -1,0 +1,48 @@
+"""Where a walker looks: ahead, now and then to the sides, and along the stairs."""
+
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.ndimage import uniform_filter1d
+
+from sim.tours.smooth import STEP_M, arc_length
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.truth import room_at
+
+_SMOOTHING_M = 0.24
+_PITCH_SMOOTHING_M = 0.5
+_GLANCE_EVERY_M = 4.0
+_AMBIGUOUS_RAD = 1e-3
+"""About-turns go to the left, whichever side rounding would choose."""
+
+
+def view_along(
+    house: House, points: Float64[np.ndarray, "k 3"], glance_rad: float, pitch_on_stairs: bool
+) -> Float64[np.ndarray, "k 2"]:
+    """Yaw, unwrapped, and pitch of the view at every point of a path; pitch is positive downwards [rad]."""
+    step = np.diff(points, axis=0)
+    turn = np.diff(np.arctan2(step[:, 1], step[:, 0]))
+    turn = (turn + np.pi - _AMBIGUOUS_RAD) % (2 * np.pi) - np.pi + _AMBIGUOUS_RAD
+    yaw = np.arctan2(step[0, 1], step[0, 0]) + np.concatenate([[0.0], np.cumsum(turn), [turn.sum()]])
+    yaw = _smoothed(yaw + _glances(house, points, glance_rad), _SMOOTHING_M)
+    slope = -np.arctan2(step[:, 2], np.linalg.norm(step[:, :2], axis=1)) if pitch_on_stairs else np.zeros(len(step))
+    return np.column_stack([yaw, _smoothed(np.append(slope, slope[-1]), _PITCH_SMOOTHING_M)])
+
+
+def _smoothed(angle: Float64[np.ndarray, "k"], width_m: float) -> Float64[np.ndarray, "k"]:
+    width = round(width_m / STEP_M)
+    return np.asarray(uniform_filter1d(uniform_filter1d(angle, width, mode="nearest"), width, mode="nearest"))
+
+
+def _glances(house: House, points: Float64[np.ndarray, "k 3"], amplitude_rad: float) -> Float64[np.ndarray, "k"]:
+    """Look to one side and the other on the way through each room, ahead where it is entered and left."""
+    room, s = room_at(house, points), arc_length(points)
+    bounds = [0, *(np.flatnonzero(np.diff(room)) + 1), len(room) - 1]
+    offset = np.zeros(len(points))
+    for i, j in pairwise(bounds):
+        times = round((s[j] - s[i]) / _GLANCE_EVERY_M)
+        if times > 0 and room[i] >= 0 and house.rooms[room[i]].label != STAIRS:
+            offset[i:j] = amplitude_rad * np.sin(2 * np.pi * times * (s[i:j] - s[i]) / (s[j] - s[i]))
+    return offset

@@ -1,0 +1,45 @@
+"""`Ways`: the lines between places that a tour goes to, each looked for once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float64
+
+from worlds.walkable import Walkable, polyline_length
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Ways between nodes of the walkable graph."""
+
+    walkable: Walkable
+    prefer_clearance_m: float
+    straight: bool = False
+    """Whether to go straight wherever that is free, however near to obstacles."""
+    _known: dict[tuple[int, int], Float64[np.ndarray, "k 3"]] = field(default_factory=dict)
+
+    def leg(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:
+        """The way from node to node. Raises `UnreachableError`."""
+        if (a, b) not in self._known:
+            self._known[a, b] = self._found(a, b)
+        return self._known[a, b]
+
+    def length(self, a: int, b: int) -> float:
+        """Of that way [m]."""
+        return polyline_length(self.leg(a, b))
+
+    def line(self, nodes: Sequence[int]) -> Float64[np.ndarray, "k 3"]:
+        """The way through nodes in turn."""
+        return np.concatenate([self.leg(a, b) for a, b in pairwise(nodes) if a != b])
+
+    def _found(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:
+        ends = self.walkable.nodes[[a, b]]
+        if self.straight and ends[0, 2] == ends[1, 2] and self._is_free(ends):
+            return ends
+        return self.walkable.path(a, b, self.prefer_clearance_m)
+
+    def _is_free(self, ends: Float64[np.ndarray, "2 3"]) -> bool:
+        both = (self.walkable.solids, self.walkable.wells)
+        return all(bool(obstacles.clear(ends[:1], ends[1:], self.walkable.radius_m)[0]) for obstacles in both)
