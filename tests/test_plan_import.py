@@ -146,6 +146,11 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
         ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
         ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
         ([room("gym", LEFT)] * 201, "has 201 rooms"),
+        (
+            [room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "door", "height_m": "2"}}],
+            "features[2]: height_m: is '2'; valid: a number above 0 and at most 1000 [m]",
+        ),
+        ([room("gym", [p for k in range(40) for p in ([k, k % 2], [k + 1, k % 2])] + [[40, 9], [0, 9]])], "4 to 64"),
     ],
 )
 def test_drawings_that_cannot_be_meant_are_refused_with_their_place(tmp_path, features, message):

@@ -11,19 +11,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from worlds.errors import SpecError, WorldsError
 from worlds.house import build_house
-from worlds.imports.doorways import made_up, on_walls
-from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, read_text
+from worlds.imports.doorways import apart, on_walls
+from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built, read_text
 from worlds.imports.geojson import read_geojson, to_geojson
+from worlds.imports.made_up import made_up
 from worlds.imports.straighten import main_direction, straighten, turned
 from worlds.imports.svg import read_svg
 from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
 from worlds.validation import validate
 
+_SLAB_M = 0.3
 _FAR_M = 900.0
+_EXACT_M = 0.001
+"""A plan that stands with corners moved by no more is left as it is drawn."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,8 @@ def import_plan(
     Args:
         path: a file that ends in .svg, .geojson or .json, of at most 16 MB.
         metres_per_unit: scale of the drawing; None: of GeoJSON 1, of SVG what its root says.
-        snap_m: corners so near to each other lie on one line [m]; as wide as walls are drawn, if rooms have gaps between.
+        snap_m: where the plan does not stand as drawn, corners so near to each other lie on one line [m]; as wide as walls
+            are drawn, if rooms have gaps between.
         name: of the house; None: the file's.
         seed: of the house.
 
@@ -57,14 +60,21 @@ def import_plan(
         raise SpecError(f"snap_m is {snap_m}; valid: 0.001 to 0.3")
     try:
         drawing = _read(path, metres_per_unit)
-        spec, notes = _house(drawing, snap_m, (name or path.stem)[:200], seed)
-        validate(build_house(spec))
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise SpecError(f"{path}: {first['msg'].removeprefix('Value error, ')}") from None
+        try:
+            spec, notes = _proved(drawing, _EXACT_M, (name or path.stem)[:200], seed)
+        except WorldsError:
+            spec, notes = _proved(drawing, snap_m, (name or path.stem)[:200], seed)
+            notes.append(f"corners less than {snap_m:g} m off were moved to common lines")
     except WorldsError as error:
         raise type(error)(f"{path}: {error}") from None
     return ImportedPlan(spec, (*drawing.notes, *notes))
+
+
+def _proved(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[HouseSpec, list[str]]:
+    """The house and notes. Raises `WorldsError` where the house does not stand."""
+    spec, notes = _house(drawing, snap_m, name, seed)
+    validate(build_house(spec))
+    return spec, notes
 
 
 def _read(path: Path, metres_per_unit: float | None) -> Drawing:
@@ -88,7 +98,7 @@ def _house(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[House
     polygons = straighten([(room, _moved(corners, shift)) for room, corners in outlines], snap_m)
     ids = _ids(drawing.rooms)
     rooms = [
-        RoomSpec(id=identifier, label=room.label, polygon_m=polygon)
+        built(room.where, RoomSpec, id=identifier, label=room.label, polygon_m=polygon)
         for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
     ]
     storeys = _storeys(drawing, rooms)
@@ -96,11 +106,11 @@ def _house(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[House
         by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
         openings = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
     else:
-        openings = dict(made_up(storeys))
+        openings = dict(enumerate(made_up(storeys, _SLAB_M)))
         made = sum(map(len, openings.values()))
         notes.append(f"no openings are drawn: {made} were made up, so that every room can be reached")
-    whole = tuple(s.model_copy(update={"openings": tuple(openings.get(level, ()))}) for level, s in enumerate(storeys))
-    return HouseSpec(name=name, seed=seed, storeys=whole), notes
+    whole = tuple(s.model_copy(update={"openings": openings.get(level, ())}) for level, s in enumerate(storeys))
+    return built("the house", HouseSpec, name=name, seed=seed, slab_m=_SLAB_M, storeys=whole), notes
 
 
 def _drawn_openings(
@@ -120,7 +130,7 @@ def _drawn_openings(
             notes.append(f"{stroke.where}: leads out of the house; left out")
         else:
             openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
-    return openings
+    return {level: apart(placed) for level, placed in openings.items()}
 
 
 def _storeys(drawing: Drawing, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
@@ -129,7 +139,7 @@ def _storeys(drawing: Drawing, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
         here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)
         if not here:
             raise SpecError(f"has no rooms on storey {level}, but on one above; storeys are numbered from 0 without a gap")
-        storeys.append(StoreySpec(rooms=here, height_m=heights.get(level, 2.6)))
+        storeys.append(built(f"storey {level}", StoreySpec, rooms=here, height_m=heights.get(level, 2.6)))
     return storeys
 
 

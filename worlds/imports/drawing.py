@@ -4,15 +4,18 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
 
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
-from worlds.spec import MAX_ROOMS, OpeningKind, Point
-from worlds.spec_errors import MAX_JSON_BYTES, near
+from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
+from worlds.spec_errors import MAX_JSON_BYTES, explain, near
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
+_Model = TypeVar("_Model", bound=BaseModel)
 _SYNONYMS = {
     "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
     "foyer": "entrance hall", "entrance": "entrance hall", "lounge": "living room", "living": "living room",
@@ -114,6 +117,16 @@ def storey_of(where: str, value: object) -> int:
     if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:
         raise SpecError(f"{where}: storey {text[:40]!r}; valid: 0 (the lowest) to {MAX_STOREYS - 1}")
     return int(text[0])
+
+
+def built(where: str, model: type[_Model], **fields: Any) -> _Model:
+    """A part of a spec; what is wrong with it is said with its place in the file. Raises `SpecError`."""
+    try:
+        return model.model_validate(fields, strict=True)
+    except ValidationError as error:
+        schema = json_schema()
+        part = schema["$defs"].get(error.title, schema)
+        raise SpecError(f"{where}: {explain(error, None, {**part, '$defs': schema['$defs']})}") from None
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> Drawing:
