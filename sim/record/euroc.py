@@ -1,0 +1,129 @@
+"""Runs as EuRoC's datasets are laid out (ASL): stereo images, 200 Hz IMU, true states, and the odometry as one more sensor.
+
+Body and IMU are one frame, so every `T_BS` of a camera is its `T_B_C`. Images have no distortion: the coefficients are zero.
+"""
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.dataset_euroc import ODOMETRY, SENSORS
+from lexis.quaternions import pose_rows
+from lexis.types import Camera
+from sim.imu import ImuConfig
+from sim.record.images import SUFFIXES, encoded
+from sim.record.take import Frame, Take
+
+IMAGE_COLUMNS = ("#timestamp [ns]", "filename")
+IMU_COLUMNS = (
+    "#timestamp [ns]",
+    *(f"w_RS_S_{axis} [rad s^-1]" for axis in "xyz"),
+    *(f"a_RS_S_{axis} [m s^-2]" for axis in "xyz"),
+)
+POSE_COLUMNS = (*(f"p_RS_R_{axis} [m]" for axis in "xyz"), *(f"q_RS_{axis} []" for axis in "wxyz"))
+STATE_COLUMNS = (
+    "#timestamp",
+    *(f" {column}" for column in POSE_COLUMNS),
+    *(f" v_RS_R_{axis} [m s^-1]" for axis in "xyz"),
+    *(f" b_w_RS_S_{axis} [rad s^-1]" for axis in "xyz"),
+    *(f" b_a_RS_S_{axis} [m s^-2]" for axis in "xyz"),
+)
+ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for row in range(6) for column in range(6)))
+
+
+def write_euroc(folder: Path, take: Take, frames: Iterable[Frame], images: str) -> None:
+    """Write a take. Beside `mav0` there is a list of stamps as ORB-SLAM3 wants it. Raises OSError."""
+    sensors = folder / SENSORS
+    sensors.mkdir()
+    (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
+    _write_imu(sensors / "imu0", take)
+    _write_states(sensors / "state_groundtruth_estimate0", take)
+    _write_frames(folder, take, frames, SUFFIXES[images])
+
+
+def _write_frames(folder: Path, take: Take, frames: Iterable[Frame], suffix: str) -> None:
+    """Images and odometry, which pass but once."""
+    sensors = folder / SENSORS
+    stamps: list[int] = []
+    odometry: list[list[float]] = []
+    for name, camera in take.cameras.items():
+        (sensors / name / "data").mkdir(parents=True)
+        (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, 1.0 / take.frame_s))
+    for frame in frames:
+        for name, image in frame.images.items():
+            (sensors / name / "data" / f"{frame.stamp_ns}{suffix}").write_bytes(encoded(image, suffix))
+        stamps.append(frame.stamp_ns)
+        seen = frame.observation
+        odometry.append([*_state_rows(seen.T_O_B[None])[0].tolist(), *seen.increment_covariance.ravel().tolist()])
+    for name in take.cameras:
+        _write_csv(sensors / name / "data.csv", IMAGE_COLUMNS, ([stamp, f"{stamp}{suffix}"] for stamp in stamps))
+    (folder / "timestamps.txt").write_text("".join(f"{stamp}\n" for stamp in stamps))
+    (sensors / ODOMETRY).mkdir()
+    (sensors / ODOMETRY / "sensor.yaml").write_text(_ODOMETRY_YAML + _extrinsics(np.eye(4)))
+    rows = ([stamp, *row] for stamp, row in zip(stamps, odometry, strict=True))
+    _write_csv(sensors / ODOMETRY / "data.csv", ODOMETRY_COLUMNS, rows)
+
+
+def _write_imu(folder: Path, take: Take) -> None:
+    folder.mkdir()
+    (folder / "sensor.yaml").write_text(_imu_yaml(take.imu_config))
+    measured = np.hstack([take.imu.angular_velocity, take.imu.specific_force])
+    _write_csv(folder / "data.csv", IMU_COLUMNS, _stamped(take, measured))
+
+
+def _write_states(folder: Path, take: Take) -> None:
+    folder.mkdir()
+    (folder / "sensor.yaml").write_text("sensor_type: visual-inertial\ncomment: the truth\n" + _extrinsics(np.eye(4)))
+    biases = take.imu.gyroscope_bias, take.imu.accelerometer_bias
+    states = np.hstack([_state_rows(take.T_W_B), take.velocity, *biases])
+    _write_csv(folder / "data.csv", STATE_COLUMNS, _stamped(take, states))
+
+
+def _stamped(take: Take, rows: Float64[np.ndarray, "n k"]) -> Iterable[list[float]]:
+    return ([stamp, *row] for stamp, row in zip(take.imu_ns.tolist(), rows.tolist(), strict=True))
+
+
+def _state_rows(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "n 7"]:
+    """Position and quaternion w x y z."""
+    return pose_rows(poses)[:, [0, 1, 2, 6, 3, 4, 5]]
+
+
+def _write_csv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]]) -> None:
+    """Numbers with every digit: floats are written so that reading gives the same bits."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        file.write(",".join(columns) + "\n")
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+def _camera_yaml(name: str, camera: Camera, rate_hz: float) -> str:
+    k = camera.intrinsics
+    return (
+        f"sensor_type: camera\ncomment: simulated {name}\n{_extrinsics(camera.T_B_C)}"
+        f"rate_hz: {rate_hz:g}\nresolution: [{k.width}, {k.height}]\ncamera_model: pinhole\n"
+        f"intrinsics: [{k.fx!r}, {k.fy!r}, {k.cx!r}, {k.cy!r}] # fu, fv, cu, cv\n"
+        "distortion_model: radial-tangential\ndistortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n"
+    )
+
+
+def _imu_yaml(imu: ImuConfig) -> str:
+    return (
+        f"sensor_type: imu\ncomment: simulated ADIS16448\n{_extrinsics(np.eye(4))}rate_hz: {imu.rate_hz:g}\n"
+        f"gyroscope_noise_density: {imu.gyroscope_noise!r} # [rad/s/sqrt(Hz)]\n"
+        f"gyroscope_random_walk: {imu.gyroscope_walk!r} # [rad/s^2/sqrt(Hz)]\n"
+        f"accelerometer_noise_density: {imu.accelerometer_noise!r} # [m/s^2/sqrt(Hz)]\n"
+        f"accelerometer_random_walk: {imu.accelerometer_walk!r} # [m/s^3/sqrt(Hz)]\n"
+    )
+
+
+_ODOMETRY_YAML = (
+    "sensor_type: odometry\n"
+    "comment: drifts; covariances are of the increment since the line before, rotation first [rad^2, m^2], on the right\n"
+)
+
+
+def _extrinsics(T_B_S: Float64[np.ndarray, "4 4"]) -> str:
+    rows = ",\n         ".join(", ".join(map(repr, row)) for row in T_B_S.tolist())
+    return f"T_BS:\n  cols: 4\n  rows: 4\n  data: [{rows}]\n"

@@ -1,0 +1,94 @@
+"""`record`: a run written as a dataset. The folder appears whole or not at all."""
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeAlias
+
+from lexis.files import replaced_folder
+from sim.errors import SimError
+from sim.harness.config import RunConfig
+from sim.record.euroc import write_euroc
+from sim.record.rooms import ROOMS, FrameRooms
+from sim.record.ros2 import write_bag
+from sim.record.take import Frame, Take, prepare
+from sim.record.tum_rgbd import write_tum_rgbd
+
+Write: TypeAlias = Callable[[Path, Take, Iterable[Frame], str], None]
+
+
+@dataclass(frozen=True)
+class Format:
+    """A form that runs can be recorded in."""
+
+    write: Write
+    """Writes frames to a folder, with images of the kind named last."""
+    images: tuple[str, ...]
+    """Kinds of images that it can hold."""
+    cameras: tuple[str, ...] = ()
+    """Besides cam0."""
+    depth: bool = False
+
+
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {
+        "euroc": Format(write_euroc, ("png", "jpg"), cameras=("cam1",)),
+        "tum": Format(write_tum_rgbd, ("png", "jpg"), depth=True),
+        "ros2": Format(write_bag, ("png", "jpg", "raw"), cameras=("cam1",)),
+        "mcap": Format(partial(write_bag, storage="mcap"), ("png", "jpg", "raw"), cameras=("cam1",)),
+    }
+)
+
+_BYTES_PER_PIXEL = {"png": 1.5, "jpg": 0.4, "raw": 3.0}
+"""About, of rendered rooms; for the check of free space."""
+_DEPTH_BYTES_PER_PIXEL = 1.0
+
+
+def record(
+    config: RunConfig, out: Path, format: str = "euroc", images: str = "png", progress: Callable[[float], None] | None = None
+) -> int:
+    """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
+
+    `images` is png, jpg or, in bags, raw; `progress` is told the share of frames done. Returns the bytes written. Raises
+    `LexisError` where `out` holds anything else or cannot be written, `SimError` for an unknown format or kind of images,
+    or too little room on the disk, and what `sim.harness.run` raises.
+    """
+    form = _format(format, images)
+    with replaced_folder(out.resolve(), ROOMS) as folder:
+        take = prepare(config)
+        _check_space(folder, take, form, images)
+        rooms = FrameRooms(take.walk.house)
+        frames = rooms.note(take.frames(form.cameras, form.depth))
+        form.write(folder, take, _reported(frames, len(take), progress), images)
+        rooms.write(folder / ROOMS)
+        (folder / "house.json").write_text(take.walk.house.spec.to_json(), encoding="utf-8")
+        return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def _format(name: str, images: str) -> Format:
+    if name not in FORMATS:
+        raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")
+    if images not in FORMATS[name].images:
+        raise SimError(f"the format {name} holds no {images!r} images; valid: {', '.join(FORMATS[name].images)}")
+    return FORMATS[name]
+
+
+def _check_space(folder: Path, take: Take, form: Format, images: str) -> None:
+    size = take.cameras["cam0"].intrinsics
+    per_pixel = _BYTES_PER_PIXEL[images] * (1 + len(form.cameras)) + _DEPTH_BYTES_PER_PIXEL * form.depth
+    needed, free = len(take) * size.width * size.height * per_pixel, shutil.disk_usage(folder).free
+    if needed > free:
+        raise SimError(
+            f"{folder.parent}: a recording of {len(take)} frames needs about {needed / 1e6:.0f} MB, {free / 1e6:.0f} MB are "
+            "free; valid: a place with room for it, smaller images (jpg), or a shorter walk"
+        )
+
+
+def _reported(frames: Iterable[Frame], total: int, progress: Callable[[float], None] | None) -> Iterator[Frame]:
+    for done, frame in enumerate(frames, 1):
+        yield frame
+        if progress is not None:
+            progress(done / total)

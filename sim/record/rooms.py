@@ -1,0 +1,67 @@
+"""`rooms.json`: the rooms of the house, and the one that every frame was taken in. It is truth: LEXIS does not read it.
+
+Only its list `labels` is an input of LEXIS, where `lexis run --rooms rooms.json` says so.
+"""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.record.take import Frame
+from worlds.house import House, Room
+
+ROOMS = "rooms.json"
+_DIGITS = 4
+
+
+class FrameRooms:
+    """Remembers where frames were taken, while they pass."""
+
+    def __init__(self, house: House) -> None:
+        self._house = house
+        self._stamps: list[int] = []
+        self._rooms: list[str] = []
+        self._storeys: list[int] = []
+        self._faults: dict[int, list[str]] = {}
+
+    def note(self, frames: Iterable[Frame]) -> Iterable[Frame]:
+        """The frames, each noted."""
+        for frame in frames:
+            if faults := getattr(frame.truth, "faults", ()):
+                self._faults[len(self._stamps)] = list(faults)
+            self._stamps.append(frame.stamp_ns)
+            self._rooms.append(self._house.rooms[frame.truth.room].id)
+            self._storeys.append(frame.truth.storey)
+            yield frame
+
+    def write(self, path: Path) -> None:
+        """Write the rooms, and what was noted."""
+        labels = self._house.spec.room_labels
+        data = {
+            "schema": 1,
+            "units": "m, ns; polygons are wall centre lines in W",
+            "labels": labels,
+            "rooms": [_room(room) for room in self._house.rooms],
+            "frames": {
+                "stamp_ns": self._stamps,
+                "room": self._rooms,
+                "storey": self._storeys,
+                "faults": {str(frame): names for frame, names in self._faults.items()},
+            },
+        }
+        path.write_text(json.dumps(data) + "\n", encoding="utf-8")
+
+
+def _room(room: Room) -> dict[str, Any]:
+    return {
+        "id": room.id,
+        "label": room.label,
+        "storey": room.storey,
+        "polygon_m": np.round(np.array(room.polygon.exterior.coords)[:-1], _DIGITS).tolist(),
+        "floor_m": round(room.floor_m, _DIGITS),
+        "ceiling_m": round(room.ceiling_m, _DIGITS),
+        "outdoor": room.outdoor,
+    }

@@ -1,0 +1,126 @@
+"""Runs as ROS 2 bags of standard messages, written without ROS by the package `rosbags`; topics as in EuRoC's bags.
+
+`lexis.dataset_ros2` says which of them LEXIS reads. The others are `/cam1/...`, `/imu0` and `/ground_truth/pose`, the truth.
+"""
+
+import sqlite3
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from lexis.dataset_ros2 import ODOMETRY
+from lexis.se3 import between, compose_covariance
+from lexis.types import Observation
+from sim.errors import SimError
+from sim.record.images import SUFFIXES, encoded
+from sim.record.messages import Messages
+from sim.record.take import Frame, Take
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Writer
+
+_VERSION: Literal[8] = 8
+"""Of the bag's metadata: read by every ROS 2 that is supported."""
+
+
+def write_bag(folder: Path, take: Take, frames: Iterable[Frame], images: str, storage: str = "sqlite3") -> None:
+    """Write a take as the bag `bag`, stored by sqlite3 or mcap. Raises SimError without `rosbags`, or room on the disk."""
+    messages = Messages.load()
+    with _writer(folder / "bag", storage) as writer:
+        bag = _Bag(writer, messages)
+        bag.write(take.imu_ns[0], "/tf_static", messages.static_transforms(int(take.imu_ns[0]), take.cameras))
+        imu = _Inertial(take, bag)
+        odometry = _Odometry(bag)
+        for frame in frames:
+            imu.until(frame.stamp_ns)
+            _write_images(bag, take, frame, images)
+            odometry.write(frame.stamp_ns, frame.observation)
+        imu.until(int(take.imu_ns[-1]))
+
+
+@contextmanager
+def _writer(path: Path, storage: str) -> Iterator["Writer"]:
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    try:
+        with Writer(path, version=_VERSION, storage_plugin=StoragePlugin[storage.upper()]) as writer:
+            yield writer
+    except sqlite3.Error as error:
+        raise SimError(f"{path}: cannot be written: {error}; valid: a place with room for it") from None
+
+
+class _Bag:
+    """Writes messages, each to its topic."""
+
+    def __init__(self, writer: "Writer", messages: Messages) -> None:
+        self._writer, self.messages = writer, messages
+        self._connections: dict[str, Any] = {}
+
+    def write(self, stamp_ns: int, topic: str, message: Any) -> None:
+        kind = message.__msgtype__
+        if topic not in self._connections:
+            qos = self.messages.latched if topic == "/tf_static" else ()
+            self._connections[topic] = self._writer.add_connection(
+                topic, kind, typestore=self.messages.types, offered_qos_profiles=qos
+            )
+        data = self.messages.types.serialize_cdr(message, kind)
+        self._writer.write(self._connections[topic], int(stamp_ns), data)
+
+
+class _Inertial:
+    """Writes IMU and true poses in the order of time, between the frames."""
+
+    def __init__(self, take: Take, bag: _Bag) -> None:
+        self._take, self._bag = take, bag
+        self._truth = take.T_W_B
+        self._next = 0
+
+    def until(self, stamp_ns: int) -> None:
+        """Write what was measured up to that stamp."""
+        imu, config = self._take.imu, self._take.imu_config
+        end = int(np.searchsorted(self._take.imu_ns, stamp_ns, side="right"))
+        for k in range(self._next, end):
+            stamp = int(self._take.imu_ns[k])
+            message = self._bag.messages.imu(stamp, imu.angular_velocity[k], imu.specific_force[k], config)
+            self._bag.write(stamp, "/imu0", message)
+            self._bag.write(stamp, "/ground_truth/pose", self._bag.messages.pose(stamp, self._truth[k]))
+        self._next = max(end, self._next)
+
+
+class _Odometry:
+    """Writes the odometry, with the covariance of its pose, and exactly what LEXIS is given beside."""
+
+    def __init__(self, bag: _Bag) -> None:
+        self._bag = bag
+        self._last: Observation | None = None
+        self._covariance = np.zeros((6, 6))
+
+    def write(self, stamp_ns: int, seen: Observation) -> None:
+        """Write that of one observation."""
+        increment, seconds = np.eye(4), 0.0
+        if self._last is not None:
+            increment, seconds = between(self._last.T_O_B, seen.T_O_B), seen.stamp - self._last.stamp
+            self._covariance = compose_covariance(self._covariance, increment, seen.increment_covariance)
+        message = self._bag.messages.odometry(
+            stamp_ns, seen.T_O_B, self._covariance, increment, seen.increment_covariance, seconds
+        )
+        self._bag.write(stamp_ns, ODOMETRY, message)
+        exact = self._bag.messages.matrix(seen.increment_covariance)
+        self._bag.write(stamp_ns, f"{ODOMETRY}/increment_covariance", exact)
+        self._last = seen
+
+
+def _write_images(bag: _Bag, take: Take, frame: Frame, images: str) -> None:
+    for name, image in frame.images.items():
+        camera = take.cameras[name]
+        info = bag.messages.camera_info(frame.stamp_ns, name, camera, take.cameras["cam0"])
+        bag.write(frame.stamp_ns, f"/{name}/camera_info", info)
+        if images == "raw":
+            bag.write(frame.stamp_ns, f"/{name}/image_raw", bag.messages.image(frame.stamp_ns, name, image))
+        else:
+            content = encoded(image, SUFFIXES[images])
+            message = bag.messages.compressed_image(frame.stamp_ns, name, images, content)
+            bag.write(frame.stamp_ns, f"/{name}/image_raw/compressed", message)

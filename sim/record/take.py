@@ -1,0 +1,159 @@
+"""What the sensors of a robot report on one walk: images of several cameras, depth, IMU and odometry, beside the truth.
+
+A take begins with a moment at rest, which visual-inertial systems use to find gravity. LEXIS makes nothing of it: it keeps
+no frame where the odometry has not moved.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+from zlib import crc32
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int64
+
+from lexis.types import Camera, Image, Observation
+from sim.camera import CameraRenderer, fovy_deg
+from sim.harness.config import RunConfig
+from sim.harness.walk import Walk, walk
+from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
+from sim.scene import build_scene
+from sim.session import Session
+
+if TYPE_CHECKING:
+    from sim.session import Truth
+
+EPOCH_NS = 10**18
+"""Stamp of the first frame, in 2001: stamps have 19 digits, as tools that cut them into seconds and nanoseconds expect."""
+REST_S = 2.0
+"""At the start [s]."""
+_MARGIN_S = 0.1
+"""The IMU begins this much before the first frame and ends this much after the walk [s]."""
+_BASELINE_M = 0.11
+"""Of a stereo pair, as EuRoC's [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """All that is recorded at one instant."""
+
+    stamp_ns: int
+    observation: Observation
+    """What LEXIS is given; its image is that of the first camera."""
+    truth: "Truth"
+    images: Mapping[str, Image]
+    """By camera, the first one included."""
+    depth: Float32[np.ndarray, "h w"] | None
+    """Of the first camera, along its optical axis [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """One walk, its sensors, and what they report."""
+
+    config: RunConfig
+    walk: Walk
+    cameras: Mapping[str, Camera]
+    """cam0 is the one that LEXIS sees."""
+    imu_config: ImuConfig
+    imu: Imu
+    """Stamps count from the start of the walk, so they begin below 0 [s]."""
+
+    @property
+    def rest_frames(self) -> int:
+        """How many frames are at rest before the walk begins."""
+        return round(REST_S / self.frame_s)
+
+    @property
+    def frame_s(self) -> float:
+        """Time between frames [s]."""
+        return float(self.walk.tour.stamps[1] - self.walk.tour.stamps[0])
+
+    def __len__(self) -> int:
+        return self.rest_frames + len(self.walk.tour.stamps)
+
+    @cached_property
+    def imu_ns(self) -> Int64[np.ndarray, "n"]:
+        """Stamps of the IMU and of the true poses [ns]."""
+        return np.array([stamp_ns(t) for t in self.imu.stamps.tolist()], np.int64)
+
+    @property
+    def T_W_B(self) -> Float64[np.ndarray, "n 4 4"]:
+        """True poses at the stamps of the IMU."""
+        return self.walk.tour.motion.poses_at(self.imu.stamps, self.walk.tour.eye_height_m)
+
+    @property
+    def velocity(self) -> Float64[np.ndarray, "n 3"]:
+        """True velocities in W at the stamps of the IMU [m/s]."""
+        moving = (self.imu.stamps > 0.0) & (self.imu.stamps < self.walk.tour.motion.duration_s)
+        return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
+
+    def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Iterator[Frame]:
+        """The frames in the order of time, with images of cam0 and of the other `cameras` named, and depth if asked for.
+
+        Raises `GraphicsError` where there is no off-screen OpenGL.
+        """
+        camera = self.cameras["cam0"]
+        session = Session(self.walk.house, self.walk.tour, self.walk.odometry, camera)
+        # A scene of its own: the session renders in another thread.
+        scene = build_scene(
+            self.walk.house, (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics)
+        )
+        with ExitStack() as stack:
+            others = {name: stack.enter_context(CameraRenderer(scene, self.cameras[name])) for name in cameras}
+            ranging = stack.enter_context(CameraRenderer(scene, camera)) if depth else None
+            for observation, truth in session:
+                images = {name: renderer.rgb(truth.T_W_B) for name, renderer in others.items()}
+                frame = Frame(
+                    stamp_ns(observation.stamp),
+                    observation,
+                    truth,
+                    MappingProxyType({"cam0": observation.image, **images}),
+                    None if ranging is None else ranging.depth(truth.T_W_B).copy(),
+                )
+                yield from self._at_rest(frame) if observation.index == 0 else [frame]
+
+    def _at_rest(self, first: Frame) -> Iterator[Frame]:
+        """The first frame as often as the rest lasts, then once more; nothing moves, so the odometry makes no error."""
+        still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
+        for k in range(-self.rest_frames, 1):
+            stamp = first.observation.stamp + k * self.frame_s
+            yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
+
+
+def prepare(config: RunConfig, imu_config: ImuConfig | None = None) -> Take:
+    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises."""
+    imu_config = imu_config or ImuConfig()
+    walked = walk(config)
+    # A stream of the IMU's own, so that it leaves those of the run alone.
+    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
+    imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
+    cameras = {"cam0": config.camera, "cam1": stereo_partner(config.camera)}
+    return Take(config, walked, MappingProxyType(cameras), imu_config, imu)
+
+
+def stereo_partner(camera: Camera) -> Camera:
+    """The same camera to the right of it, parallel."""
+    step = np.eye(4)
+    step[0, 3] = _BASELINE_M
+    return Camera(camera.intrinsics, camera.T_B_C @ step)
+
+
+def stamp_ns(seconds: float) -> int:
+    """The stamp of a time that counts from the start of the walk [ns]."""
+    return EPOCH_NS + round((seconds + REST_S) * 1e9)
+
+
+def _with_rest(imu: Imu, rate_hz: float) -> Imu:
+    """The measurements with rest before and after them: the motion begins and ends with it, upright."""
+    before, after = round((REST_S + _MARGIN_S) * rate_hz), round(_MARGIN_S * rate_hz)
+    stamps = np.arange(-before, len(imu.stamps) + after) / rate_hz
+    pad = ((before, after), (0, 0))
+    force = np.pad(imu.specific_force, pad)
+    for rest in (slice(None, before), slice(len(force) - after, None)):
+        force[rest] = [0.0, 0.0, GRAVITY_M_S2]
+    zero = np.zeros_like(force)
+    return Imu(stamps, np.pad(imu.angular_velocity, pad), force, zero, zero)
