@@ -34,6 +34,7 @@ def test_a_handwritten_house_needs_nothing_but_rooms():
     ("bad", "message"),
     [
         (spec_json(polygon_m=[[0, 0], [4, 0], [4, 3], [0.5, 2]]), "polygon_m (room 'a'): walls must run along x or y"),
+        (spec_json(polygon_m=[[0, 0], [1e-9, 0], [1e-9, 3], [0, 3]]), "walls are at least 0.005 m long"),
         (spec_json(polygon_m=[[0, 0], [1000, 0], [1000, 1000], [0, 1000]]), "1000000 m²; at most 20000"),
         (json.dumps({"storeys": [{"rooms": [{"id": "a", "label": "office", "polygon_m": SQUARE}] * 2}]}), "repeated: a"),
         (json.dumps(json.loads(spec_json()) | {"schema_version": 1}), "no field 'schema_version'"),

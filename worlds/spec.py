@@ -20,6 +20,7 @@ from worlds.labels import ROOM_LABELS
 from worlds.spec_errors import MAX_JSON_BYTES, explain, listed, near, read_json
 
 MAX_ROOMS = 200
+MIN_WALL_M = 0.005
 MAX_PLAN_M2 = 20_000.0
 """Largest rectangle around all rooms, times the storeys: what is surveyed at 10 cm has to fit in memory."""
 
@@ -67,6 +68,8 @@ class RoomSpec(_Data):
         for (x0, y0), (x1, y1) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             if (x0 == x1) == (y0 == y1):
                 raise ValueError(f"walls must run along x or y, but ({x0}, {y0}) - ({x1}, {y1}) does not")
+            if abs(x1 - x0) + abs(y1 - y0) < MIN_WALL_M:
+                raise ValueError(f"walls are at least {MIN_WALL_M} m long, but ({x0}, {y0}) - ({x1}, {y1}) is not")
         return polygon
 
 
