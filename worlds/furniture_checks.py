@@ -17,6 +17,7 @@ FLAT_M = 0.03
 """What is no higher (a rug) may lie under furniture."""
 _TOLERANCE_M = 2e-3
 _HEIGHT_TOLERANCE_M = 1e-3
+_AT_ONCE = 64
 
 
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
@@ -33,8 +34,8 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
         if i not in outside:
             yield f"{_name(pieces[i])} in {pieces[i].room!r} stands in {_wall_name(house.walls[j])}"
     standing = np.array([piece.size[2] > FLAT_M for piece in pieces], bool)
-    for i, j in overlaps(boxes, boxes, _TOLERANCE_M).tolist():
-        if i < j and standing[i] and standing[j]:
+    for i, j in _clashes(boxes):
+        if standing[i] and standing[j]:
             yield f"{_name(pieces[i])} and {_name(pieces[j])} in {pieces[i].room!r} run into each other"
     yield from _on_the_stairs(house, boxes)
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
@@ -50,6 +51,16 @@ def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
     """Upright boxes from rows of (x, y, underside, width, depth, height, yaw)."""
     table = np.array(rows, dtype=np.float64).reshape(-1, 7)
     return Obstacles(table[:, :2], table[:, 3:5], table[:, 6], np.stack([table[:, 2], table[:, 2] + table[:, 5]], axis=-1))
+
+
+def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
+    """Pairs of boxes that run into each other, for some boxes at a time: a heap has more pairs than fit in memory."""
+    for first in range(0, len(boxes.yaw), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        these = Obstacles(boxes.centre[some], boxes.size[some], boxes.yaw[some], boxes.span[some])
+        for i, j in overlaps(these, boxes, _TOLERANCE_M).tolist():
+            if first + i < j:
+                yield first + i, j
 
 
 def _between_floor_and_ceiling(house: House) -> Iterator[str]:
