@@ -1,16 +1,17 @@
-"""The simulated camera: where it sits, what it projects, and the off-screen renderer."""
+"""The simulated camera: where it sits, what it projects, and what it sees."""
 
+from collections.abc import Sequence
 from types import TracebackType
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int32, UInt8
+from jaxtyping import Float32, Int32, UInt8
 
-from lexis.types import Camera, Intrinsics
-from sim.gl import mujoco, require_rendering
-from sim.scene import CAMERA, Scene
+from lexis.types import Camera, Intrinsics, Pose
+from sim.raster import Frame, Raster
+from sim.scene import Scene
+from worlds.meshes import Solid
 
 _BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-_CV_FROM_MUJOCO = np.diag([1.0, -1.0, -1.0])
 
 
 def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Camera:
@@ -34,48 +35,35 @@ class CameraRenderer:
     """
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
-        require_rendering()
         self.scene, self._camera = scene, camera
-        size = camera.intrinsics.height, camera.intrinsics.width
-        self._renderer = mujoco.Renderer(scene.model, *size)
-        flags = self._renderer.scene.flags
-        for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION, mujoco.mjtRndFlag.mjRND_HAZE):
-            flags[flag] = False
+        self._raster = Raster(scene)
 
-    def rgb(self, T_W_B: Float64[np.ndarray, "4 4"]) -> UInt8[np.ndarray, "h w 3"]:
+    def place(self, solids: Sequence[Solid]) -> None:
+        """Draw these, too, from now on, instead of those placed before; in ids they are -1."""
+        self._raster.place(solids)
+
+    def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
         """The image seen from a body pose."""
-        self._look_from(T_W_B)
-        return np.asarray(self._renderer.render())
+        return self._raster.rgb(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
-    def depth(self, T_W_B: Float64[np.ndarray, "4 4"]) -> Float32[np.ndarray, "h w"]:
+    def depth(self, T_W_B: Pose) -> Float32[np.ndarray, "h w"]:
         """Distance along the optical axis [m]. For tests and training; it never reaches LEXIS."""
-        self._renderer.enable_depth_rendering()
-        self._look_from(T_W_B)
-        image = np.asarray(self._renderer.render())
-        self._renderer.disable_depth_rendering()
-        return image
+        return self._raster.depth(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
-    def geom_ids(self, T_W_B: Float64[np.ndarray, "4 4"]) -> Int32[np.ndarray, "h w"]:
+    def geom_ids(self, T_W_B: Pose) -> Int32[np.ndarray, "h w"]:
         """Index into `Scene.object_of_geom` per pixel, -1 for sky. For tests and training; it never reaches LEXIS."""
-        self._renderer.enable_segmentation_rendering()
-        self._look_from(T_W_B)
-        ids = np.asarray(self._renderer.render())[..., 0].astype(np.int32)
-        self._renderer.disable_segmentation_rendering()
-        return ids
+        return self._raster.geom_ids(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
+
+    def frame(self, T_W_B: Pose) -> Frame:
+        """All three of a pose, at less than their single costs."""
+        return self._raster.frame(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def close(self) -> None:
         """Release the GL context."""
-        self._renderer.close()
+        self._raster.close()
 
     def __enter__(self) -> "CameraRenderer":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
-
-    def _look_from(self, T_W_B: Float64[np.ndarray, "4 4"]) -> None:
-        T_W_C = T_W_B @ self._camera.T_B_C
-        data = self.scene.data
-        data.cam_xpos[0] = T_W_C[:3, 3]
-        data.cam_xmat[0] = (T_W_C[:3, :3] @ _CV_FROM_MUJOCO).reshape(-1)
-        self._renderer.update_scene(data, camera=CAMERA)

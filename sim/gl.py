@@ -8,6 +8,8 @@ MuJoCo reads ``MUJOCO_GL`` once, while it is imported. So `sim` imports it from 
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from sim.errors import GraphicsError
@@ -21,20 +23,45 @@ DISABLED = "disabled"
 HELP = "no off-screen OpenGL: install EGL (Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri) or OSMesa (libosmesa6)"
 
 
+_OFF = ("disabled", "disable", "off", "false", "0")
+VALID = ("egl", "osmesa", "glfw", DISABLED)
+"""Of ``MUJOCO_GL`` on Linux."""
+_SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx", "")
+
+
 def choose_backend() -> str:
     """Set ``MUJOCO_GL`` to the first back end that works, unless it is set already; return it.
 
-    EGL comes before OSMesa, which new Mesa releases no longer have. Other systems than Linux choose for themselves.
+    EGL comes before OSMesa, which new Mesa releases no longer have. Other systems than Linux choose for themselves. Raises
+    `GraphicsError` where it is set to what MuJoCo does not know.
     """
-    if "MUJOCO_GL" not in os.environ and sys.platform == "linux":
+    if sys.platform != "linux":
+        return os.environ.get("MUJOCO_GL", "")
+    if "MUJOCO_GL" not in os.environ:
         os.environ["MUJOCO_GL"] = next(filter(_works, PROBES), DISABLED)
-    return os.environ.get("MUJOCO_GL", "")
+    backend = os.environ["MUJOCO_GL"].lower().strip()
+    if backend not in (*VALID, *_SYNONYMS):
+        raise GraphicsError(f"MUJOCO_GL is {backend!r}; valid: {', '.join(VALID)}, or unset it to have one chosen")
+    return DISABLED if backend in _OFF else backend
 
 
 def require_rendering() -> None:
     """Raise `GraphicsError`, which says what to install, where `choose_backend` found nothing that renders."""
     if choose_backend() == DISABLED:
-        raise GraphicsError(HELP)
+        raise GraphicsError(f"{HELP}; where one is installed, unset MUJOCO_GL")
+
+
+@contextmanager
+def graphics_errors(task: str) -> Iterator[None]:
+    """Turn what MuJoCo and its OpenGL raise during `task` into one line of `GraphicsError` that says what to change."""
+    try:
+        yield
+    except MemoryError as error:
+        raise GraphicsError(f"{task}: {_MEMORY}") from error
+    except _FAILURES as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        advice = _MEMORY if any(word in reason.lower() for word in _OUT_OF_MEMORY) else _LOST
+        raise GraphicsError(f"{task}: {advice} ({reason[:200]})") from error
 
 
 def _works(backend: str) -> bool:
@@ -46,11 +73,23 @@ def _works(backend: str) -> bool:
         return False
 
 
-choose_backend()
+_CHOSEN = choose_backend()
 
-import mujoco  # noqa: E402 - MuJoCo must see the choice
+try:
+    import mujoco
+except (AttributeError, ImportError, OSError) as error:  # PyOpenGL raises any of these where a library is missing
+    if isinstance(error, ModuleNotFoundError) and error.name == "mujoco":
+        raise
+    raise GraphicsError(f"MUJOCO_GL is {_CHOSEN!r}, which does not load here; {HELP}; or unset MUJOCO_GL") from error
 
-__all__ = ["GraphicsError", "choose_backend", "mujoco", "require_rendering"]
+from OpenGL.error import Error as OpenGLError  # type: ignore[import-untyped]  # noqa: E402 - MuJoCo tells PyOpenGL which platform
+
+_FAILURES = (RuntimeError, ImportError, mujoco.FatalError, mujoco.UnexpectedError, OpenGLError)
+_OUT_OF_MEMORY = ("memory", "alloc", "0x505", "bad_alloc")
+_MEMORY = "too little memory; render smaller images, fewer houses at once, or free memory"
+_LOST = "OpenGL failed or its context is lost; make the renderer anew in the thread that uses it, and see `lexis-sim doctor`"
+
+__all__ = ["GraphicsError", "choose_backend", "graphics_errors", "mujoco", "require_rendering"]
 
 if __name__ == "__main__":
     require_rendering()

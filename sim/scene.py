@@ -1,4 +1,8 @@
-"""House -> MjModel: textured quad meshes, one per surface of a room and per object, under the light asked for."""
+"""House -> MjModel: textured quad meshes, one per surface of a room and per object, under the light asked for.
+
+The geoms are what rays meet and what segmentation tells apart. Beside them the model holds the same quads merged into few
+meshes without geoms, which `sim.raster` draws: pictures cost by the mesh.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,6 +11,8 @@ from types import MappingProxyType
 import numpy as np
 
 from sim.gl import mujoco
+from sim.merging import Merged, merge
+from sim.visibility import Visibility
 from worlds.house import House
 from worlds.meshes import triangles
 from worlds.parts import Colour, Vector
@@ -63,6 +69,9 @@ class Scene:
     data: "mujoco.MjData"
     object_of_geom: tuple[str, ...]
     """What each geom shows: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    merged: tuple[Merged, ...]
+    """What to draw instead of the geoms; their meshes come after those of the geoms."""
+    visibility: Visibility
 
 
 def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scene:
@@ -70,8 +79,11 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
 
     There are no shadows and no multi-sampling: they cost an order of magnitude in a software renderer.
     """
-    seen = visuals(house)
+    seen, visibility = visuals(house), Visibility(house)
+    merged = merge(seen.parts, visibility)
     spec = house_mjspec(house, seen)
+    for part in merged:
+        _add_mesh(spec, part.visual)
     spec.visual.quality.offsamples, spec.visual.quality.shadowsize = 0, 0
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size_px
     body = spec.worldbody.add_body(name=CAMERA, mocap=True)
@@ -79,7 +91,7 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return Scene(model, data, tuple(visual.shows for visual in seen.parts))
+    return Scene(model, data, tuple(visual.shows for visual in seen.parts), merged, visibility)
 
 
 def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":
@@ -103,6 +115,10 @@ def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] |
             texture.file = texture_files[name]
     for visual in seen.parts:
         _add_mesh(spec, visual)
+        spec.worldbody.add_geom(
+            name=visual.name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=visual.name, material=visual.image,
+            contype=0, conaffinity=0,
+        )  # fmt: skip
     return spec
 
 
@@ -131,7 +147,3 @@ def _add_mesh(spec: "mujoco.MjSpec", visual: Visual) -> None:
     mesh.userface = mesh.userfacetexcoord = mesh.userfacenormal = triangles(len(visual.corners)).reshape(-1)
     mesh.usertexcoord = (visual.uv * (1.0, -1.0) + (0.0, 1.0)).reshape(-1)
     mesh.usernormal = np.repeat(visual.normals, 4, axis=0).reshape(-1)
-    spec.worldbody.add_geom(
-        name=visual.name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=visual.name, material=visual.image,
-        contype=0, conaffinity=0,
-    )  # fmt: skip

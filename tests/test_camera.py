@@ -7,6 +7,7 @@ from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.scene import build_scene
 from sim.tour import plan_tour
 from worlds.house import build_house
+from worlds.meshes import normals
 from worlds.presets import sample_house
 from worlds.surfaces import surfaces
 from worlds.walkable import Walkable
@@ -44,8 +45,7 @@ def back_projected(depth, T_W_B):
 def test_depth_and_segmentation_agree_with_the_house(house, poses, renderer):
     planes = {}
     for face in surfaces(house):
-        normal = np.cross(face.corners[1] - face.corners[0], face.corners[3] - face.corners[0])
-        normal = normal / np.linalg.norm(normal)
+        (normal,) = normals(face.corners[None])
         planes.setdefault(f"{face.room}/{face.kind}", []).append((normal, normal @ face.corners[0]))
     names = renderer.scene.object_of_geom
     checked = 0

@@ -7,9 +7,10 @@ from lexis.errors import LexisError
 from sim.collision import GROUP
 from sim.gl import mujoco
 from sim.mjcf import write_mjcf
-from sim.scene import build_scene
+from sim.scene import house_mjspec
 from worlds.house import build_house
 from worlds.presets import sample_house
+from worlds.visuals import visuals
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def loaded(house, tmp_path_factory):
 
 
 def test_what_is_seen_comes_back_as_it_was(house, loaded):
-    rendered = build_scene(house, (64, 48), 60.0).model
+    rendered = house_mjspec(house, visuals(house)).compile()
     assert np.count_nonzero(loaded.geom_group != GROUP) == rendered.ngeom
     assert loaded.nmesh == rendered.nmesh and loaded.nmeshvert == rendered.nmeshvert
     assert np.array_equal(loaded.tex_data, rendered.tex_data)

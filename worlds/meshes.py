@@ -10,6 +10,8 @@ from jaxtyping import Float64, Int
 from worlds.parts import Part, Vector
 
 _SIDES = 10
+_PROUD_M = 2e-5
+"""By how much each part of a solid is larger than the one before it: of faces in one plane, the later part's is seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +43,14 @@ class SolidsMesh:
 def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
     """The faces of all `solids`."""
     parts = [part for solid in solids for part in solid.parts]
-    owner = np.repeat(np.arange(len(solids)), [len(solid.parts) for solid in solids])
+    counts = [len(solid.parts) for solid in solids]
+    owner = np.repeat(np.arange(len(solids)), counts)
+    proud = _PROUD_M * np.concatenate([np.zeros(0), *map(np.arange, counts)])
     corners, part_of = [np.zeros((0, 4, 3))], [np.zeros(0, int)]
     for shape, template in _TEMPLATES.items():
         chosen = np.array([i for i, part in enumerate(parts) if part.shape == shape], int)
         if len(chosen):
-            corners.append(_placed(template, [parts[i] for i in chosen]))
+            corners.append(_placed(template, [parts[i] for i in chosen], proud[chosen]))
             part_of.append(np.repeat(chosen, len(template)))
     part = np.concatenate(part_of)
     order = np.argsort(part, kind="stable")
@@ -66,8 +70,10 @@ def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
     return np.asarray(4 * np.arange(quads)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
-def _placed(template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part]) -> Float64[np.ndarray, "q 4 3"]:
-    size, centre = np.array([p.size for p in parts]), np.array([p.centre for p in parts])
+def _placed(
+    template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part], proud: Float64[np.ndarray, "n"]
+) -> Float64[np.ndarray, "q 4 3"]:
+    size, centre = np.array([p.size for p in parts]) + proud[:, None], np.array([p.centre for p in parts])
     yaw = np.array([p.yaw for p in parts])[:, None, None]
     turned = _turned(template[None] * size[:, None, None], yaw)
     return np.asarray(turned + centre[:, None, None]).reshape(-1, 4, 3)
