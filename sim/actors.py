@@ -1,52 +1,17 @@
-"""What moves in a house while it is looked at: drawn into each image from plain shapes, never a part of the compiled model."""
+"""What moves in a house while it is looked at: drawn into each image, never a part of the compiled model."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
-import numpy as np
 from jaxtyping import Float64
+from numpy import ndarray
 
-from sim.gl import mujoco
 from worlds.meshes import Solid
-from worlds.parts import Part
 
 
 class Actor(ABC):
     """Something that moves."""
 
     @abstractmethod
-    def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
+    def solids_at(self, stamp: float, T_W_B: Float64[ndarray, "4 4"]) -> Sequence[Solid]:
         """What it looks like and where, at a time [s] when the camera's body is at a pose."""
-
-
-def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
-    """Add solids to a scene that is about to be rendered, in plain colours. Shapes: box, cylinder, ball.
-
-    In segmentation they are no geom of the model (-1), in front of what they hide.
-    """
-    for solid in solids:
-        turn, position = _about_z(solid.yaw), np.array(solid.position)
-        for part in solid.parts:
-            _draw_part(scene, part, position + turn @ np.array(part.centre), turn @ _about_z(part.yaw))
-
-
-def _draw_part(
-    scene: "mujoco.MjvScene", part: Part, position: Float64[np.ndarray, "3"], rotation: Float64[np.ndarray, "3 3"]
-) -> None:
-    geom = scene.geoms[scene.ngeom]
-    half, colour = 0.5 * np.array(part.size), np.array([*part.colour, 1.0], np.float32)
-    mujoco.mjv_initGeom(geom, _shapes()[part.shape], half, position, rotation.reshape(-1), colour)
-    geom.size[:] = half
-    geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, scene.ngeom
-    scene.ngeom += 1
-
-
-def _shapes() -> Mapping[str, int]:
-    kinds = mujoco.mjtGeom
-    return MappingProxyType({"box": kinds.mjGEOM_BOX, "cylinder": kinds.mjGEOM_CYLINDER, "ball": kinds.mjGEOM_ELLIPSOID})
-
-
-def _about_z(angle_rad: float) -> Float64[np.ndarray, "3 3"]:
-    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

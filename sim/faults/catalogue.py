@@ -1,0 +1,69 @@
+"""All faults by name, and how they are written on the command line."""
+
+from collections.abc import Mapping
+from dataclasses import Field
+from types import MappingProxyType
+
+from sim.errors import SimError
+from sim.faults.delivery import Dropped, Duplicated, Frozen, Late, OutOfOrder
+from sim.faults.fault import Fault, settings
+from sim.faults.images import Blur, Exposure, LightsOff, Noise, Smear
+from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump, OdometryNaN
+from sim.faults.stamps import StampJitter, StampJump, StampOffset
+from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
+
+FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
+    {
+        kind.name: kind
+        for kind in (
+            *(Dropped, Frozen, Duplicated, Late, OutOfOrder),
+            *(StampOffset, StampJitter, StampJump),
+            *(Blur, Exposure, Noise, Smear, LightsOff),
+            *(OdometryJump, OdometryFreeze, OdometryNaN, Kidnap),
+            *(MovedFurniture, ClosedDoors, Pedestrian),
+        )
+    }
+)
+
+
+def parse_fault(text: str) -> Fault:
+    """A fault as written: `name`, `name:value` of its first field, or `name:value,field=value,...`; units as the field's.
+
+    Raises `SimError` for an unknown name or field, and for a value that is no number or out of range.
+    """
+    name, _, rest = text.partition(":")
+    if (kind := FAULTS.get(name)) is None:
+        raise SimError(f"unknown fault {name!r}; valid: {', '.join(FAULTS)}")
+    known = {each.name: each for each in settings(kind)}
+    first, values = next(iter(known)), {}
+    for place, item in enumerate(rest.split(",") if rest else ()):
+        key, equals, value = item.rpartition("=")
+        key = key if equals or place else first
+        if key not in known:
+            raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}; valid: {', '.join(known)}")
+        values[key] = _number(text, known[key], value)
+    return kind(**values)
+
+
+def written(fault: Fault) -> str:
+    """A fault as `parse_fault` takes it, with all fields that are set."""
+    values = {of.name: getattr(fault, of.name) for of in settings(type(fault))}
+    return f"{fault.name}:{','.join(f'{name}={value:g}' for name, value in values.items() if value is not None)}"
+
+
+def _number(text: str, of: "Field[float]", value: str) -> int | float:
+    try:
+        return int(value) if of.type is int else float(value)
+    except ValueError:
+        kind = "a whole number" if of.type is int else "a number"
+        raise SimError(f"fault {text!r}: {of.name} is {value!r}; valid: {kind}") from None
+
+
+def usage() -> str:
+    """Every fault with its fields and their defaults, as `parse_fault` takes them, one a line."""
+    return "\n".join(f"  {name}:{','.join(map(_usage, settings(kind)))}" for name, kind in FAULTS.items())
+
+
+def _usage(of: "Field[float]") -> str:
+    shown = "half the tour" if of.default is None else f"{of.default:g}"
+    return f"{of.name}={shown}"

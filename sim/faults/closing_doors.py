@@ -1,0 +1,69 @@
+"""Doors that are shut unless somebody is about to go through."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.actors import Actor
+from worlds.doors import Leaf, hang_leaves
+from worlds.house import House
+from worlds.meshes import Solid
+from worlds.spec import LeafSpec, OpeningSpec
+
+_OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
+"""Of the body from the door: more than a leaf's width, so that no leaf swings through the body."""
+_REACH_M = 3.0
+"""How far above the floor of a door's storey a body counts as on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class ClosingDoors(Actor):
+    """Leaves that stand open only while the body is near them."""
+
+    leaves: Sequence[Leaf]
+
+    def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
+        """All leaves as they stand for a body at this pose."""
+        return [_solid(_turned(leaf, _openness(leaf, T_W_B[:3, 3]))) for leaf in self.leaves]
+
+
+def _openness(leaf: Leaf, body: Float64[np.ndarray, "3"]) -> float:
+    """0 is shut, 1 wide open."""
+    centre = _centre(leaf, 0.0)
+    if not 0.0 <= body[2] - leaf.position[2] <= _REACH_M:
+        return 0.0
+    distance = math.hypot(body[0] - centre[0], body[1] - centre[1])
+    return min(max((_SHUT_BEYOND_M - distance) / (_SHUT_BEYOND_M - _OPEN_WITHIN_M), 0.0), 1.0)
+
+
+def _turned(leaf: Leaf, openness: float) -> Leaf:
+    turn = math.copysign(openness * max(abs(leaf.turn), math.pi / 2), leaf.turn)
+    return replace(leaf, turn=turn, position=(*_centre(leaf, turn), leaf.position[2]))
+
+
+def _centre(leaf: Leaf, turn: float) -> tuple[float, float]:
+    (x, y), half, yaw = leaf.hinge, leaf.size[0] / 2, leaf.shut_yaw + turn
+    return x + half * math.cos(yaw), y + half * math.sin(yaw)
+
+
+def _solid(leaf: Leaf) -> Solid:
+    return Solid(leaf.parts, leaf.position, leaf.yaw)
+
+
+def all_leaves(house: House) -> Iterator[Leaf]:
+    """A leaf for every door way of a house: its own, or a new one that swings into the first of its rooms."""
+    style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
+    for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):
+        hung = [_with_leaf(opening) for opening in storey.openings]
+        own = {id(old): new for old, new in zip(storey.openings, hung, strict=True)}
+        cut = [(boundary, own.get(id(opening), opening)) for boundary, opening in pieces]
+        yield from hang_leaves(level, cut, hung, house.storeys[level].floor_m, style)
+
+
+def _with_leaf(opening: OpeningSpec) -> OpeningSpec:
+    if opening.kind != "door" or opening.leaf is not None:
+        return opening
+    return opening.model_copy(update={"leaf": LeafSpec(into=opening.rooms[0])})

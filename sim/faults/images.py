@@ -1,0 +1,132 @@
+"""Faults of images: blur, exposure, noise, dirt on the lens, darkness. They change no other part of an observation."""
+
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from jaxtyping import Float32
+
+from lexis.types import Image, Observation
+from sim.faults.fault import FrameFault, SpanFault, setting
+from sim.stream import Stream
+
+_GAMMA = 2.2
+_HAZE, _HAZE_LEVEL = 0.25, 190.0
+"""Light that grease scatters: its share, and its grey level."""
+_PATCH, _EDGE = 0.08, 0.5
+"""Size of patches in widths of the image; softness of their edges in standard deviations of the noise they are cut from."""
+
+
+@dataclass(frozen=True)
+class ImageFault(FrameFault):
+    """A fault that changes images."""
+
+    def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
+        """The observation with another image."""
+        return replace(observation, image=self.edit(observation.image, rng))
+
+    @abstractmethod
+    def edit(self, image: Image, rng: np.random.Generator) -> Image:
+        """The image with the fault."""
+
+
+@dataclass(frozen=True)
+class Blur(ImageFault):
+    """Motion blur: every point becomes a line along the rows, as when the camera turns while the shutter is open."""
+
+    name = "blur"
+    pixels: int = setting(9, 1, 200)
+    """Length of the line [px]."""
+
+    def edit(self, image: Image, rng: np.random.Generator) -> Image:
+        """The mean along the line."""
+        return np.asarray(cv2.blur(image, (self.pixels, 1), borderType=cv2.BORDER_REPLICATE))
+
+
+@dataclass(frozen=True)
+class Exposure(ImageFault):
+    """The exposure is wrong: light is multiplied before the camera's gamma, and clipped."""
+
+    name = "exposure"
+    stops: float = setting(-2.0, -16.0, 16.0)
+    """Powers of two; negative is darker."""
+
+    def edit(self, image: Image, rng: np.random.Generator) -> Image:
+        """The image with its light multiplied."""
+        return _with_light(image, 2.0**self.stops)
+
+
+def _with_light(image: Image, factor: float) -> Image:
+    table = np.linspace(0.0, 1.0, 256) * factor ** (1.0 / _GAMMA)
+    return np.asarray(cv2.LUT(image, np.rint(255.0 * np.minimum(table, 1.0)).astype(np.uint8)))
+
+
+@dataclass(frozen=True)
+class Noise(ImageFault):
+    """White noise of the sensor, independent in every pixel and channel."""
+
+    name = "noise"
+    sigma: float = setting(12.0, 0.0, 255.0)
+    """Standard deviation [grey levels]."""
+
+    def edit(self, image: Image, rng: np.random.Generator) -> Image:
+        """The image with noise, clipped."""
+        return _noisy(image, self.sigma, rng)
+
+
+def _noisy(image: Image, sigma: float, rng: np.random.Generator) -> Image:
+    noise = sigma * rng.standard_normal(image.shape, dtype=np.float32)
+    return np.asarray(np.rint(np.clip(image + noise, 0.0, 255.0)), np.uint8)
+
+
+@dataclass(frozen=True)
+class LightsOff(ImageFault):
+    """Somebody turns the lights off: a little light is left, under the sensor's noise."""
+
+    name = "lights-off"
+    left: float = setting(0.002, 0.0, 1.0, kw_only=True)
+    """Share of the light that is left."""
+    sigma: float = setting(3.0, 0.0, 255.0, kw_only=True)
+    """Standard deviation of the noise [grey levels]."""
+
+    def edit(self, image: Image, rng: np.random.Generator) -> Image:
+        """The dark image."""
+        return _noisy(_with_light(image, self.left), self.sigma, rng)
+
+
+@dataclass(frozen=True)
+class Smear(SpanFault):
+    """Grease on the lens: patches, the same ones in every image, in which it is blurred and hazy."""
+
+    name = "smear"
+    share: float = setting(0.3, 0.0, 1.0)
+    """Of the image that patches cover."""
+    blur_px: float = setting(6.0, 0.1, 100.0)
+    """Standard deviation of the blur in them [px]."""
+
+    def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
+        """The stream with patches in its images."""
+        seed = int(rng.integers(2**63))
+        for observation, truth in stream:
+            if self.active(truth):
+                yield replace(observation, image=self._smeared(observation.image, seed)), self.mark(truth)
+            else:
+                yield observation, truth
+
+    def _smeared(self, image: Image, seed: int) -> Image:
+        covered = _patches(image.shape[0], image.shape[1], self.share, seed)
+        spread = cv2.GaussianBlur(image, (0, 0), self.blur_px).astype(np.float32)
+        greasy = (1.0 - _HAZE) * spread + _HAZE * _HAZE_LEVEL
+        return np.asarray(np.rint(image + covered * (greasy - image)), np.uint8)
+
+
+@lru_cache(maxsize=4)
+def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.ndarray, "h w 1"]:
+    """How much of every pixel's light goes through grease: smooth noise, cut where `share` is above."""
+    noise = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
+    smooth = cv2.GaussianBlur(noise, (0, 0), _PATCH * width)
+    edge = _EDGE * float(smooth.std())
+    above = smooth - np.quantile(smooth, 1.0 - share)
+    return np.asarray(np.clip(above / edge + 0.5, 0.0, 1.0)[..., None], np.float32)

@@ -1,0 +1,87 @@
+"""Furniture pushed about in its room."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from jaxtyping import Float64
+from shapely import Geometry
+from shapely.geometry import MultiPoint
+
+from worlds.house import Furniture, House
+
+_TRIES = 30
+_WALL_M = 0.1
+"""Kept from a room's polygon, which runs along the middle of walls."""
+_BODY_M = 0.3
+"""Kept from where the body goes."""
+_ON_FLOOR_M = 0.02
+_FIXED = frozenset(
+    (
+        *("kitchen counter", "kitchen sink", "kitchen island", "stove", "dishwasher", "washing machine", "utility sink"),
+        *("bathtub", "shower", "toilet bowl", "washbasin", "hand basin", "vanity", "radiator", "boiler", "fireplace"),
+        *("tree", "hedge", "flower bed", "sandpit", "garden shed", "swing", "fume hood", "lab bench", "wall bars"),
+    )
+)
+"""Kinds that nobody moves."""
+
+
+def with_furniture_moved(
+    house: House,
+    way: Float64[np.ndarray, "n 3"],
+    share: float,
+    within_m: float,
+    turn_rad: float,
+    rng: np.random.Generator,
+) -> tuple[Furniture, ...]:
+    """All furniture, a share of what stands loose on the floor moved clear of walls, of the rest and of `way`.
+
+    What stands on a piece goes with it. A piece that finds no other place within some tries stays.
+    """
+    pieces = list(house.furniture)
+    standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
+    movable = [i for i in standing if pieces[i].kind not in _FIXED]
+    for i in rng.permutation(movable)[: round(share * len(movable))]:
+        piece = pieces[i]
+        riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
+        others = [pieces[k] for k in standing if k != i and pieces[k].storey == piece.storey]
+        free = _free_of(house, piece, others, way)
+        for _ in range(_TRIES):
+            angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
+            shift = (distance * math.cos(angle), distance * math.sin(angle))
+            moved = _moved(piece, piece, shift, turn_rad * turn)
+            if shapely.covers(free, moved.footprint):
+                for k in (i, *riders):
+                    pieces[k] = _moved(pieces[k], piece, shift, turn_rad * turn)
+                break
+    return tuple(pieces)
+
+
+def _height(house: House, piece: Furniture) -> float:
+    """Above the floor of its storey [m]."""
+    return piece.position[2] - house.storeys[piece.storey].floor_m
+
+
+def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
+    above = other.storey == piece.storey and _ON_FLOOR_M <= _height(house, other) <= piece.size[2] + _ON_FLOOR_M
+    return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
+
+
+def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], way: Float64[np.ndarray, "n 3"]) -> Geometry:
+    """Where the foot print of a piece may be."""
+    storey = house.storeys[piece.storey]
+    here = way[(way[:, 2] > storey.floor_m) & (way[:, 2] < storey.ceiling_m), :2]
+    leaves = [leaf.swing for leaf in house.leaves if leaf.storey == piece.storey]
+    taken = shapely.union_all([*(other.footprint for other in others), *leaves, MultiPoint(here).buffer(_BODY_M, 4)])
+    return house.room_by_id[piece.room].polygon.buffer(-_WALL_M).difference(taken)
+
+
+def _moved(piece: Furniture, about: Furniture, shift: tuple[float, float], turn: float) -> Furniture:
+    """A piece turned about the middle of another (or itself) and shifted."""
+    cos, sin = math.cos(turn), math.sin(turn)
+    dx, dy = piece.position[0] - about.position[0], piece.position[1] - about.position[1]
+    x = about.position[0] + shift[0] + cos * dx - sin * dy
+    y = about.position[1] + shift[1] + sin * dx + cos * dy
+    return replace(piece, position=(x, y, piece.position[2]), yaw=piece.yaw + turn)
