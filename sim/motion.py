@@ -53,20 +53,20 @@ class Motion:
 
     def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """Of the body, less the height it is carried at: on the walked surface but for the sway, in W [m]."""
-        return self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW])
+        return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """In W [m/s]."""
         walk, (d, d1) = self._walk(t, 1), (self._swing(t, k)[:, _X] for k in (0, 1))
         swing = d1 + walk[:, _YAW, None] * _across(d)
-        return walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW])
+        return np.asarray(walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def acceleration(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
         """In W [m/s²]."""
         d, d1, d2 = (self._swing(t, k)[:, _X] for k in range(3))
         rate, change = self._walk(t, 1)[:, _YAW, None], self._walk(t, 2)[:, _YAW, None]
         swing = d2 + 2 * rate * _across(d1) + change * _across(d) + rate**2 * _across(_across(d))
-        return self._walk(t, 2)[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW])
+        return np.asarray(self._walk(t, 2)[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def yaw(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
         """Unwrapped [rad]."""

@@ -1,14 +1,13 @@
 """`Sway`: how a carried or legged camera swings about its walk, as sums of sines; smooth to every derivative."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
 
-SwayKind: TypeAlias = Literal["none", "hand-held", "quadruped"]
+SWAYS = ("none", "hand-held", "quadruped")
 
 _HAND_HELD_HZ = (0.45, 0.9, 1.8)
 _HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15], [1, 1, 5, 0.10, 0.25, 0.05]])
@@ -36,10 +35,10 @@ class Sway:
         return np.asarray((self.amplitude * self.angular_frequency[:, None] ** derivative * np.sin(angle)).sum(axis=1))
 
 
-def draw_sway(kind: SwayKind, rng: np.random.Generator) -> Sway | None:
-    """The swing of one walk. Raises `SimError` for an unknown kind."""
-    if kind not in get_args(SwayKind):
-        raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(get_args(SwayKind))}")
+def draw_sway(kind: str, rng: np.random.Generator) -> Sway | None:
+    """The swing of one walk, of one of `SWAYS`. Raises `SimError` for another."""
+    if kind not in SWAYS:
+        raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(SWAYS)}")
     if kind == "none":
         return None
     hertz, size = (_HAND_HELD_HZ, _HAND_HELD) if kind == "hand-held" else (_QUADRUPED_HZ, _QUADRUPED)

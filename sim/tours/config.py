@@ -1,31 +1,30 @@
 """`TourConfig`: where a tour goes and how it is walked."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from sim.errors import SimError
-from sim.sway import SwayKind
+from sim.sway import SWAYS
 from sim.tours.pace import Limits
 
-TourKind: TypeAlias = Literal["rooms", "both ways", "loop", "random", "lawn-mower"]
+TOUR_KINDS = ("rooms", "both ways", "loop", "random", "lawn-mower")
 
-_POSITIVE = ("frame_rate_hz", "speed_m_s", "turn_rate_rad_s", "acceleration_m_s2", "eye_height_m", "circuit_m", "lane_m")
+_POSITIVE = ("frame_rate_hz", "speed_m_s", "turn_rate_rad_s", "acceleration_m_s2", "eye_height_m", "lane_m")
 
 
 @dataclass(frozen=True)
 class TourConfig:
     """How the tour is walked. Raises `SimError` for values that no walk can have."""
 
-    kind: TourKind = "rooms"
+    kind: str = "rooms"
     """rooms: every room, lowest storey first, then the lowest storey again in the same direction. both ways: every room
     and the same way back. loop: a circuit, several times. random: between random places. lawn-mower: every room in lanes."""
     length_m: float | None = None
     """Wished length [m], met within 3 m or 3 %: stops or lanes are left out, or gone through again, to meet it. None:
     as the kind has it."""
-    circuit_m: float = 40.0
-    """Length of the loop's circuit [m]."""
+    circuit_m: float | None = None
+    """Length of the loop's circuit [m]. None: 40, or less in a small house."""
     laps: int = 3
     """Of the loop, where no length is asked for."""
     lane_m: float = 1.0
@@ -41,7 +40,7 @@ class TourConfig:
     """How far the view turns to either side of the way, about once in 4 m, in rooms."""
     pitch_on_stairs: bool = False
     """Whether the view goes up and down with the stairs. Otherwise it stays level."""
-    sway: SwayKind = "none"
+    sway: str = "none"
     """What the body's own gait adds; it fades where the body stands."""
     prefer_clearance_m: float = 0.6
     """Kept from obstacles where there is room."""
@@ -50,9 +49,10 @@ class TourConfig:
         for name in _POSITIVE:
             if not 0.0 < (value := getattr(self, name)) < np.inf:
                 raise SimError(f"tour: {name} is {value}; valid: positive and finite")
-        if self.length_m is not None and not 0.0 < self.length_m < np.inf:
-            raise SimError(f"tour: length_m is {self.length_m}; valid: positive and finite, or None")
-        for name, valid in (("kind", get_args(TourKind)), ("sway", get_args(SwayKind))):
+        for name in ("length_m", "circuit_m"):
+            if (length := getattr(self, name)) is not None and not 0.0 < length < np.inf:
+                raise SimError(f"tour: {name} is {length}; valid: positive and finite, or None")
+        for name, valid in (("kind", TOUR_KINDS), ("sway", SWAYS)):
             if getattr(self, name) not in valid:
                 raise SimError(f"tour: {name} is {getattr(self, name)!r}; valid: {', '.join(valid)}")
         if self.laps < 1 or self.lane_m < 0.3:

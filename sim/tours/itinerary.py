@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 from sim.errors import SimError
 from sim.tours.config import TourConfig
 from sim.tours.lanes import lanes_through
-from sim.tours.order import first_lap, short_cycle, thinned
+from sim.tours.order import drawn_in, first_lap, short_cycle, thinned, walked
 from sim.tours.stops import COMFORT_M, Stops
 from sim.tours.ways import Ways
 from worlds.house import House
@@ -22,6 +22,7 @@ SMOOTHED = 0.95
 """How long a smooth path is, as a share of its way over the graph, about."""
 _SCATTER_M = 0.25
 """What is gone through again passes its stops this near to those of the first time, not through them."""
+_CIRCUIT_M = 40.0
 _PLACES = 48
 _WIDER = 1.25
 _WIDEST_M = 6.0
@@ -80,29 +81,38 @@ class Planner:
         return [*plan.first, *again, plan.first[0]]
 
     def _rooms(self, most_m: float, rng: np.random.Generator) -> Itinerary:
-        lap, base = first_lap(self.house, self.stops, rng)
-        lap = thinned(self.stops, lap, most_m)
-        base = [stop for stop in lap if stop in base]
-        return self._of_stops(lap, base if len(base) > 1 else lap, len(base))
+        stops, lap, base = self._lap(most_m, rng, there_and_back=False)
+        return _itinerary(stops, lap, base if len(base) > 1 else lap, len(base))
 
     def _both_ways(self, most_m: float, rng: np.random.Generator) -> Itinerary:
-        lap, _ = first_lap(self.house, self.stops, rng)
-        lap = thinned(self.stops, lap, most_m, there_and_back=True)
+        stops, lap, _ = self._lap(most_m, rng, there_and_back=True)
         there_and_back = [*lap, *lap[-2::-1]]
-        return self._of_stops(there_and_back, there_and_back[1:], 0)
+        return _itinerary(stops, there_and_back, there_and_back[1:])
+
+    def _lap(self, most_m: float, rng: np.random.Generator, there_and_back: bool) -> tuple[Stops, list[int], list[int]]:
+        """A lap through all rooms, no longer than asked where that can be, and its stops on the lowest storey."""
+        stops = self.stops
+        whole, base = first_lap(self.house, stops, rng)
+        lap = thinned(stops, whole, most_m, there_and_back)
+        if walked(stops, lap, there_and_back) <= most_m:
+            return stops, lap, [stop for stop in lap if stop in base]
+        stops, lap = drawn_in(self.house, self.walkable, stops, whole)
+        lowest = min(self.house.room_by_id[room].storey for room in stops.of_room)
+        return stops, lap, [k for room, (k,) in stops.of_room.items() if self.house.room_by_id[room].storey == lowest]
 
     def _loop(self, _: float, rng: np.random.Generator) -> Itinerary:
         """Around as many stops as the circuit's length allows, the nearest first, and a detour for what is left of it."""
-        _, base = first_lap(self.house, self.stops, rng)
-        home, circuit, length_m = base[0], [base[0]], self.config.circuit_m / SMOOTHED
-        for stop in np.argsort(self.stops.between[home]).tolist():
-            wider = [home, *short_cycle(self.stops.between, home, [*circuit[1:], stop])]
+        base = first_lap(self.house, self.stops, rng)[1]
+        home, circuit = base[0], base[:1]
+        length_m = (self.config.circuit_m or _CIRCUIT_M) / SMOOTHED
+        for stop in map(int, np.argsort(self.stops.between[home])):
+            wider: list[int] = [home, *short_cycle(self.stops.between, home, [*circuit[1:], stop])]
             if stop != home and self.stops.length([*wider, home]) <= length_m:
                 circuit = wider
         nodes: list[int] = self.stops.nodes[circuit].tolist()
         nodes += self._detour(nodes[-1], nodes[0], length_m - self.stops.length(circuit), nodes[-1])
         around = polyline_length(self.ways.line([*nodes, nodes[0]]))
-        if around < 0.8 * self.config.circuit_m:
+        if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
             raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}, but this house has room for {around:.0f} m only")
         again = [*nodes[1:], nodes[0]]
         return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.ways.length)
@@ -114,7 +124,7 @@ class Planner:
         stops = Stops(places, dijkstra(self.walkable.graph, indices=places)[:, places], {})
         order = np.concatenate([rng.permutation(len(places)) for _ in range(8)])
         order = order[np.append(True, np.diff(order) != 0)].tolist()
-        return self._of_stops(order[:1], order[1:], 0, stops)
+        return _itinerary(stops, order[:1], order[1:])
 
     def _lawn_mower(self, most_m: float, rng: np.random.Generator) -> Itinerary:
         centres = Stops(self.stops.nodes, self.stops.between, {room: own[:1] for room, own in self.stops.of_room.items()})
@@ -126,18 +136,6 @@ class Planner:
             if lane_m > _WIDEST_M or sum(self.ways.length(a, b) for a, b in pairwise([*lanes, lanes[0]])) <= most_m:
                 return Itinerary(lanes, lanes, 0, self.ways.length)
             lane_m *= _WIDER
-
-    def _of_stops(
-        self, first: Sequence[int], again: Sequence[int], unasked: int, stops: Stops | None = None
-    ) -> Itinerary:
-        nodes, between = (stops or self.stops).nodes.tolist(), (stops or self.stops).between
-        number = {node: k for k, node in enumerate(nodes)}
-        return Itinerary(
-            [nodes[k] for k in first],
-            [nodes[k] for k in again],
-            unasked,
-            lambda a, b: float(between[number[a], number[b]]),
-        )
 
     def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
         """What comes first, then as much again as leaves the way home, and a detour on that one for the rest."""
@@ -167,10 +165,21 @@ class Planner:
 
     def _on_stairs(self) -> Bool[np.ndarray, "n"]:
         stairs = np.array([room.label == STAIRS for room in self.house.rooms])
-        return stairs[self.walkable.node_room]
+        return np.take(stairs, self.walkable.node_room)
 
     def _scatter(self, node: int, rng: np.random.Generator) -> int:
         """A place near a node from which the body can go straight to it."""
         near = self.walkable.nodes_near(self.walkable.nodes[node], _SCATTER_M)
         centre = np.broadcast_to(self.walkable.nodes[node], (len(near), 3))
         return int(rng.choice(near[self.walkable.solids.clear(centre, self.walkable.nodes[near], self.walkable.radius_m)]))
+
+
+def _itinerary(stops: Stops, first: Sequence[int], again: Sequence[int], unasked: int = 0) -> Itinerary:
+    nodes = stops.nodes.tolist()
+    number = {node: k for k, node in enumerate(nodes)}
+    return Itinerary(
+        [nodes[k] for k in first],
+        [nodes[k] for k in again],
+        unasked,
+        lambda a, b: float(stops.between[number[a], number[b]]),
+    )

@@ -17,8 +17,8 @@ def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> li
         inside = walkable.nodes_in(room)
         inside = inside[walkable.connected[inside]]
         runs = _runs(walkable.nodes[inside, :2], lane_m, walkable.resolution_m)
-        ways = [[int(inside[k]) for k in order] for order in _orders(runs)]
-        route += min(ways, key=lambda way: _gap(walkable.nodes, route, way[0]))
+        ways = [inside[order].tolist() for order in _orders(runs)]
+        route += ways[int(np.argmin([_gap(walkable.nodes, route, way[0]) for way in ways]))]
     return route
 
 
@@ -26,7 +26,7 @@ def _gap(nodes: Float64[np.ndarray, "n 3"], route: Sequence[int], start: int) ->
     return float(np.linalg.norm(nodes[start] - nodes[route[-1]])) if route else 0.0
 
 
-def _orders(lanes: Sequence[Sequence[tuple[int, int]]]) -> Iterator[list[int]]:
+def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
     """The four ways through lanes of stretches: from either side, beginning in either direction."""
     for side in (1, -1):
         for first in (0, 1):
@@ -46,7 +46,7 @@ def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> l
     centres = across.min() + (np.arange(count) + 0.5) * np.ptp(across) / count
     lines = across[np.argmin(np.abs(across - centres[:, None]), axis=1)]
     lanes = [_stretches(points, np.flatnonzero(np.abs(across - line) < 0.1 * step_m), along, step_m) for line in lines]
-    return [lane for lane in lanes if lane] or [[(int(k := np.argmin(np.abs(across - centres[0]))), int(k))]]
+    return [lane for lane in lanes if lane] or [[(middle := int(np.argmin(np.abs(across - centres[0]))), middle)]]
 
 
 def _stretches(

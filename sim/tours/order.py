@@ -6,9 +6,11 @@ from itertools import pairwise, permutations
 
 import numpy as np
 from jaxtyping import Float64
+from scipy.sparse.csgraph import dijkstra
 
-from sim.tours.stops import Stops
+from sim.tours.stops import Stops, comfortable
 from worlds.house import House
+from worlds.walkable import Walkable
 
 
 def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
@@ -35,13 +37,33 @@ def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: boo
     """
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
     left, per_room = list(lap), Counter(room_of[stop] for stop in lap)
-    while (2 * stops.length(left) if there_and_back else stops.length([*left, left[0]])) > most_m:
+    while walked(stops, left, there_and_back) > most_m:
         spare = {k: _saving(stops.between, left, k) for k, stop in enumerate(left) if per_room[room_of[stop]] > 1 and k > 0}
         if not spare:
             break
         dropped = left.pop(max(spare, key=lambda k: spare[k]))
         per_room[room_of[dropped]] -= 1
     return left
+
+
+def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
+    """Length of a lap with the way home, or the same way back [m]."""
+    return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
+
+
+def drawn_in(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
+    """The lap with one stop a room, each moved to where in its room it costs least: every other one, then the rest."""
+    lap = thinned(stops, lap, 0.0)
+    room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
+    places = [comfortable(walkable, house.room_by_id[room_of[stop]]) for stop in lap]
+    nodes = stops.nodes[lap]
+    for turn in (0, 1, 0):
+        away = dijkstra(walkable.graph, indices=nodes)
+        for k in range(turn, len(lap), 2):
+            detour = away[k - 1, places[k]] + away[(k + 1) % len(lap), places[k]]
+            nodes[k] = places[k][np.argmin(detour)]
+    of_room = {room_of[stop]: [k] for k, stop in enumerate(lap)}
+    return Stops(nodes, dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room), list(range(len(lap)))
 
 
 def _saving(between: Float64[np.ndarray, "m m"], lap: Sequence[int], k: int) -> float:

@@ -7,13 +7,13 @@ from jaxtyping import Float64
 
 from sim.motion import DEGREE, Motion
 from sim.sway import Sway
-from sim.tours.smooth import arc_length
 
 _KNOT_S = 0.05
 _TANGENTIAL, _LATERAL = 0.7, 0.7
 """Shares of the acceleration's limit for changing speed and for turning: squares add up to less than one."""
 _ROUNDS = 25
 _SLOWER = 0.93
+_ROUNDING = 1e-9
 _GAIT_S = 0.6
 """Over which the sway follows the speed."""
 
@@ -39,8 +39,9 @@ def paced(
 
     The limits hold exactly, of the walk without its sway.
     """
-    s = arc_length(points)
-    squared = _squared_limits(points, view, s, limits)
+    step_m = float(_norm(np.diff(points, axis=0)).max())  # of the way; where it turns back, points lie nearer together
+    s = step_m * np.arange(len(points))
+    squared = _squared_limits(points, view, step_m, limits)
     columns = np.column_stack([points, view])
     controls, excess = columns[:1], 1.0
     for _ in range(_ROUNDS):
@@ -48,7 +49,7 @@ def paced(
         controls = np.stack([np.interp(at, s, column) for column in columns.T], axis=-1)
         ratio = _strain(controls, limits)
         excess = float(ratio.max(initial=1.0))
-        if excess <= 1.0:
+        if excess <= 1.0 + _ROUNDING:
             break
         squared = _slowed(squared, s, at, ratio)
     still = [(DEGREE - 1, DEGREE - 1), (0, 0)]
@@ -58,19 +59,14 @@ def paced(
 
 
 def _squared_limits(
-    points: Float64[np.ndarray, "k 3"], view: Float64[np.ndarray, "k 2"], s: Float64[np.ndarray, "k"], limits: Limits
+    points: Float64[np.ndarray, "k 3"], view: Float64[np.ndarray, "k 2"], step_m: float, limits: Limits
 ) -> Float64[np.ndarray, "k"]:
     """Square of the speed that the bend of the way and the turn of the view allow at each point; 0 at the ends."""
-    ds = np.maximum(np.diff(s), 1e-9)
-    turn = np.linalg.norm(np.diff(view, axis=0), axis=1) / ds
-    squared = np.full(len(points), limits.speed_m_s**2)
-    by_turn = (limits.turn_rate_rad_s / np.maximum(turn, 1e-9)) ** 2
-    squared[1:] = np.minimum(squared[1:], by_turn)
-    squared[:-1] = np.minimum(squared[:-1], by_turn)
-    bend = np.linalg.norm(np.diff(np.diff(points, axis=0) / ds[:, None], axis=0), axis=1) / ds[1:]
-    by_bend = _LATERAL * limits.acceleration_m_s2 / np.maximum(bend, 1e-9)
-    squared[1:-1] = np.minimum(squared[1:-1], by_bend)
-    squared[[0, -1]] = 0.0
+    turn = np.maximum(_norm(np.diff(view, axis=0)) / step_m, 1e-9)
+    bend = np.maximum(_norm(np.diff(points, 2, axis=0)) / step_m**2, 1e-9)
+    by_turn = np.minimum((limits.turn_rate_rad_s / turn) ** 2, limits.speed_m_s**2)
+    squared = np.zeros(len(points))
+    squared[1:-1] = np.minimum(np.minimum(by_turn[:-1], by_turn[1:]), _LATERAL * limits.acceleration_m_s2 / bend)
     return squared
 
 
@@ -86,7 +82,7 @@ def _way_at_times(
     times = np.append(np.arange(0.0, t[-1], _KNOT_S), t[-1])
     i = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(ds) - 1)
     tau, span = times - t[i], t[i + 1] - t[i]
-    return np.clip(s[i] + v[i] * tau + (v[i + 1] - v[i]) / (2 * span) * tau**2, s[i], s[i + 1])
+    return np.asarray(np.clip(s[i] + v[i] * tau + (v[i + 1] - v[i]) / (2 * span) * tau**2, s[i], s[i + 1]))
 
 
 def _strain(controls: Float64[np.ndarray, "n 5"], limits: Limits) -> Float64[np.ndarray, "n"]:
@@ -106,12 +102,15 @@ def _norm(v: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "n"]:
 
 
 def _slowed(
-    squared: Float64[np.ndarray, "k"], s: Float64[np.ndarray, "k"], at: Float64[np.ndarray, "n"], ratio: Float64[np.ndarray, "n"]
+    squared: Float64[np.ndarray, "k"],
+    s: Float64[np.ndarray, "k"],
+    at: Float64[np.ndarray, "n"],
+    ratio: Float64[np.ndarray, "n"],
 ) -> Float64[np.ndarray, "k"]:
     """Lower speeds around all that was too fast."""
     slower = squared.copy()
-    for k in np.flatnonzero(ratio > 1.0):
-        low, high = np.searchsorted(s, at[[max(k - 2, 0), min(k + 2, len(at) - 1)]])
+    for k in np.flatnonzero(ratio > 1.0 + _ROUNDING).tolist():
+        low, high = np.searchsorted(s, [at[max(k - 2, 0)], at[min(k + 2, len(at) - 1)]]).tolist()
         slower[low : high + 1] = np.minimum(slower[low : high + 1], squared[low : high + 1] * (_SLOWER / ratio[k]) ** 2)
     return slower
 
@@ -120,6 +119,6 @@ def _gait(positions: Float64[np.ndarray, "n 3"], speed_m_s: float) -> Float64[np
     """Share of the full speed, averaged over a moment; none at the ends."""
     share = np.append(_norm(np.diff(positions, axis=0)), 0.0) / (_KNOT_S * speed_m_s)
     width = round(_GAIT_S / _KNOT_S) | 1
-    gait = np.convolve(share, np.full(width, 1 / width), mode="same")
+    gait = np.convolve(np.pad(share, width // 2), np.full(width, 1 / width), mode="valid")
     ramp = np.minimum(np.arange(len(gait)), np.arange(len(gait))[::-1]) / width
     return np.asarray(gait * np.clip(ramp, 0.0, 1.0))

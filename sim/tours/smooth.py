@@ -8,7 +8,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int
+from jaxtyping import Float64, Int
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import grey_dilation, uniform_filter1d
 
@@ -23,9 +23,10 @@ _STIFFNESS = 6.0**4
 """The band rounds a corner over some 6 of its steps to either side."""
 _PENALTY = 3.0
 _ITERATIONS = 50
+_AT_STAIRS = 3.0
 _ON_STAIRS = 20.0
 _PINNED = 1e4
-"""How firmly the band is held to the line: elsewhere 1, here on stairs and at their ends, and where the way turns back."""
+"""How firmly the band is held to the line: elsewhere 1, more on the floor before stairs, on stairs, where it turns back."""
 _SPARE_M = (0.01, 0.05)
 """Least and most that the band keeps beyond the body's radius."""
 _NEEDED_M = 0.002
@@ -49,7 +50,8 @@ def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64
     at_stairs = np.flatnonzero(wells.distance(base[:, :2]) < walkable.radius_m - 1e-6)
     near = Near.of(base, walkable.solids, reach).and_also(wells.without(at_stairs))
     hold = np.ones(len(base))
-    hold[at_stairs] = _ON_STAIRS
+    hold[at_stairs] = _AT_STAIRS
+    hold[1:][np.diff(base[:, 2]) != 0.0] = _ON_STAIRS
     hold[_turning_points(base)] = _PINNED
     keep = np.clip(near.distance(base[:, :2]), walkable.radius_m + _SPARE_M[0], walkable.radius_m + _SPARE_M[1])
     band = _relaxed(base[:, :2], hold, near, keep)
@@ -73,8 +75,7 @@ def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
     """The line's corners and points between them, at most a step apart; none twice."""
     line = line[np.append(True, np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-6)]
     pieces = [
-        np.linspace(a, b, math.ceil(float(np.linalg.norm(b - a)) / _BAND_STEP_M), endpoint=False)
-        for a, b in pairwise(line)
+        np.linspace(a, b, math.ceil(float(np.linalg.norm(b - a)) / _BAND_STEP_M), endpoint=False) for a, b in pairwise(line)
     ]
     return np.concatenate([*pieces, line[-1:]])
 
@@ -116,7 +117,7 @@ def _relaxed(
         band = cho_solve_banded((factor, False), drawn + _PENALTY * (free - dual))
         free = near.pushed_out(band + dual, keep)
         dual += band - free
-    return np.asarray(band)
+    return np.concatenate([base[:1], band[1:-1], base[-1:]])
 
 
 def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
@@ -139,24 +140,22 @@ def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 def _clear(
     smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: Near, distance_m: float
 ) -> Float64[np.ndarray, "m 3"]:
-    """The smooth path, or the straight one around all places where that is nearer to obstacles than it should be."""
-    share = np.zeros(len(smooth))
-    path = smooth
-    while True:
-        bad = _too_near(path, near, distance_m) & (share < 1.0)
-        if not bad.any():
-            return path
-        wide = _BLEND * _PER_STEP
+    """The smooth path, or the straight one around all places where it is nearer to obstacles than either has to be."""
+    needed = np.minimum(distance_m, _clearance(straight, near))
+    share, path, wide = np.zeros(len(smooth)), smooth, (_BLEND * _PER_STEP,)
+    while (bad := (_clearance(path, near) < needed) & (share < 1.0)).any():
         share = np.maximum(share, grey_dilation(bad.astype(np.float64), size=wide))
-        eased = uniform_filter1d(grey_dilation(share, size=wide), wide)
+        eased = uniform_filter1d(grey_dilation(share, size=wide), wide[0])
         share = np.where(share == 1.0, 1.0, eased)
         path = smooth + share[:, None] * (straight - smooth)
+    return path
 
 
-def _too_near(path: Float64[np.ndarray, "m 3"], near: Near, distance_m: float) -> Bool[np.ndarray, "m"]:
-    bad = np.full(len(path), False)
+def _clearance(path: Float64[np.ndarray, "m 3"], near: Near) -> Float64[np.ndarray, "m"]:
+    """Of points that divide the band's steps [m]."""
+    clearance = np.full(len(path), np.inf)
     for k in range(_PER_STEP):
         places = path[k::_PER_STEP, :2]
         padded = np.concatenate([places, places[-1:]])[: near.points]
-        bad[k::_PER_STEP] = (near.distance(padded) < distance_m)[: len(places)]
-    return bad
+        clearance[k::_PER_STEP] = near.distance(padded)[: len(places)]
+    return clearance

@@ -4,16 +4,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from jaxtyping import Float64, Int
 from scipy.sparse.csgraph import dijkstra
 
 from sim.errors import SimError
-from worlds.house import House
+from worlds.house import House, Room
 from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 COMFORT_M = 0.35
 """A stop keeps this far from obstacles where the room allows, and twice this is as good as it gets."""
+_INSIDE_M = 0.5
+"""It is this far within its room, where that is large enough: a stop in a doorway shows nothing of it."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 1.2
@@ -38,7 +41,7 @@ class Stops:
         of_room = {}
         for room in house.rooms:
             if room.label != STAIRS and room.id in reachable:
-                own = _stops_in(walkable, room.id)
+                own = _stops_in(walkable, room)
                 of_room[room.id] = list(range(len(nodes), len(nodes) + len(own)))
                 nodes += own
         if len(nodes) < 2:
@@ -53,17 +56,28 @@ class Stops:
         return float(self.between[stops[:-1], stops[1:]].sum())
 
 
-def _stops_in(walkable: Walkable, room: str) -> list[int]:
+def _stops_in(walkable: Walkable, room: Room) -> list[int]:
     """Free places of a room that together show it: the most central first, then each far from those before it."""
-    inside = walkable.nodes_in(room)
-    inside = inside[walkable.connected[inside]]
-    count = min(_MAX_STOPS, 2 + round(len(inside) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
-    clearance = walkable.clearance[inside]
-    inside = inside[roomy := clearance >= min(COMFORT_M, 0.8 * clearance.max())]
-    points, comfort = walkable.nodes[inside, :2], np.minimum(clearance[roomy], 2 * COMFORT_M)
+    count = min(_MAX_STOPS, 2 + round(len(_free(walkable, room)) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
+    inside = comfortable(walkable, room)
+    points, comfort = walkable.nodes[inside, :2], np.minimum(walkable.clearance[inside], 2 * COMFORT_M)
     chosen = [int(np.argmax(comfort - np.linalg.norm(points - points.mean(axis=0), axis=1)))]
     nearest = np.linalg.norm(points - points[chosen[0]], axis=1)
     while len(chosen) < count and nearest.max() > _STOP_SPACING_M:
         chosen.append(int(np.argmax(nearest + comfort)))
         nearest = np.minimum(nearest, np.linalg.norm(points - points[chosen[-1]], axis=1))
     return [int(inside[k]) for k in chosen]
+
+
+def comfortable(walkable: Walkable, room: Room) -> Int[np.ndarray, "_"]:
+    """The places of a room where one may stop: inside rather than in a doorway, and clear of obstacles where it allows."""
+    inside = _free(walkable, room)
+    depth = shapely.distance(room.polygon.exterior, shapely.points(walkable.nodes[inside, :2]))
+    inside = inside[depth >= min(_INSIDE_M, 0.8 * depth.max())]
+    clearance = walkable.clearance[inside]
+    return np.asarray(inside[clearance >= min(COMFORT_M, 0.8 * clearance.max())])
+
+
+def _free(walkable: Walkable, room: Room) -> Int[np.ndarray, "_"]:
+    inside = walkable.nodes_in(room.id)
+    return np.asarray(inside[walkable.connected[inside]])
