@@ -28,7 +28,9 @@ class RunConfig:
     house: HouseSpec | None = None
     """A house of one's own."""
     length_m: float | None = None
-    """Wished length of the walk [m]; at least once through every room. None: the preset's, or two laps."""
+    """Wished length of the walk [m]; at least once through every room. None: the preset's, or as the kind has it."""
+    tour_kind: str = "rooms"
+    """Where the walk goes: one of `sim.tours.config.TOUR_KINDS`."""
     odometry: str = "multicam"
     """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
     encoder: str = "mini"
@@ -53,8 +55,8 @@ class RunConfig:
 
     def tour(self) -> TourConfig:
         """How the walk goes."""
-        preset = None if self.house else self.preset
-        return TourConfig(length_m=self.length_m if self.length_m is not None else TOUR_LENGTH_M.get(preset or ""))
+        usual = TOUR_LENGTH_M.get(self.preset) if self.house is None and self.tour_kind == "rooms" else None
+        return TourConfig(self.tour_kind, self.length_m if self.length_m is not None else usual)
 
     def streams(self) -> dict[str, np.random.Generator]:
         """One generator per stage, so that a change to one stage leaves the others' draws alone."""
