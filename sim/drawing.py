@@ -11,6 +11,15 @@ from worlds.meshes import Solid
 from worlds.parts import Part
 
 
+_SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
+    {
+        "box": mujoco.mjtGeom.mjGEOM_BOX,
+        "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+        "ball": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    }
+)
+
+
 def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
     """Add solids to a scene that is about to be rendered, in plain colours. Shapes: box, cylinder, ball.
 
@@ -27,15 +36,10 @@ def _draw_part(
 ) -> None:
     geom = scene.geoms[scene.ngeom]
     half, colour = 0.5 * np.array(part.size), np.array([*part.colour, 1.0], np.float32)
-    mujoco.mjv_initGeom(geom, _shapes()[part.shape], half, position, rotation.reshape(-1), colour)
+    mujoco.mjv_initGeom(geom, _SHAPES[part.shape], half, position, rotation.reshape(-1), colour)
     geom.size[:] = half
     geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, scene.ngeom
     scene.ngeom += 1
-
-
-def _shapes() -> Mapping[str, int]:
-    kinds = mujoco.mjtGeom
-    return MappingProxyType({"box": kinds.mjGEOM_BOX, "cylinder": kinds.mjGEOM_CYLINDER, "ball": kinds.mjGEOM_ELLIPSOID})
 
 
 def _about_z(angle_rad: float) -> Float64[np.ndarray, "3 3"]:

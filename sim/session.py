@@ -2,57 +2,61 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
 
 from lexis.quaternions import pose_rows, poses_of
 from lexis.types import Camera, Image, Observation
-from sim.camera import CameraRenderer, fovy_deg
 from sim.errors import SimError
+from sim.faults import Fault, corrupted
 from sim.odometry import Odometry
-from sim.scene import build_scene
+from sim.scene import Scene
+from sim.staging import Painter, Staging
+from sim.stream import Stream, Truth
 from sim.tour import Tour
 from worlds.house import House
 from worlds.truth import NOWHERE, floor_at, room_at
 
+__all__ = ["Session", "Truth"]
+
 _AHEAD = 16
 
 
-@dataclass(frozen=True, eq=False)
-class Truth:
-    """What is true when an observation is made. It never reaches LEXIS."""
-
-    index: int
-    T_W_B: Float64[np.ndarray, "4 4"]
-    room: int
-    """Index into `House.rooms` of the room that holds the camera."""
-    label: str
-    """Of that room."""
-    storey: int
-
-
 class Session:
-    """Iterate, once or often, to get `(Observation, Truth)` pairs in the order of time.
+    """Iterate, once or often, to get `(Observation, Truth)` pairs in the order in which they arrive.
 
-    Frames are rendered ahead by a thread that owns the GL context, so that rendering and LEXIS share two cores. Raises
-    `SimError` where the tour leaves the house.
+    That is the order of time unless `faults` change it; these draw from streams of `seed`. Frames are rendered ahead by a
+    thread that owns the GL context, so that rendering and LEXIS share two cores. Raises `SimError` where the tour leaves
+    the house.
     """
 
-    def __init__(self, house: House, tour: Tour, odometry: Odometry, camera: Camera) -> None:
+    def __init__(
+        self, house: House, tour: Tour, odometry: Odometry, camera: Camera, faults: Sequence[Fault] = (), seed: int = 0
+    ) -> None:
         self.house, self.tour, self.odometry, self.camera = house, tour, odometry, camera
-        self.truths = _truths(house, tour)
-        self.scene = build_scene(house, (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics))
+        self.faults, self._seed = tuple(faults), seed
+        truths = _truths(house, tour)
+        self._staging = Staging(house, tour, camera, self.faults, seed)
+        self.truths = self._staging.marked(truths)
+        """Of every frame of the tour, without faults of the stream."""
         self.render_seconds = 0.0
         """Time spent on rendering so far, in its own thread [s]."""
 
+    @property
+    def scene(self) -> Scene:
+        """What there is to see at the start of the tour."""
+        return self._staging.set_at(0).scene
+
     def __len__(self) -> int:
+        """Frames of the tour."""
         return len(self.tour.stamps)
 
     def __iter__(self) -> Iterator[tuple[Observation, Truth]]:
+        return corrupted(self._stream(), self.faults, self._seed)
+
+    def _stream(self) -> Stream:
         # As quaternions, which is how odometry comes: a recording of the run then gives the same poses, bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
         for i, image in enumerate(self._images()):
@@ -61,23 +65,23 @@ class Session:
 
     def _images(self) -> Iterator[Image]:
         with ThreadPoolExecutor(max_workers=1) as thread:
-            renderer = thread.submit(CameraRenderer, self.scene, self.camera).result()
+            painter = Painter(self._staging, self.camera)
 
-            def render(T_W_B: Float64[np.ndarray, "4 4"]) -> Image:
+            def render(frame: int) -> Image:
                 start = time.perf_counter()
-                image = renderer.rgb(T_W_B)
+                image = painter.rgb(frame, self.tour.T_W_B[frame])
                 self.render_seconds += time.perf_counter() - start
                 return image
 
             try:
-                pending = deque(thread.submit(render, T) for T in self.tour.T_W_B[:_AHEAD])
-                for T_W_B in self.tour.T_W_B[_AHEAD:]:
-                    pending.append(thread.submit(render, T_W_B))
+                pending = deque(thread.submit(render, frame) for frame in range(min(_AHEAD, len(self))))
+                for frame in range(_AHEAD, len(self)):
+                    pending.append(thread.submit(render, frame))
                     yield pending.popleft().result()
                 while pending:
                     yield pending.popleft().result()
             finally:
-                thread.submit(renderer.close).result()
+                thread.submit(painter.close).result()
 
 
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:
@@ -88,6 +92,6 @@ def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:
         place = ", ".join(f"{coordinate:.2f}" for coordinate in positions[frame])
         raise SimError(f"session: frame {frame} at ({place}) m is in no room; valid: a tour inside the house")
     return tuple(
-        Truth(i, T, int(room), house.rooms[room].label, int(storey))
-        for i, (T, room, storey) in enumerate(zip(tour.T_W_B, rooms, storeys, strict=True))
+        Truth(i, float(stamp), T, int(room), house.rooms[room].label, int(storey))
+        for i, (stamp, T, room, storey) in enumerate(zip(tour.stamps, tour.T_W_B, rooms, storeys, strict=True))
     )

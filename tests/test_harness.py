@@ -1,6 +1,7 @@
 """The whole chain on real renders of a small house, checked against its truth."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from lexis.evaluation.trajectory import ate_rmse
 from lexis.map_io import load_map
 from lexis.tum import read_tum
+from sim.faults.delivery import Duplicated
+from sim.faults.poses import Kidnap, OdometryNaN
 from sim.harness import RunConfig, evaluate, run, try_plans, write_run
 from sim.harness.loops import edge_truth
 from worlds.house import build_house
@@ -99,3 +102,20 @@ def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_pat
     )
     assert np.array_equal(load_map(out / "map").labels, finished.map.labels)
     assert "http://" not in (out / "report.html").read_text().replace("http://www.w3.org", "")
+
+
+def test_faults_are_counted_and_what_lexis_refuses_is_left_out():
+    faults = (OdometryNaN(0.05), Duplicated(0.1), Kidnap(at_s=20.0, skip_s=5.0))
+    finished = run(replace(CONFIG, faults=faults))
+    result = evaluate(finished, [])
+    counted = result["faults"]
+    assert counted["given"][1] == "duplicated:share=0.1" and counted["frames"].keys() == {f.name for f in faults}
+    touched = [truth for truth in finished.delivered if {"odometry-nan", "duplicated"} & set(truth.faults)]
+    assert counted["refused"] == len(finished.refused) == len(touched) > 10
+    assert counted["delivered"] == len(finished.delivered) > len(finished.map.keyframes)
+    np.testing.assert_array_equal(finished.true_poses, finished.session.tour.T_W_B[finished.observed])
+    json.dumps(result, allow_nan=False)
+
+
+def test_without_faults_nothing_is_said_of_them(result):
+    assert "faults" not in result

@@ -9,7 +9,8 @@ from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command, seed
 from sim.commands.arguments import ENCODER_HELP, PRESET_HELP, folder
-from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from sim.faults.catalogue import parse_fault, usage
+from sim.odometry_config import PRESETS as ODOMETRY_PRESETS
 from worlds.spec import HouseSpec
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ def add_to(commands: Commands) -> None:
     run.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--fidelity", choices=["render"], default="render")
+    run.add_argument(
+        "--fault", action="append", default=[], metavar="NAME[:VALUE,FIELD=VALUE...]", help="what breaks; may be repeated"
+    )
+    run.epilog = f"{run.epilog}\n\nfaults, with their fields and defaults:\n{usage()}"
     run.add_argument("--no-loops", action="store_true", help="close no loops")
     run.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
 
@@ -64,6 +69,7 @@ def _run(arguments: argparse.Namespace) -> int:
         encoder=arguments.encoder,
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,
+        faults=tuple(map(parse_fault, arguments.fault)),
     )
     return _run_and_report(config, arguments.out)
 

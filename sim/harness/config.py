@@ -8,6 +8,7 @@ from lexis.config import Config
 from lexis.types import Camera
 from sim.camera import wide_camera
 from sim.errors import SimError
+from sim.faults import Fault
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.tour import TourConfig
 from worlds.presets import sample_house
@@ -24,7 +25,7 @@ class RunConfig:
     preset: str = "home"
     """Family of houses; ignored where `house` is given."""
     seed: int = 7
-    """Of the house (unless given), the tour and the odometry, each with a stream of its own."""
+    """Of the house (unless given), the tour, the odometry and the faults, each with a stream of its own."""
     house: HouseSpec | None = None
     """A house of one's own."""
     length_m: float | None = None
@@ -39,6 +40,8 @@ class RunConfig:
     """Whether loops are closed."""
     refine: bool = True
     """Whether labels are refined."""
+    faults: tuple[Fault, ...] = ()
+    """What breaks, in order; see `sim.faults`."""
     lexis: Config = field(default_factory=Config)
     camera: Camera = field(default_factory=wide_camera)
 

@@ -1,5 +1,6 @@
 """From a run to result.json: every figure by its definition in `lexis.evaluation`."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
@@ -14,6 +15,7 @@ from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
 from sim.doctor import versions
+from sim.faults import written
 from sim.harness.planning import Trial
 from sim.harness.run import Run
 from worlds.labels import STAIRS
@@ -43,6 +45,17 @@ def evaluate(run: Run, trials: Sequence[Trial]) -> dict[str, Any]:
         "planning": _planning(trials),
         "time": _time(run),
         "versions": versions(),
+    } | ({"faults": _faults(run)} if run.config.faults else {})
+
+
+def _faults(run: Run) -> dict[str, Any]:
+    """Only of runs that have any."""
+    touched = Counter(name for truth in run.delivered for name in truth.faults)
+    return {
+        "given": [written(fault) for fault in run.config.faults],
+        "frames": {fault.name: touched[fault.name] for fault in run.config.faults},
+        "delivered": len(run.delivered),
+        "refused": len(run.refused),
     }
 
 

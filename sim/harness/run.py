@@ -9,11 +9,13 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.encoder import Encoder, load_encoder
+from lexis.errors import ObservationError
 from lexis.slam import Slam
 from lexis.types import LexisMap
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.session import Session
+from sim.stream import Truth
 from worlds.house import House
 from worlds.walkable import Walkable
 
@@ -29,6 +31,10 @@ class Run:
     map: LexisMap
     seconds: dict[str, float]
     """Wall time of house and tour, of building the scene, and of rendering [s]."""
+    delivered: tuple[Truth, ...]
+    """What was true of every observation, in the order in which LEXIS was given them."""
+    refused: tuple[str, ...] = ()
+    """Why LEXIS did not take some of them; only under faults."""
 
     @property
     def observed(self) -> Int[np.ndarray, "n"]:
@@ -47,8 +53,8 @@ class Run:
 
     @property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """T_O_B of keyframes."""
-        return np.asarray(self.session.odometry.T_O_B[self.observed])
+        """T_O_B of keyframes, as LEXIS was given them."""
+        return np.array([keyframe.T_O_B for keyframe in self.map.keyframes])
 
     @property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
@@ -69,7 +75,8 @@ class Run:
 def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[float], None] | None = None) -> Run:
     """Run LEXIS on the simulated house that `config` describes.
 
-    `encoder` replaces the one that `config` names; `progress` is told the share of frames done. Raises `WorldsError`,
+    `encoder` replaces the one that `config` names; `progress` is told the share of frames done. Under faults, observations
+    that LEXIS refuses are left out, as a driver would that logs the error and goes on. Raises `WorldsError`,
     `SimError` or `LexisError` where the config asks for what cannot be.
     """
     encoder = encoder or load_encoder(config.encoder)
@@ -77,15 +84,22 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     with _timed(seconds, "house_s"):
         walked = walk(config)
     with _timed(seconds, "scene_s"):
-        session = Session(walked.house, walked.tour, walked.odometry, config.camera)
+        session = Session(walked.house, walked.tour, walked.odometry, config.camera, config.faults, config.seed)
     slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
-    for observation, _ in session:
-        slam.process(observation)
+    delivered, refused = [], []
+    for observation, truth in session:
+        delivered.append(truth)
+        try:
+            slam.process(observation)
+        except ObservationError as error:
+            if not config.faults:
+                raise
+            refused.append(str(error))
         if progress is not None:
             progress((observation.index + 1) / len(session))
     lexis_map = slam.finish()
     seconds["render_s"] = session.render_seconds
-    return Run(config, walked.house, walked.walkable, session, lexis_map, seconds)
+    return Run(config, walked.house, walked.walkable, session, lexis_map, seconds, tuple(delivered), tuple(refused))
 
 
 @contextmanager

@@ -1,0 +1,91 @@
+"""`Staging`: which world there is to see at every frame of a tour, under faults that change it on the way."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from jaxtyping import Float64
+from numpy import ndarray
+
+from lexis.types import Camera, Image
+from sim.actors import Actor
+from sim.camera import CameraRenderer, fovy_deg
+from sim.faults import Fault, Stage, WorldFault, fault_rng
+from sim.scene import Scene, build_scene
+from sim.stream import Truth
+from sim.tour import Tour
+from worlds.house import House
+from worlds.meshes import Solid
+
+
+@dataclass(frozen=True, eq=False)
+class Set:
+    """A world ready to render."""
+
+    scene: Scene
+    actors: tuple[Actor, ...]
+
+
+class Staging:
+    """The sets of a tour, compiled once each; a house without faults of the world has one."""
+
+    def __init__(self, house: House, tour: Tour, camera: Camera, faults: Sequence[Fault], seed: int) -> None:
+        world = [(place, fault) for place, fault in enumerate(faults) if isinstance(fault, WorldFault)]
+        spans = [fault.span_s(tour) for _, fault in world]
+        self._stamps = tour.stamps
+        self.active = [
+            tuple(k for k, (start, end) in enumerate(spans) if start <= stamp < end) for stamp in tour.stamps.tolist()
+        ]
+        """Per frame: which of the faults of the world are there."""
+        self._names = [fault.name for _, fault in world]
+        self._sets: dict[tuple[int, ...], Set] = {}
+        scenes: dict[int, tuple[House, Scene]] = {}
+        for active in dict.fromkeys(self.active):
+            stage = Stage(house)
+            for place, fault in (world[k] for k in active):
+                stage = fault.change(stage, tour, fault_rng(seed, place))
+            if id(stage.house) not in scenes:
+                scenes[id(stage.house)] = stage.house, _scene(stage.house, camera)
+            self._sets[active] = Set(scenes[id(stage.house)][1], stage.actors)
+
+    def set_at(self, frame: int) -> Set:
+        """What there is to see at a frame."""
+        return self._sets[self.active[frame]]
+
+    def solids_at(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> list[Solid]:
+        """What moves, as it stands at a frame."""
+        stamp = float(self._stamps[frame])
+        return [solid for actor in self.set_at(frame).actors for solid in actor.solids_at(stamp, T_W_B)]
+
+    def marked(self, truths: Sequence[Truth]) -> tuple[Truth, ...]:
+        """Truths of all frames with the faults of the world recorded in them."""
+        return tuple(
+            replace(truth, faults=tuple(self._names[k] for k in active)) if active else truth
+            for truth, active in zip(truths, self.active, strict=True)
+        )
+
+
+def _scene(house: House, camera: Camera) -> Scene:
+    return build_scene(house, (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics))
+
+
+class Painter:
+    """Renders the frames of a tour, each in its set. Belongs to the thread that uses it, as the GL context does."""
+
+    def __init__(self, staging: Staging, camera: Camera) -> None:
+        self._staging, self._camera = staging, camera
+        self._renderer: CameraRenderer | None = None
+
+    def rgb(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Image:
+        """The image of a frame, seen from a pose of the body."""
+        scene = self._staging.set_at(frame).scene
+        if self._renderer is None or self._renderer.scene is not scene:
+            self.close()
+            self._renderer = CameraRenderer(scene, self._camera)
+        self._renderer.place(self._staging.solids_at(frame, T_W_B))
+        return self._renderer.rgb(T_W_B)
+
+    def close(self) -> None:
+        """Release the GL context."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
