@@ -323,3 +323,10 @@ def test_a_bare_value_is_the_first_field():
     assert parse_fault("dropped:0.3,burst=2") == Dropped(0.3, burst=2)
     assert parse_fault("kidnap:30") == Kidnap(30.0)
     assert parse_fault("person:12") == FAULTS["person"](at_s=12.0)
+
+
+def test_faults_draw_from_a_stream_of_their_own():
+    tour, odometry, faults = np.random.SeedSequence(5).spawn(3)
+    drawn = [np.random.default_rng(child).random() for child in (tour, odometry, *faults.spawn(2))]
+    assert [fault_rng(5, place).random() for place in (0, 1)] == drawn[2:]
+    assert len(set(drawn)) == 4
