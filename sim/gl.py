@@ -60,7 +60,9 @@ def graphics_errors(task: str) -> Iterator[None]:
         raise GraphicsError(f"{task}: {_MEMORY}") from error
     except _FAILURES as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        advice = _MEMORY if any(word in reason.lower() for word in _OUT_OF_MEMORY) else _LOST
+        advice = HELP if isinstance(error, ImportError) else _LOST
+        if any(word in reason.lower() for word in _OUT_OF_MEMORY):
+            advice = _MEMORY
         raise GraphicsError(f"{task}: {advice} ({reason[:200]})") from error
 
 

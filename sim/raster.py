@@ -53,9 +53,9 @@ class Raster:
         self._geoms = list(self._merged.geoms[: len(scene.merged)])
         self._meshes = [geom.dataid for geom in self._geoms]
         self._shown: Cells = scene.visibility.all
-        size = model.vis.global_.offwidth, model.vis.global_.offheight
-        with graphics_errors(f"a context of {size[0]} x {size[1]} px"):
-            self._gl = mujoco.GLContext(*size)
+        self._size = model.vis.global_.offwidth, model.vis.global_.offheight
+        with graphics_errors(f"a context of {self._size[0]} x {self._size[1]} px"):
+            self._gl = mujoco.GLContext(*self._size)
             self._gl.make_current()
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
@@ -134,6 +134,9 @@ class Raster:
         """Draw into the frame buffer and read it, from the bottom row up."""
         if not self._open:
             raise GraphicsError("this renderer is closed; valid: drawing before close()")
+        if intrinsics.width > self._size[0] or intrinsics.height > self._size[1]:
+            wanted, size = f"{intrinsics.width} x {intrinsics.height}", f"{self._size[0]} x {self._size[1]}"
+            raise GraphicsError(f"an image of {wanted} px from a scene that was built for {size} px; build it for both")
         _aim(scene, T_W_C, intrinsics)
         area = mujoco.MjrRect(0, 0, intrinsics.width, intrinsics.height)
         with graphics_errors("drawing"):

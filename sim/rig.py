@@ -1,0 +1,125 @@
+"""Rigs: cameras that share a body, and a renderer of all of them with one GL context."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType, TracebackType
+
+import numpy as np
+from jaxtyping import UInt8
+
+from lexis.types import Camera, Pose
+from sim.camera import fovy_deg, wide_camera
+from sim.errors import SimError
+from sim.fisheye import Fisheye, FisheyeRenderer
+from sim.raster import Frame, Raster
+from sim.scene import Scene, build_scene
+from worlds.house import House
+
+STEREO_BASELINE_M = 0.11
+"""As of the paper's Alphasense and of EuRoC's camera."""
+_FISHEYE_PX = 480
+_FISHEYE_DEG = 180.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Cameras on one body. The first pinhole is the one whose images LEXIS is given."""
+
+    name: str
+    cameras: Mapping[str, Camera]
+    fisheyes: Mapping[str, Fisheye] = field(default_factory=dict)
+
+    @property
+    def front(self) -> Camera:
+        """The camera of LEXIS."""
+        return next(iter(self.cameras.values()))
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height into which every image fits."""
+        images = [*(camera.intrinsics for camera in self.cameras.values()), *(eye.face for eye in self.fisheyes.values())]
+        return max(image.width for image in images), max(image.height for image in images)
+
+
+def build_rig_scene(house: House, rig: Rig) -> Scene:
+    """A scene that every camera of `rig` can render."""
+    return build_scene(house, rig.size_px, fovy_deg(rig.front.intrinsics))
+
+
+def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
+    """A preset of `RIGS` with pinholes of that size [px] and horizontal field of view. Raises `SimError` if unknown."""
+    if name not in RIGS:
+        raise SimError(f"unknown rig {name!r}; valid: {', '.join(RIGS)}")
+    return RIGS[name](wide_camera(width, height, hfov_deg))
+
+
+def _wide(camera: Camera) -> Rig:
+    return Rig("wide", {"front": camera})
+
+
+def _stereo(camera: Camera) -> Rig:
+    half = STEREO_BASELINE_M / 2
+    return Rig("stereo", {"left": _mounted(camera, y_m=half), "right": _mounted(camera, y_m=-half)})
+
+
+def _front_rear(camera: Camera) -> Rig:
+    return Rig("front-rear", {"front": camera, "rear": _mounted(camera, x_m=-0.1, yaw=np.pi)})
+
+
+def _four(camera: Camera) -> Rig:
+    lateral = {
+        "lateral left": _mounted(camera, y_m=0.08, yaw=np.pi / 2),
+        "lateral right": _mounted(camera, y_m=-0.08, yaw=-np.pi / 2),
+    }
+    return Rig("four", {**{f"front {side}": eye for side, eye in _stereo(camera).cameras.items()}, **lateral})
+
+
+def _fisheye(camera: Camera) -> Rig:
+    return Rig("fisheye", {"front": camera}, {"fisheye": Fisheye(_FISHEYE_PX, _FISHEYE_DEG, camera.T_B_C)})
+
+
+RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
+    {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
+)
+"""`four` is the paper's: two cameras ahead and one to either side. `front-rear` verifies revisits in the opposite direction.
+`fisheye` has a 180 degrees one beside the front camera."""
+
+
+def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:
+    """The same camera at another place of the body, turned about z."""
+    T_B_B = np.eye(4)
+    T_B_B[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    T_B_B[:2, 3] = x_m, y_m
+    return replace(camera, T_B_C=T_B_B @ camera.T_B_C)
+
+
+class RigRenderer:
+    """Renders all cameras of a rig from poses of the body, with one GL context. Use it as a context manager or call `close`.
+
+    Raises `GraphicsError` where there is no off-screen OpenGL, or where the scene was built for smaller images.
+    """
+
+    def __init__(self, scene: Scene, rig: Rig) -> None:
+        self.scene, self._rig = scene, rig
+        self._raster = Raster(scene)
+        self._fisheyes = {name: FisheyeRenderer(self._raster, eye) for name, eye in rig.fisheyes.items()}
+
+    def rgb(self, T_W_B: Pose) -> dict[str, UInt8[np.ndarray, "h w 3"]]:
+        """The images by camera; fisheyes last."""
+        images = {name: self._raster.rgb(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
+        return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
+
+    def frames(self, T_W_B: Pose) -> dict[str, Frame]:
+        """Pictures, depths and ids by camera. A fisheye's depths run along the rays, a pinhole's along its axis."""
+        frames = {name: self._raster.frame(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
+        return frames | {name: eye.frame(T_W_B) for name, eye in self._fisheyes.items()}
+
+    def close(self) -> None:
+        """Release the GL context."""
+        self._raster.close()
+
+    def __enter__(self) -> "RigRenderer":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
