@@ -10,7 +10,6 @@ from sim.gl import mujoco
 from worlds.meshes import Solid
 from worlds.parts import Part
 
-
 _SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
     {
         "box": mujoco.mjtGeom.mjGEOM_BOX,

@@ -12,6 +12,7 @@ from sim.bench.segmentation import Row
 from sim.bench.speed import Timing
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
+from sim.faults import FAULTS
 from sim.harness import RunConfig
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -139,3 +140,24 @@ def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):
 def test_doctor_is_content_here(capsys):
     assert status_of(["doctor"]) == 0
     assert "FIX" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--fault", "fog"], "unknown fault 'fog'; valid: dropped"),
+        (["--fault", "dropped:2"], "share is 2.0; valid: 0 to 1"),
+        (["--overconfidence", "0.5"], "overconfidence must be at least 1"),
+    ],
+)
+def test_bad_faults_and_covariances_cost_one_line(arguments, message, capsys):
+    assert main(["run", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+
+
+def test_help_lists_every_fault(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    shown = capsys.readouterr().out
+    assert all(f"\n  {name}:" in shown for name in FAULTS)

@@ -35,6 +35,13 @@ def add_to(commands: Commands) -> None:
     house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
     _add_seed_and_out(run, Path("lexis-run"))
     run.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
+    run.add_argument(
+        "--overconfidence",
+        type=float,
+        default=1.0,
+        metavar="FACTOR",
+        help="how much too small the odometry's covariances are (default: 1, honest)",
+    )
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--fidelity", choices=["render"], default="render")
     run.add_argument(
@@ -66,6 +73,7 @@ def _run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         house=HouseSpec.load(arguments.house) if arguments.house else None,
         odometry=arguments.odometry,
+        overconfidence=arguments.overconfidence,
         encoder=arguments.encoder,
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,

@@ -10,6 +10,7 @@ from sim.camera import wide_camera
 from sim.errors import SimError
 from sim.faults import Fault
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
+from sim.odometry import OdometryConfig
 from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
@@ -34,6 +35,8 @@ class RunConfig:
     """Where the walk goes: one of `sim.tours.config.TOUR_KINDS`."""
     odometry: str = "multicam"
     """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
+    overconfidence: float = 1.0
+    """Factor by which the odometry's covariances are too small; 1 is honest."""
     encoder: str = "mini"
     """As `lexis.encoder.load_encoder` takes it."""
     loops: bool = True
@@ -49,6 +52,7 @@ class RunConfig:
         """Raise SimError for an unknown odometry preset or a negative seed."""
         if self.odometry not in ODOMETRY_PRESETS:
             raise SimError(f"unknown odometry {self.odometry!r}; valid: {', '.join(ODOMETRY_PRESETS)}")
+        self.drift()
         if not 0 <= self.seed < 2**63:
             raise SimError(f"seed {self.seed} is not in 0 ... 2**63 - 1")
 
@@ -60,6 +64,10 @@ class RunConfig:
         """How the walk goes."""
         usual = TOUR_LENGTH_M.get(self.preset) if self.house is None and self.tour_kind == "rooms" else None
         return TourConfig(self.tour_kind, self.length_m if self.length_m is not None else usual)
+
+    def drift(self) -> OdometryConfig:
+        """How the odometry drifts. Raises `SimError` for an overconfidence below 1."""
+        return replace(ODOMETRY_PRESETS[self.odometry], overconfidence=self.overconfidence)
 
     def streams(self) -> dict[str, np.random.Generator]:
         """One generator per stage, so that a change to one stage leaves the others' draws alone."""

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from sim.harness.config import RunConfig
-from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import Odometry, tour_odometry
 from sim.tour import Tour, plan_tour
 from worlds.house import House, build_house
@@ -28,5 +27,5 @@ def walk(config: RunConfig) -> Walk:
     validate(house)
     walkable = Walkable(house)
     tour = plan_tour(house, walkable, streams["tour"], config.tour())
-    odometry = tour_odometry(tour, ODOMETRY_PRESETS[config.odometry], streams["odometry"])
+    odometry = tour_odometry(tour, config.drift(), streams["odometry"])
     return Walk(house, walkable, tour, odometry)
