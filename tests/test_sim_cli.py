@@ -9,7 +9,7 @@ import cv2
 import pytest
 
 from sim.bench.segmentation import Row
-from sim.bench.speed import Timing
+from sim.bench.speed import Figure, Section
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
 from sim.faults import FAULTS
@@ -131,8 +131,11 @@ def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, caps
     assert "–" in capsys.readouterr().out
 
 
+SECTION = Section("scene", "ms", (Figure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))
+
+
 def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):
-    monkeypatch.setattr("sim.bench.speed.measure_speed", lambda preset, houses, seed: [Timing("tour", 1.0, 2.0, 3)])
+    monkeypatch.setattr("sim.bench.speed.measure_speed", lambda preset, houses, seed: [SECTION])
     assert status_of(["bench", "speed"]) == 0
     assert re.search(r"step.*median \[ms\].*worst \[ms\].*runs \[count\]", capsys.readouterr().out)
 

@@ -1,70 +1,166 @@
-"""`lexis-sim bench speed`: how long a house, its scene and its frames take on this machine."""
+"""`lexis-sim bench speed`: how long a house, its scene and its frames take on this machine, beside what they may take."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Any
 
 import numpy as np
 
+from lexis.types import Poses
+from sim.bench.memory import measure_memory
+from sim.bench.plain import PlainRenderer
 from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.scene import build_scene
 from sim.tour import plan_tour
 from worlds.house import House, build_house
 from worlds.presets import sample_house
+from worlds.truth import boundary_lines, objects, openness, room_graph
 from worlds.validation import validate
 from worlds.walkable import Walkable
 
-_FRAMES = 60
+_VIEWS, _VIEWS_OF_DEFAULTS = 60, 12
+_MANY_ROOMS, _MANY_HOUSES = 40, 5
+_FRAME_ROOMS = 10
+_RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
+_GREY_LEVELS = 2
+_ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
 
 @dataclass(frozen=True)
-class Timing:
-    """A figure over repetitions [ms]."""
+class Figure:
+    """A measured figure over repetitions, in the unit of its section."""
 
     name: str
-    median_ms: float
-    worst_ms: float
+    median: float
+    worst: float
     runs: int
+    bar: str = ""
+    """What it has to be."""
 
 
-def measure_speed(preset: str, houses: int, seed: int) -> list[Timing]:
-    """Time every step from seed to frame over `houses` houses of a preset, from `seed` upwards."""
-    seeds = range(seed, seed + houses)
-    _house(preset, seeds[0])  # first use fills the caches of patterns and modules
-    built = [_house(preset, s) for s in seeds]
-    timings = [
-        _timing("spec, geometry and furniture", lambda s: _house(preset, s), seeds),
-        _timing("validation", validate, built),
-        _timing("tour", lambda house: plan_tour(house, Walkable(house), np.random.default_rng(seed)), built[:3]),
-    ]
-    for width, height in ((320, 240), (480, 360)):
-        camera = wide_camera(width, height)
-        fovy = fovy_deg(camera.intrinsics)
-        compile_scene = partial(build_scene, size_px=(width, height), fovy_deg=fovy)
-        timings.append(_timing(f"scene, {width} x {height}", compile_scene, built[:3]))
-        timings.append(_frames(built[0], width, height, seed))
-    return timings
+@dataclass(frozen=True)
+class Section:
+    """Figures of one unit."""
+
+    title: str
+    unit: str
+    figures: tuple[Figure, ...]
 
 
-def _house(preset: str, seed: int) -> House:
-    return build_house(sample_house(preset, seed))
+def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
+    """Measure `houses` houses of a preset, from `seed` upwards, and the scene, frames and memory of one."""
+    yield _houses(preset, houses, seed)
+    house, walk = _furnished(seed)
+    yield _scenes(house)
+    for size in _RATIO_BARS:
+        yield from _frames(house, walk, size)
+    yield Section("memory of a run with rendering", "MB", (_memory(seed),))
 
 
-def _frames(house: House, width: int, height: int, seed: int) -> Timing:
-    camera = wide_camera(width, height)
+def complete_house(preset: str, seed: int, rooms: int | None = None) -> House:
+    """Plan, openings, stairs, furniture, truth and validation."""
+    house = build_house(sample_house(preset, seed, rooms=rooms))
+    for truth in (room_graph, boundary_lines, objects, openness):
+        truth(house)
+    validate(house)
+    return house
+
+
+def _houses(preset: str, houses: int, seed: int) -> Section:
+    complete_house(preset, seed), complete_house("office", seed, _MANY_ROOMS)  # first use fills caches
+    seeds, many = range(seed, seed + houses), range(seed, seed + min(houses, _MANY_HOUSES))
+    return Section(
+        "houses: plan, openings, stairs, furniture, truth and validation, on one core",
+        "ms",
+        (
+            _timing(f"complete house, {preset}", lambda s: complete_house(preset, s), seeds, "<= 40, worst <= 400"),
+            _timing(
+                f"complete house, {_MANY_ROOMS} rooms", lambda s: complete_house("office", s, _MANY_ROOMS), many, "<= 250"
+            ),
+        ),
+    )
+
+
+def _furnished(seed: int) -> tuple[House, Poses]:
+    """A house of ten rooms, and poses along a walk through it."""
+    candidates = (build_house(sample_house("home", s)) for s in range(seed, seed + 1000))
+    house = next(house for house in candidates if len(house.rooms) >= _FRAME_ROOMS)
     tour = plan_tour(house, Walkable(house), np.random.default_rng(seed))
-    poses = tour.T_W_B[np.linspace(0, len(tour.T_W_B) - 1, _FRAMES).astype(int)]
-    with CameraRenderer(build_scene(house, (width, height), fovy_deg(camera.intrinsics)), camera) as renderer:
-        renderer.rgb(poses[0])  # the first frame uploads the textures
-        return _timing(f"RGB frame, {width} x {height}", renderer.rgb, poses)
+    return house, tour.T_W_B[np.linspace(0, len(tour.T_W_B) - 1, _VIEWS).astype(int)]
 
 
-def _timing(name: str, work: Callable[[Any], object], items: Iterable[Any]) -> Timing:
-    seconds = []
-    for item in items:
-        start = time.perf_counter()
-        work(item)
-        seconds.append(time.perf_counter() - start)
-    return Timing(name, 1e3 * float(np.median(seconds)), 1e3 * max(seconds), len(seconds))
+def _scenes(house: House) -> Section:
+    camera = wide_camera()
+    size, fovy = (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics)
+    title = f"scene of a house of {len(house.rooms)} rooms: geometry, textures, MuJoCo's compiler"
+    return Section(title, "ms", (_timing("House to MjModel", lambda _: build_scene(house, size, fovy), range(3), "<= 500"),))
+
+
+def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Section]:
+    """Merged, plain and MuJoCo's defaults in turn at each pose, so that whatever else the machine does slows all alike."""
+    camera, name = wide_camera(*size), f"{size[0]} x {size[1]}"
+    plain, defaults = PlainRenderer(house, camera), PlainRenderer(house, camera, defaults=True)
+    with CameraRenderer(build_scene(house, size, fovy_deg(camera.intrinsics)), camera) as merged:
+        work: dict[str, Callable[[np.ndarray], object]] = {
+            "RGB": merged.rgb,
+            _ALL_THREE: merged.frame,
+            _PLAIN: plain.rgb,
+        }
+        times = _interleaved(work, walk)
+        few = walk[:: len(walk) // _VIEWS_OF_DEFAULTS]
+        slow = _interleaved({"RGB": merged.rgb, _DEFAULTS: defaults.rgb}, few)
+        equal = [_equal_share(merged.rgb(pose), plain.rgb(pose)) for pose in walk]
+    geoms = plain.model.ngeom
+    plain.close()
+    defaults.close()
+    bars = {"RGB": 90.0} if size == (480, 360) else {_ALL_THREE: 60.0}
+    per_second = {n: 1 / np.array(t) for n, t in (times | {n: t for n, t in slow.items() if n != "RGB"}).items()}
+    rates = tuple(
+        Figure(n, float(np.median(r)), float(r.min()), len(r), f">= {bars[n]:g}" if n in bars else "")
+        for n, r in per_second.items()
+    )
+    title = f"frames at {name}: {len(house.rooms)} rooms, {geoms} geoms unless merged; defaults: shadows and MSAA"
+    yield Section(title, "1/s", rates)
+    (_, fast_few), (_, by_default) = slow.items()
+    ratios = (
+        _ratio("faster than plain", times[_PLAIN], times["RGB"], _RATIO_BARS[size]),
+        _ratio("faster than defaults", by_default, fast_few, 12.0),
+        Figure(f"pixels within {_GREY_LEVELS} grey levels", float(np.median(equal)), min(equal), len(equal), ">= 0.999"),
+    )
+    yield Section(f"merged against plain at {name}", "1", ratios)
+
+
+def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Poses) -> dict[str, list[float]]:
+    for draw in work.values():
+        draw(poses[0])  # the first frame uploads textures and compiles shaders
+    times: dict[str, list[float]] = {name: [] for name in work}
+    for pose in poses:
+        for name, draw in work.items():
+            times[name].append(_seconds(draw, pose))
+    return times
+
+
+def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> Figure:
+    """The ratio of the medians, and the least of single views."""
+    single = np.array(slow) / np.array(fast)
+    return Figure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
+
+
+def _equal_share(image: np.ndarray, other: np.ndarray) -> float:
+    return float(np.mean(np.abs(image.astype(int) - other).max(axis=-1) <= _GREY_LEVELS))
+
+
+def _memory(seed: int) -> Figure:
+    megabytes = measure_memory(seed) / 1e6
+    return Figure("peak resident, apart from torch", megabytes, megabytes, 1, "<= 1200")
+
+
+def _timing(name: str, work: Callable[[int], object], items: Iterable[int], bar: str = "") -> Figure:
+    milliseconds = [1e3 * _seconds(work, item) for item in items]
+    return Figure(name, float(np.median(milliseconds)), max(milliseconds), len(milliseconds), bar)
+
+
+def _seconds(work: Callable[..., object], item: object) -> float:
+    start = time.perf_counter()
+    work(item)
+    return time.perf_counter() - start

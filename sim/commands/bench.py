@@ -1,7 +1,7 @@
-"""`lexis-sim bench`: benchmarks, each a table. A new one is a function and an entry of `_BENCHMARKS`."""
+"""`lexis-sim bench`: benchmarks, each some tables. A new one is a function and an entry of `_BENCHMARKS`."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
 
 from rich.console import Console
@@ -24,11 +24,12 @@ def add_to(commands: Commands) -> None:
 
 
 def _bench(arguments: argparse.Namespace) -> int:
-    Console().print(_BENCHMARKS[arguments.benchmark](arguments))
+    for table in _BENCHMARKS[arguments.benchmark](arguments):
+        Console().print(table)
     return 0
 
 
-def _segmentation(arguments: argparse.Namespace) -> Table:
+def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.segmentation import Row, mean_and_spread, run_houses
     from sim.harness import RunConfig
     from sim.report.figures import shown
@@ -44,18 +45,21 @@ def _segmentation(arguments: argparse.Namespace) -> Table:
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
         table.add_row(name, *(shown(value, "{:.3g}") for value in values))
-    return table
+    yield table
 
 
-def _speed(arguments: argparse.Namespace) -> Table:
+def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.speed import measure_speed
 
-    # Escaped, since rich would take a unit in brackets for a style and swallow it.
-    headers = map(escape, ("step", "median [ms]", "worst [ms]", "runs [count]"))
-    table = Table(*headers, title=f"{arguments.preset}, seeds from {arguments.seed}")
-    for timing in measure_speed(arguments.preset, arguments.houses, arguments.seed):
-        table.add_row(timing.name, f"{timing.median_ms:.1f}", f"{timing.worst_ms:.1f}", str(timing.runs))
-    return table
+    for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
+        # Escaped, since rich would take a unit in brackets for a style and swallow it.
+        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"bar [{section.unit}]", "runs [count]"]
+        table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
+        for figure in section.figures:
+            table.add_row(
+                figure.name, *(f"{value:.4g}" for value in (figure.median, figure.worst)), figure.bar, str(figure.runs)
+            )
+        yield table
 
 
-_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Table]] = {"speed": _speed, "segmentation": _segmentation}
+_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {"speed": _speed, "segmentation": _segmentation}
