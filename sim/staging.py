@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from jaxtyping import Float64
+from jaxtyping import Float32, Float64
 from numpy import ndarray
 
 from lexis.types import Camera, Image
@@ -77,12 +77,19 @@ class Painter:
 
     def rgb(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Image:
         """The image of a frame, seen from a pose of the body."""
+        return self._set(frame, T_W_B).rgb(T_W_B)
+
+    def depth(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Float32[ndarray, "h w"]:
+        """Its depth along the optical axis [m]. It never reaches LEXIS."""
+        return self._set(frame, T_W_B).depth(T_W_B)
+
+    def _set(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> CameraRenderer:
         scene = self._staging.set_at(frame).scene
         if self._renderer is None or self._renderer.scene is not scene:
             self.close()
             self._renderer = CameraRenderer(scene, self._camera)
         self._renderer.place(self._staging.solids_at(frame, T_W_B))
-        return self._renderer.rgb(T_W_B)
+        return self._renderer
 
     def close(self) -> None:
         """Release the GL context."""

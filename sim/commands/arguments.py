@@ -6,7 +6,10 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from lexis.command_line import seed
+from sim.faults.catalogue import parse_fault, usage
+from sim.odometry_config import PRESETS as ODOMETRY_PRESETS
 from worlds.presets import PRESETS
+from worlds.spec import HouseSpec
 
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """Adds itself to a parser."""
@@ -37,3 +40,42 @@ def out_file(metavar: str) -> Argument:
 
 
 SEED = argument("--seed", type=seed, default=0, help="default: %(default)s")
+
+DEMO_SEED = 7
+
+
+def add_run_seed(parser: argparse.ArgumentParser) -> None:
+    """The seed of a run."""
+    parser.add_argument("--seed", type=seed, default=DEMO_SEED, help="of house, tour and odometry (default: %(default)s)")
+
+
+def add_walk(parser: argparse.ArgumentParser) -> None:
+    """The house, the walk through it, its odometry, and what breaks."""
+    house = parser.add_mutually_exclusive_group()
+    house.add_argument("--preset", default="home", help=PRESET_HELP)
+    house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
+    add_run_seed(parser)
+    parser.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
+    parser.add_argument(
+        "--overconfidence",
+        type=float,
+        default=1.0,
+        metavar="FACTOR",
+        help="how much too small the odometry's covariances are (default: 1, honest)",
+    )
+    parser.add_argument(
+        "--fault", action="append", default=[], metavar="NAME[:VALUE,FIELD=VALUE...]", help="what breaks; may be repeated"
+    )
+    parser.epilog = f"{parser.epilog}\n\nfaults, with their fields and defaults:\n{usage()}"
+
+
+def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What `add_walk` has asked for, as fields of `RunConfig`. Raises `WorldsError` or `SimError` for bad ones."""
+    return {
+        "preset": arguments.preset,
+        "seed": arguments.seed,
+        "house": HouseSpec.load(arguments.house) if arguments.house else None,
+        "odometry": arguments.odometry,
+        "overconfidence": arguments.overconfidence,
+        "faults": tuple(map(parse_fault, arguments.fault)),
+    }

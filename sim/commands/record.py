@@ -7,9 +7,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command
-from sim.commands.arguments import PRESET_HELP, SEED, folder
-from sim.odometry import PRESETS as ODOMETRY_PRESETS
-from worlds.spec import HouseSpec
+from sim.commands.arguments import add_walk, folder, walk_options
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
@@ -20,6 +18,12 @@ FORMATS = {
 IMAGES_HELP = (
     "png: replay gives the map of the live run, bit by bit; jpg: lossy, so that labels and loops may differ a little; "
     "raw: uncompressed, in bags only (default: %(default)s)"
+)
+
+RIGS = ("stereo", "front-rear", "four")
+RIG_HELP = (
+    f"cameras: {', '.join(RIGS)}, of which the first is the one of LEXIS (default: the camera of 'lexis-sim run', "
+    "with one 0.11 m to the right of it)"
 )
 
 
@@ -33,12 +37,9 @@ def add_to(commands: Commands) -> None:
         "lexis-sim record --preset home --seed 7 --format euroc -o recording\n"
         "  lexis run recording --rooms recording/rooms.json -o map",
     )
-    house = record.add_mutually_exclusive_group()
-    house.add_argument("--preset", default="home", help=PRESET_HELP)
-    house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
-    SEED(record)
-    record.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
+    add_walk(record)
     record.add_argument("--length", type=float, metavar="M", help="of the walk, in metres (default: the preset's)")
+    record.add_argument("--rig", choices=RIGS, help=RIG_HELP)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
     record.add_argument("--images", choices=("png", "jpg", "raw"), default="png", help=IMAGES_HELP)
@@ -50,14 +51,9 @@ def add_to(commands: Commands) -> None:
 def _record(arguments: argparse.Namespace) -> int:
     from sim.harness import RunConfig
     from sim.record import record
+    from sim.rig import make_rig
 
-    config = RunConfig(
-        preset=arguments.preset,
-        seed=arguments.seed,
-        house=HouseSpec.load(arguments.house) if arguments.house else None,
-        length_m=arguments.length,
-        odometry=arguments.odometry,
-    )
+    config = RunConfig(length_m=arguments.length, **walk_options(arguments))
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("recording", total=1.0)
@@ -66,6 +62,7 @@ def _record(arguments: argparse.Namespace) -> int:
             arguments.out,
             arguments.format,
             arguments.images,
+            make_rig(arguments.rig) if arguments.rig else None,
             progress=lambda share: bar.update(task, completed=share),
         )
     print(f"{arguments.out}: {arguments.format}, {size / 1e6:.0f} MB")

@@ -16,6 +16,7 @@ from sim.record.rooms import ROOMS, FrameRooms
 from sim.record.ros2 import write_bag
 from sim.record.take import Frame, Take, prepare
 from sim.record.tum_rgbd import write_tum_rgbd
+from sim.rig import Rig
 
 Write: TypeAlias = Callable[[Path, Take, Iterable[Frame], str], None]
 
@@ -28,17 +29,16 @@ class Format:
     """Writes frames to a folder, with images of the kind named last."""
     images: tuple[str, ...]
     """Kinds of images that it can hold."""
-    cameras: tuple[str, ...] = ()
-    """Besides cam0."""
     depth: bool = False
+    """Whether it holds the depth of cam0 instead of further cameras."""
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {
-        "euroc": Format(write_euroc, ("png", "jpg"), cameras=("cam1",)),
+        "euroc": Format(write_euroc, ("png", "jpg")),
         "tum": Format(write_tum_rgbd, ("png", "jpg"), depth=True),
-        "ros2": Format(write_bag, ("png", "jpg", "raw"), cameras=("cam1",)),
-        "mcap": Format(partial(write_bag, storage="mcap"), ("png", "jpg", "raw"), cameras=("cam1",)),
+        "ros2": Format(write_bag, ("png", "jpg", "raw")),
+        "mcap": Format(partial(write_bag, storage="mcap"), ("png", "jpg", "raw")),
     }
 )
 
@@ -48,20 +48,27 @@ _DEPTH_BYTES_PER_PIXEL = 1.0
 
 
 def record(
-    config: RunConfig, out: Path, format: str = "euroc", images: str = "png", progress: Callable[[float], None] | None = None
+    config: RunConfig,
+    out: Path,
+    format: str = "euroc",
+    images: str = "png",
+    rig: Rig | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
-    `images` is png, jpg or, in bags, raw; `progress` is told the share of frames done. Returns the bytes written. Raises
-    `LexisError` where `out` holds anything else or cannot be written, `SimError` for an unknown format or kind of images,
-    or too little room on the disk, and what `sim.harness.run` raises.
+    `images` is png, jpg or, in bags, raw; the cameras are those of `rig`, or the config's with one to the right of it;
+    `progress` is told the share of frames done. Returns the bytes written. Raises `LexisError` where `out` holds anything
+    else or cannot be written, `SimError` for an unknown format or kind of images, or too little room on the disk, and what
+    `sim.harness.run` raises.
     """
     form = _format(format, images)
     with replaced_folder(out.resolve(), ROOMS) as folder:
-        take = prepare(config)
+        take = prepare(config, rig)
         _check_space(folder, take, form, images)
         rooms = FrameRooms(take.walk.house)
-        frames = rooms.note(take.frames(form.cameras, form.depth))
+        others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")
+        frames = rooms.note(take.frames(others, form.depth))
         form.write(folder, take, _reported(frames, len(take), progress), images)
         rooms.write(folder / ROOMS)
         (folder / "house.json").write_text(take.walk.house.spec.to_json(), encoding="utf-8")
@@ -78,7 +85,8 @@ def _format(name: str, images: str) -> Format:
 
 def _check_space(folder: Path, take: Take, form: Format, images: str) -> None:
     size = take.cameras["cam0"].intrinsics
-    per_pixel = _BYTES_PER_PIXEL[images] * (1 + len(form.cameras)) + _DEPTH_BYTES_PER_PIXEL * form.depth
+    seen = _BYTES_PER_PIXEL[images]
+    per_pixel = seen + _DEPTH_BYTES_PER_PIXEL if form.depth else seen * len(take.cameras)
     needed, free = len(take) * size.width * size.height * per_pixel, shutil.disk_usage(folder).free
     if needed > free:
         raise SimError(

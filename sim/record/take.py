@@ -5,26 +5,23 @@ no frame where the odometry has not moved.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 from zlib import crc32
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int64
 
 from lexis.types import Camera, Image, Observation
-from sim.camera import CameraRenderer, fovy_deg
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
 from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
-from sim.scene import build_scene
+from sim.rig import STEREO_BASELINE_M, Rig
 from sim.session import Session
-
-if TYPE_CHECKING:
-    from sim.session import Truth
+from sim.staging import Painter, Staging
+from sim.stream import Truth
 
 EPOCH_NS = 10**18
 """Stamp of the first frame, in 2001: stamps have 19 digits, as tools that cut them into seconds and nanoseconds expect."""
@@ -32,8 +29,6 @@ REST_S = 2.0
 """At the start [s]."""
 _MARGIN_S = 0.1
 """The IMU begins this much before the first frame and ends this much after the walk [s]."""
-_BASELINE_M = 0.11
-"""Of a stereo pair, as EuRoC's [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +38,7 @@ class Frame:
     stamp_ns: int
     observation: Observation
     """What LEXIS is given; its image is that of the first camera."""
-    truth: "Truth"
+    truth: Truth
     images: Mapping[str, Image]
     """By camera, the first one included."""
     depth: Float32[np.ndarray, "h w"] | None
@@ -92,29 +87,30 @@ class Take:
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Iterator[Frame]:
-        """The frames in the order of time, with images of cam0 and of the other `cameras` named, and depth if asked for.
+        """The frames as they arrive, with images of cam0 and of the other `cameras` named, and its depth if asked for.
+
+        Faults of images are those of cam0 alone, whose images LEXIS sees; faults of the world are seen by all.
 
         Raises `GraphicsError` where there is no off-screen OpenGL.
         """
+        walked, faults, seed = self.walk, self.config.faults, self.config.seed
         camera = self.cameras["cam0"]
-        session = Session(self.walk.house, self.walk.tour, self.walk.odometry, camera)
-        # A scene of its own: the session renders in another thread.
-        scene = build_scene(
-            self.walk.house, (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics)
-        )
+        session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed)
+        # A staging of its own: the session renders in another thread.
+        staging = Staging(walked.house, walked.tour, camera, faults, seed)
         with ExitStack() as stack:
-            others = {name: stack.enter_context(CameraRenderer(scene, self.cameras[name])) for name in cameras}
-            ranging = stack.enter_context(CameraRenderer(scene, camera)) if depth else None
-            for observation, truth in session:
-                images = {name: renderer.rgb(truth.T_W_B) for name, renderer in others.items()}
+            painters = {name: stack.enter_context(closing(Painter(staging, self.cameras[name]))) for name in cameras}
+            ranging = stack.enter_context(closing(Painter(staging, camera))) if depth else None
+            for k, (observation, truth) in enumerate(session):
+                images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
                 frame = Frame(
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
                     MappingProxyType({"cam0": observation.image, **images}),
-                    None if ranging is None else ranging.depth(truth.T_W_B).copy(),
+                    None if ranging is None else ranging.depth(truth.index, truth.T_W_B),
                 )
-                yield from self._at_rest(frame) if observation.index == 0 else [frame]
+                yield from self._at_rest(frame) if k == 0 else [frame]
 
     def _at_rest(self, first: Frame) -> Iterator[Frame]:
         """The first frame as often as the rest lasts, then once more; nothing moves, so the odometry makes no error."""
@@ -124,21 +120,25 @@ class Take:
             yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
 
 
-def prepare(config: RunConfig, imu_config: ImuConfig | None = None) -> Take:
-    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises."""
+def prepare(config: RunConfig, rig: Rig | None = None, imu_config: ImuConfig | None = None) -> Take:
+    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises.
+
+    The cameras are the config's and one to the right of it, or the pinholes of `rig`, the first of which is LEXIS's then.
+    """
     imu_config = imu_config or ImuConfig()
+    cameras = (config.camera, stereo_partner(config.camera)) if rig is None else tuple(rig.cameras.values())
+    config = replace(config, camera=cameras[0])
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
-    cameras = {"cam0": config.camera, "cam1": stereo_partner(config.camera)}
-    return Take(config, walked, MappingProxyType(cameras), imu_config, imu)
+    return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, imu)
 
 
 def stereo_partner(camera: Camera) -> Camera:
     """The same camera to the right of it, parallel."""
     step = np.eye(4)
-    step[0, 3] = _BASELINE_M
+    step[0, 3] = STEREO_BASELINE_M
     return Camera(camera.intrinsics, camera.T_B_C @ step)
 
 
