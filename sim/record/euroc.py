@@ -15,6 +15,7 @@ from lexis.quaternions import pose_rows
 from lexis.types import Camera
 from sim.imu import ImuConfig
 from sim.record.images import SUFFIXES, encoded
+from sim.record.settings import write_settings
 from sim.record.take import Frame, Take
 
 IMAGE_COLUMNS = ("#timestamp [ns]", "filename")
@@ -35,10 +36,11 @@ ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for
 
 
 def write_euroc(folder: Path, take: Take, frames: Iterable[Frame], images: str) -> None:
-    """Write a take. Beside `mav0` there is a list of stamps as ORB-SLAM3 wants it. Raises OSError."""
+    """Write a take. Beside `mav0` lie a list of stamps for ORB-SLAM3, and settings of other systems. Raises OSError."""
     sensors = folder / SENSORS
     sensors.mkdir()
     (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
+    write_settings(folder / "settings", take)
     _write_imu(sensors / "imu0", take)
     _write_states(sensors / "state_groundtruth_estimate0", take)
     _write_frames(folder, take, frames, SUFFIXES[images])

@@ -17,6 +17,7 @@ from lexis.types import Observation
 from sim.errors import SimError
 from sim.record.images import SUFFIXES, encoded
 from sim.record.messages import Messages
+from sim.record.settings import write_settings
 from sim.record.take import Frame, Take
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ _VERSION: Literal[8] = 8
 def write_bag(folder: Path, take: Take, frames: Iterable[Frame], images: str, storage: str = "sqlite3") -> None:
     """Write a take as the bag `bag`, stored by sqlite3 or mcap. Raises SimError without `rosbags`, or room on the disk."""
     messages = Messages.load()
+    write_settings(folder / "settings", take)
     with _writer(folder / "bag", storage) as writer:
         bag = _Bag(writer, messages)
         bag.write(take.imu_ns[0], "/tf_static", messages.static_transforms(int(take.imu_ns[0]), take.cameras))

@@ -1,0 +1,374 @@
+"""A recording replays to the map of the live run, in every form; its sensors agree with each other and with the truth."""
+
+import csv
+import errno
+import json
+import shutil
+from dataclasses import fields, replace
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from evo.tools import file_interface
+from scipy.spatial.transform import Rotation
+
+from lexis.datasets import open_dataset
+from lexis.encoder import load_encoder
+from lexis.errors import LexisError
+from lexis.projection import rays
+from lexis.quaternions import poses_of
+from lexis.slam import Slam
+from sim.camera import wide_camera
+from sim.cli import main
+from sim.errors import SimError
+from sim.faults.delivery import Dropped
+from sim.harness import RunConfig, run
+from sim.record import record
+from sim.record.take import EPOCH_NS, REST_S, prepare
+from worlds.presets import sample_from_rooms
+from worlds.spec import HouseSpec
+
+CONFIG = RunConfig(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=24.0, camera=wide_camera(160, 120)
+)
+REST = 20
+"""Frames at rest at the start."""
+LOSSLESS = [("euroc", "png"), ("tum", "png"), ("ros2", "raw"), ("mcap", "png")]
+
+
+@pytest.fixture(scope="module")
+def encoder():
+    return load_encoder("mini")
+
+
+@pytest.fixture(scope="module")
+def live(encoder):
+    return run(CONFIG, encoder).map
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    """Folders by form and kind of images, each recorded once."""
+    root, made = tmp_path_factory.mktemp("recordings"), {}
+
+    def make(form, images):
+        if (form, images) not in made:
+            record(CONFIG, root / f"{form}-{images}", form, images)
+        made[form, images] = root / f"{form}-{images}"
+        return made[form, images]
+
+    return make
+
+
+def replay(folder, encoder):
+    dataset = open_dataset(folder)
+    slam = Slam(dataset.camera, encoder, json.loads((folder / "rooms.json").read_text())["labels"])
+    for observation in dataset:
+        slam.process(observation)
+    return slam.finish()
+
+
+def content(lexis_map):
+    """A map as nested plain data, without stamps, numbers of frames and times."""
+    skipped = {"stamp", "observation_index", "stage_seconds"}
+
+    def plain(value):
+        if hasattr(value, "__dataclass_fields__"):
+            return {f.name: plain(getattr(value, f.name)) for f in fields(value) if f.name not in skipped}
+        if isinstance(value, tuple):
+            return [plain(item) for item in value]
+        return value.tobytes() if isinstance(value, np.ndarray) else value
+
+    return plain(lexis_map)
+
+
+@pytest.mark.parametrize(("form", "images"), LOSSLESS)
+def test_replay_gives_the_map_of_the_live_run_bit_by_bit(form, images, recordings, live, encoder):
+    replayed = replay(recordings(form, images), encoder)
+    assert len(live.keyframes) > 30 and live.loops
+    assert content(replayed) == content(live)
+    for ours, theirs in zip(live.keyframes, replayed.keyframes, strict=True):
+        assert theirs.observation_index == (ours.observation_index + REST if ours.id else 0)
+        moved = REST_S if ours.id else 0.0
+        assert theirs.stamp == pytest.approx(EPOCH_NS / 1e9 + ours.stamp + moved, abs=1e-6)
+
+
+def test_jpeg_changes_pixels_and_little_else(recordings, live, encoder):
+    """Keyframes follow from the odometry, which is exact; labels from images, which are not."""
+    replayed = replay(recordings("euroc", "jpg"), encoder)
+    assert [k.T_O_B.tobytes() for k in replayed.keyframes] == [k.T_O_B.tobytes() for k in live.keyframes]
+    assert (replayed.labels == live.labels).mean() > 0.8
+    assert np.linalg.norm(replayed.T_W_B[:, :3, 3] - live.T_W_B[:, :3, 3], axis=1).max() < 0.3
+
+
+def csv_rows(path):
+    with open(path, newline="") as file:
+        header, *rows = csv.reader(file)
+    return header, rows
+
+
+def test_euroc_is_laid_out_as_its_readers_expect(recordings):
+    """Names are stamps, which the lists repeat; headers are EuRoC's; the IMU covers all frames, at rest before them."""
+    folder = recordings("euroc", "png")
+    stamps = (folder / "timestamps.txt").read_text().split()
+    for camera in ("cam0", "cam1"):
+        header, rows = csv_rows(folder / "mav0" / camera / "data.csv")
+        assert header == ["#timestamp [ns]", "filename"]
+        assert rows == [[stamp, f"{stamp}.png"] for stamp in stamps]
+        assert sorted(p.name for p in (folder / "mav0" / camera / "data").iterdir()) == [name for _, name in rows]
+    header, rows = csv_rows(folder / "mav0" / "imu0" / "data.csv")
+    assert header[:2] == ["#timestamp [ns]", "w_RS_S_x [rad s^-1]"] and header[-1] == "a_RS_S_z [m s^-2]"
+    imu = np.array([row[0] for row in rows], np.int64)
+    assert (np.diff(imu) == 5_000_000).all() and imu[0] < int(stamps[0]) and imu[-1] > int(stamps[-1])
+    resting = np.array([row[1:] for row in rows], float)[imu < EPOCH_NS + REST_S * 1e9]
+    np.testing.assert_allclose(resting.mean(axis=0), [0, 0, 0, 0, 0, 9.81], atol=0.02)
+    header, rows = csv_rows(folder / "mav0" / "state_groundtruth_estimate0" / "data.csv")
+    assert len(header) == 17 and header[1] == " p_RS_R_x [m]" and header[4] == " q_RS_w []" and len(rows) == len(imu)
+    assert all(len(stamp) == 19 for stamp in stamps) and int(stamps[0]) == EPOCH_NS
+    sensor = yaml.safe_load((folder / "mav0" / "cam1" / "sensor.yaml").read_text())
+    assert sensor["distortion_model"] == "radial-tangential" and sensor["distortion_coefficients"] == [0.0] * 4
+    assert sensor["rate_hz"] == 10 and sensor["resolution"] == [160, 120]
+    noise = yaml.safe_load((folder / "mav0" / "imu0" / "sensor.yaml").read_text())
+    assert noise["gyroscope_noise_density"] == 1.6968e-4 and noise["accelerometer_random_walk"] == 3.0e-3
+
+
+def test_imu_and_true_states_of_the_files_agree(recordings):
+    """Integrating what the files say over five seconds of the walk, less the biases that they state, gives the path."""
+    mav = recordings("euroc", "png") / "mav0"
+    imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
+    state = np.array(csv_rows(mav / "state_groundtruth_estimate0" / "data.csv")[1], float)
+    start, end, dt = 600, 1600, 0.005
+    gyro, force = imu[:, 1:4] - state[:, 11:14], imu[:, 4:7] - state[:, 14:17]
+    position, velocity = state[start, 1:4].copy(), state[start, 8:11].copy()
+    R = Rotation.from_quat(state[start, [5, 6, 7, 4]])
+    for k in range(start, end):
+        turned = R * Rotation.from_rotvec((gyro[k] + gyro[k + 1]) / 2 * dt)
+        acceleration = (R.apply(force[k]) + turned.apply(force[k + 1])) / 2 - [0, 0, 9.81]
+        position += velocity * dt + acceleration * dt**2 / 2
+        velocity, R = velocity + acceleration * dt, turned
+    assert np.linalg.norm(state[end, 1:4] - state[start, 1:4]) > 0.5
+    np.testing.assert_allclose(position, state[end, 1:4], atol=0.1)
+    assert np.degrees((R.inv() * Rotation.from_quat(state[end, [5, 6, 7, 4]])).magnitude()) < 0.3
+
+
+def test_stereo_images_and_depth_agree(recordings):
+    """The right image, fetched to the left one by the depth of another recording and both calibrations, looks the same."""
+    euroc, tum = recordings("euroc", "png"), recordings("tum", "png")
+    left, right = (
+        np.array(yaml.safe_load((euroc / "mav0" / name / "sensor.yaml").read_text())["T_BS"]["data"]).reshape(4, 4)
+        for name in ("cam0", "cam1")
+    )
+    stamps = (euroc / "timestamps.txt").read_text().split()
+    depth_files = [line.split()[1] for line in (tum / "depth.txt").read_text().splitlines() if line[0] != "#"]
+    k, errors = CONFIG.camera.intrinsics, []
+    v, u = np.mgrid[: k.height, : k.width]
+    for frame in range(REST, len(stamps), 40):
+        images = [cv2.imread(str(euroc / f"mav0/cam{i}/data/{stamps[frame]}.png")) for i in (0, 1)]
+        depth = cv2.imread(str(tum / depth_files[frame]), cv2.IMREAD_UNCHANGED)
+        assert depth.dtype == np.uint16
+        direction = rays(np.stack([u, v], axis=-1).astype(float), k)
+        points = direction / direction[..., 2:] * (depth / 5000.0)[..., None]
+        seen = (points - (np.linalg.inv(left) @ right)[:3, 3]).astype(np.float32)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            maps = k.fx * seen[..., 0] / seen[..., 2] + k.cx, k.fy * seen[..., 1] / seen[..., 2] + k.cy
+        fetched = cv2.remap(images[1], *(m.astype(np.float32) for m in maps), cv2.INTER_LINEAR)
+        inside = (depth > 0) & (maps[0] > 0) & (maps[0] < k.width - 1)
+        errors.append(np.abs(fetched.astype(int) - images[0])[inside].mean(axis=1))
+    assert np.median(np.concatenate(errors)) < 4.0
+
+
+def test_tum_is_read_by_evo_and_true_for_the_camera(recordings):
+    folder = recordings("tum", "png")
+    truth = file_interface.read_tum_trajectory_file(str(folder / "groundtruth.txt"))
+    take = prepare(CONFIG)
+    np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ CONFIG.camera.T_B_C, atol=1e-6)
+    images = (folder / "rgb.txt").read_text().splitlines()[2:]
+    assert len(images) == len(take) and images[0] == "1000000000.000000 rgb/1000000000.000000.png"
+    accelerations = np.loadtxt(folder / "accelerometer.txt")
+    np.testing.assert_allclose(accelerations[:400, 1:].mean(axis=0), [0.0, 0.0, 9.81], atol=0.02)
+
+
+def test_a_bag_says_the_same_as_euroc(recordings):
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    folder, mav = recordings("mcap", "png"), recordings("euroc", "png") / "mav0"
+    of = {}
+    with AnyReader([folder / "bag"], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        last = 0
+        for connection, stamp, raw in reader.messages():
+            assert stamp >= last
+            last = stamp
+            of.setdefault(connection.topic, []).append(reader.deserialize(raw, connection.msgtype))
+    imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
+    bag_imu = [(m.angular_velocity.x, m.linear_acceleration.z) for m in of["/imu0"]]
+    np.testing.assert_array_equal(bag_imu, imu[:, [1, 6]])
+    info = of["/cam1/camera_info"][0]
+    assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * CONFIG.camera.intrinsics.fx)
+    assert {t.child_frame_id for t in of["/tf_static"][0].transforms} == {"imu0", "cam0", "cam1"}
+    odometry = np.array(csv_rows(mav / "odom0" / "data.csv")[1], float)
+    assert len(of["/odom"]) == len(of["/odom/increment_covariance"]) == len(odometry)
+    spread = [np.trace(m.pose.covariance.reshape(6, 6)) for m in of["/odom"]]
+    assert spread[0] == 0.0 and spread[-1] > spread[len(spread) // 2] > 0.0
+
+
+def test_settings_say_what_the_sensors_are(recordings):
+    """Read as ORB-SLAM3 and VINS-Fusion do, and as Kalibr and OpenVINS do."""
+    settings = recordings("euroc", "png") / "settings"
+    take = prepare(CONFIG)
+    left, right = take.cameras["cam0"].T_B_C, take.cameras["cam1"].T_B_C
+    for name, key, expected in (
+        ("orb_slam3", "IMU.T_b_c1", left),
+        ("orb_slam3", "Stereo.T_c1_c2", np.linalg.inv(left) @ right),
+        ("vins_fusion", "body_T_cam1", right),
+    ):
+        storage = cv2.FileStorage(str(settings / f"{name}.yaml"), cv2.FILE_STORAGE_READ)
+        np.testing.assert_allclose(storage.getNode(key).mat(), expected, atol=1e-6)
+    kalibr = yaml.safe_load((settings / "kalibr_imucam_chain.yaml").read_text().removeprefix("%YAML:1.0\n"))
+    np.testing.assert_array_equal(kalibr["cam1"]["T_imu_cam"], right)
+
+
+def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
+    folder = recordings("tum", "png")
+    rooms = json.loads((folder / "rooms.json").read_text())
+    house = HouseSpec.load(folder / "house.json")
+    assert house == CONFIG.house and tuple(rooms["labels"]) == house.room_labels
+    truth = file_interface.read_tum_trajectory_file(str(folder / "groundtruth.txt"))
+    at = np.searchsorted(np.round(truth.timestamps * 1e6), np.array(rooms["frames"]["stamp_ns"]) // 1000)
+    polygon = {room["id"]: np.array(room["polygon_m"], np.float32) for room in rooms["rooms"]}
+    for (x, y), room in zip(truth.positions_xyz[at, :2], rooms["frames"]["room"], strict=True):
+        assert cv2.pointPolygonTest(polygon[room], (float(x), float(y)), True) > -0.05
+    assert set(rooms["frames"]["storey"]) == {0}
+
+
+def test_only_the_list_of_labels_is_read(recordings, encoder, tmp_path):
+    """A recording without its truth gives the same map."""
+    folder = tmp_path / "blind"
+    shutil.copytree(recordings("euroc", "png"), folder)
+    labels = json.loads((folder / "rooms.json").read_text())["labels"]
+    shutil.rmtree(folder / "mav0" / "state_groundtruth_estimate0")
+    (folder / "house.json").unlink()
+    (folder / "rooms.json").write_text(json.dumps({"labels": labels}))
+    assert content(replay(folder, encoder)) == content(replay(recordings("euroc", "png"), encoder))
+
+
+def test_faults_are_recorded(tmp_path):
+    faulty = replace(CONFIG, faults=(Dropped(share=0.3),))
+    record(faulty, tmp_path / "out", "tum", "jpg")
+    frames = json.loads((tmp_path / "out" / "rooms.json").read_text())["frames"]
+    assert len(open_dataset(tmp_path / "out")) == len(frames["stamp_ns"]) < 0.85 * len(prepare(CONFIG))
+    assert ["dropped"] in frames["faults"].values()
+
+
+def fails_at_the_tenth(monkeypatch, error):
+    count = []
+
+    def encoded(image, suffix):
+        count.append(1)
+        if len(count) == 10:
+            raise error
+        return b"x"
+
+    monkeypatch.setattr("sim.record.tum_rgbd.encoded", encoded)
+
+
+def test_a_recording_that_fails_leaves_nothing(tmp_path, monkeypatch):
+    fails_at_the_tenth(monkeypatch, RuntimeError("power cut"))
+    with pytest.raises(RuntimeError, match="power cut"):
+        record(CONFIG, tmp_path / "out", "tum")
+    assert not list(tmp_path.iterdir())
+
+
+COMMAND = ["record", "--preset", "uh2-apt", "--length", "20", "--format", "tum"]
+
+
+def test_a_full_disk_costs_one_line(tmp_path, monkeypatch, capsys):
+    fails_at_the_tenth(monkeypatch, OSError(errno.ENOSPC, "No space left on device"))
+    assert main([*COMMAND, "-o", str(tmp_path / "out")]) == 2
+    printed = capsys.readouterr().err
+    assert "No space left on device; valid: a place with room" in printed and printed.count("\n") == 1
+    monkeypatch.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 10**9, 10**6))
+    assert main([*COMMAND, "-o", str(tmp_path / "out")]) == 2
+    assert "1 MB are free" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_folders_of_others_are_kept(tmp_path, capsys):
+    (tmp_path / "thesis.txt").write_text("years of work")
+    assert main([*COMMAND, "-o", str(tmp_path)]) == 2
+    assert "holds no rooms.json" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+@pytest.mark.parametrize(("form", "images"), [("tum", "raw"), ("kitti", "png")])
+def test_unknown_forms_name_the_valid_ones(form, images, tmp_path):
+    with pytest.raises(SimError, match="valid: "):
+        record(CONFIG, tmp_path / "out", form, images)
+    assert not list(tmp_path.iterdir())
+
+
+def edit(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [
+        (lambda mav: (mav / "cam0" / "sensor.yaml").unlink(), r"sensor\.yaml: cannot be read"),
+        (lambda mav: edit(mav / "cam0" / "sensor.yaml", "pinhole", "omni"), "camera_model pinhole"),
+        (lambda mav: edit(mav / "cam0" / "sensor.yaml", "T_BS", "T_SB"), "T_BS"),
+        (lambda mav: (mav / "cam0" / "sensor.yaml").write_text("{"), "is not YAML"),
+        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000000100000000", "soon"), r"data\.csv:3: stamp 'soon'"),
+        (lambda mav: edit(mav / "cam0" / "data.csv", "1000000000100000000", "1000000000000000000"), "ascending"),
+        (lambda mav: (mav / "cam0" / "data" / "1000000000200000000.png").unlink(), r"data\.csv:4: there is no file"),
+        (lambda mav: shutil.rmtree(mav / "odom0"), r"odom0/data\.csv: cannot be read"),
+        (lambda mav: (mav / "odom0" / "data.csv").write_text("1000000000000000000,1,2,3\n"), "4 columns"),
+    ],
+)
+def test_defects_of_euroc_are_named(damage, says, recordings, tmp_path):
+    shutil.copytree(recordings("euroc", "png") / "mav0", tmp_path / "mav0")
+    damage(tmp_path / "mav0")
+    with pytest.raises(LexisError, match=says) as error:
+        open_dataset(tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_another_odometry_is_read_by_name(recordings):
+    """The true states, as if they were an odometry: any sensor of poses will do."""
+    from lexis.datasets import DatasetConfig
+
+    folder = recordings("euroc", "png")
+    dataset = open_dataset(folder, DatasetConfig(odometry="state_groundtruth_estimate0"))
+    take = prepare(CONFIG)
+    np.testing.assert_allclose(dataset.T_O_B[REST:], take.walk.tour.T_W_B, atol=2e-3)  # within a sample of the IMU
+    assert open_dataset(folder, DatasetConfig(camera="cam1")).camera.T_B_C[1, 3] == pytest.approx(-0.11)
+
+
+def test_distorted_images_are_rectified(recordings, tmp_path):
+    """A distortion in the calibration is taken out of the images, pinhole to pinhole."""
+    shutil.copytree(recordings("euroc", "png") / "mav0", tmp_path / "mav0")
+    edit(tmp_path / "mav0" / "cam0" / "sensor.yaml", "[0.0, 0.0, 0.0, 0.0]", "[-0.2, 0.05, 0.0, 0.0]")
+    path = next((tmp_path / "mav0" / "cam0" / "data").iterdir())
+    given = next(iter(open_dataset(tmp_path))).image
+    k = CONFIG.camera.intrinsics
+    expected = cv2.undistort(cv2.imread(str(min(path.parent.iterdir()))), k.matrix, np.array([-0.2, 0.05, 0.0, 0.0]))
+    assert np.abs(given[..., ::-1].astype(int) - expected).mean() < 1.0
+
+
+def test_bags_without_a_topic_or_that_are_none_are_named(recordings, tmp_path):
+    from lexis.datasets import DatasetConfig
+
+    with pytest.raises(LexisError, match="no topic /gps; it holds /cam0"):
+        open_dataset(recordings("mcap", "png"), DatasetConfig(odometry="/gps"))
+    (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: 3")
+    with pytest.raises(LexisError, match="not a readable bag"):
+        open_dataset(tmp_path)
+
+
+def test_poses_of_files_are_the_session_s(recordings):
+    odometry = np.array(csv_rows(recordings("euroc", "png") / "mav0" / "odom0" / "data.csv")[1], float)
+    take = prepare(CONFIG)
+    np.testing.assert_allclose(poses_of(odometry[REST:, [1, 2, 3, 5, 6, 7, 4]]), take.walk.odometry.T_O_B, atol=1e-11)
