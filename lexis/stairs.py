@@ -6,8 +6,8 @@ from jaxtyping import Bool, Float64
 from lexis.config import LabelConfig
 from lexis.runs import Run, runs_of
 
-LANDING_M = 3.0
-"""Longest path over a half landing between two flights [m]."""
+LANDING_M = 2.5
+"""Longest path between the first and the last keyframe on a half landing between two flights [m]."""
 FLOOR_PATH_M = 4.0
 """A level stretch at least this long lies on a floor, not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
@@ -46,7 +46,7 @@ def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> li
 
 def _joins_flights(run: Run, climbs: PerKeyframe, path: PerKeyframe) -> bool:
     inside = run.start > 0 and run.stop < len(climbs)
-    return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop] - path[run.start - 1] <= LANDING_M)
+    return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop - 1] - path[run.start] <= LANDING_M)
 
 
 def _path(positions: Float64[np.ndarray, "n 3"]) -> PerKeyframe:

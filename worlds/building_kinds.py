@@ -38,7 +38,7 @@ _CLINIC_STYLE = Style((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0,
 
 KINDS: dict[str, Kind] = {
     "home": Kind(
-        (7, 9), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
+        (7, 8), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
         ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
          "children's room"),
         _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
