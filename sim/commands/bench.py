@@ -1,6 +1,7 @@
 """`lexis-sim bench`: benchmarks, each some tables. A new one is a function and an entry of `_BENCHMARKS`."""
 
 import argparse
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
 
@@ -24,8 +25,10 @@ def add_to(commands: Commands) -> None:
 
 
 def _bench(arguments: argparse.Namespace) -> int:
+    # What is no terminal has no width, for which rich would take 80 columns and cut figures off.
+    console = Console(width=None if sys.stdout.isatty() else 200)
     for table in _BENCHMARKS[arguments.benchmark](arguments):
-        Console().print(table)
+        console.print(table)
     return 0
 
 
@@ -35,7 +38,7 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.report.figures import shown
 
     title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
-    table = Table("seed", *(field.name for field in fields(Row)), title=title)
+    table = Table("seed", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
     last = arguments.seed + arguments.houses - 1
     rows = []
     for house, row in run_houses(
