@@ -19,7 +19,7 @@ _INSIDE_M = 0.5
 """It is this far within its room, where that is large enough: a stop in a doorway shows nothing of it."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
-_STOP_SPACING_M = 1.2
+_STOP_SPACING_M = 0.7
 
 
 @dataclass(frozen=True, eq=False)
