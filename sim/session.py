@@ -1,20 +1,20 @@
 """A session: the camera walks its tour through the house and yields what a robot would see, beside what is true."""
 
 import time
-from collections import deque
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Generator, Sequence
+from contextlib import closing
 
 import numpy as np
 
 from lexis.quaternions import pose_rows, poses_of
 from lexis.types import Camera, Image, Observation
+from sim.ahead import ahead
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
 from sim.odometry import Odometry
 from sim.scene import Scene
 from sim.staging import Painter, Staging
-from sim.stream import Stream, Truth
+from sim.stream import Truth
 from sim.tour import Tour
 from worlds.house import House
 from worlds.truth import NOWHERE, floor_at, room_at
@@ -28,8 +28,8 @@ class Session:
     """Iterate, once or often, to get `(Observation, Truth)` pairs in the order in which they arrive.
 
     That is the order of time unless `faults` change it; these draw from streams of `seed`. Frames are rendered ahead by a
-    thread that owns the GL context, so that rendering and LEXIS share two cores. Raises `SimError` where the tour leaves
-    the house.
+    thread that owns the GL context, so that rendering and LEXIS share two cores. Who may stop early closes the iterator
+    (`contextlib.closing`). Raises `SimError` where the tour leaves the house.
     """
 
     def __init__(
@@ -53,35 +53,25 @@ class Session:
         """Frames of the tour."""
         return len(self.tour.stamps)
 
-    def __iter__(self) -> Iterator[tuple[Observation, Truth]]:
-        return corrupted(self._stream(), self.faults, self._seed)
+    def __iter__(self) -> Generator[tuple[Observation, Truth], None, None]:
+        with closing(self._stream()) as stream:
+            yield from corrupted(stream, self.faults, self._seed)
 
-    def _stream(self) -> Stream:
+    def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
         # As quaternions, which is how odometry comes: a recording of the run then gives the same poses, bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
-        for i, image in enumerate(self._images()):
-            stamp = float(self.tour.stamps[i])
-            yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
+        with closing(ahead(self._images, _AHEAD)) as images:
+            for i, image in enumerate(images):
+                stamp = float(self.tour.stamps[i])
+                yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
-    def _images(self) -> Iterator[Image]:
-        with ThreadPoolExecutor(max_workers=1) as thread:
-            painter = Painter(self._staging, self.camera)
-
-            def render(frame: int) -> Image:
+    def _images(self) -> Generator[Image, None, None]:
+        with closing(Painter(self._staging, self.camera)) as painter:
+            for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
-                image = painter.rgb(frame, self.tour.T_W_B[frame])
+                image = painter.rgb(frame, T_W_B)
                 self.render_seconds += time.perf_counter() - start
-                return image
-
-            try:
-                pending = deque(thread.submit(render, frame) for frame in range(min(_AHEAD, len(self))))
-                for frame in range(_AHEAD, len(self)):
-                    pending.append(thread.submit(render, frame))
-                    yield pending.popleft().result()
-                while pending:
-                    yield pending.popleft().result()
-            finally:
-                thread.submit(painter.close).result()
+                yield image
 
 
 def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:

@@ -1,11 +1,15 @@
 """A session yields what a robot sees, in order, and keeps the truth out of it."""
 
+import gc
+import threading
+from contextlib import closing
 from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from lexis.types import Observation
+from sim.ahead import THREAD
 from sim.camera import CameraRenderer, wide_camera
 from sim.errors import SimError
 from sim.odometry import PRESETS, simulate_odometry
@@ -16,6 +20,8 @@ from worlds.presets import sample_house
 from worlds.walkable import Walkable
 
 FRAMES = 40
+GUARD_S = 20.0
+"""Only a thread that hangs takes that long [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +55,35 @@ def test_a_second_pass_is_the_same(session, pairs):
         assert np.array_equal(first.image, again.image) and np.array_equal(first.T_O_B, again.T_O_B)
 
 
-def test_leaving_early_releases_the_renderer(session):
-    for _ in session:
-        break
-    assert next(iter(session))[0].index == 0
+def threads_of_sessions():
+    return [thread for thread in threading.enumerate() if thread.name == THREAD]
+
+
+def test_leaving_early_ends_the_thread_that_renders(session):
+    with closing(iter(session)) as pairs:
+        assert next(pairs)[0].index == 0 and threads_of_sessions()
+    for thread in threads_of_sessions():
+        thread.join(GUARD_S)
+    assert not threads_of_sessions()
+
+
+def test_an_iterator_in_garbage_is_collected_without_waiting(session):
+    """As after an exception, whose traceback holds the frames that iterate: the cycle goes all at once."""
+
+    def abandon():
+        cycle = [iter(session)]
+        next(cycle[0])
+        cycle.append(cycle)
+        del cycle
+        gc.collect()
+
+    guard = threading.Thread(target=abandon, daemon=True)
+    guard.start()
+    guard.join(GUARD_S)
+    assert not guard.is_alive()
+    for thread in threads_of_sessions():
+        thread.join(GUARD_S)
+    assert not threads_of_sessions()
 
 
 def test_an_observation_has_no_place_for_truth(session, pairs):

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,16 +87,17 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
         session = Session(walked.house, walked.tour, walked.odometry, config.camera, config.faults, config.seed)
     slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
     delivered, refused = [], []
-    for observation, truth in session:
-        delivered.append(truth)
-        try:
-            slam.process(observation)
-        except ObservationError as error:
-            if not config.faults:
-                raise
-            refused.append(str(error))
-        if progress is not None:
-            progress((observation.index + 1) / len(session))
+    with closing(iter(session)) as pairs:
+        for observation, truth in pairs:
+            delivered.append(truth)
+            try:
+                slam.process(observation)
+            except ObservationError as error:
+                if not config.faults:
+                    raise
+                refused.append(str(error))
+            if progress is not None:
+                progress((observation.index + 1) / len(session))
     lexis_map = slam.finish()
     seconds["render_s"] = session.render_seconds
     return Run(config, walked.house, walked.walkable, session, lexis_map, seconds, tuple(delivered), tuple(refused))

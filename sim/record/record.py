@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -68,8 +69,8 @@ def record(
         _check_space(folder, take, form, images)
         rooms = FrameRooms(take.walk.house)
         others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")
-        frames = rooms.note(take.frames(others, form.depth))
-        form.write(folder, take, _reported(frames, len(take), progress), images)
+        with closing(take.frames(others, form.depth)) as frames:
+            form.write(folder, take, _reported(rooms.note(frames), len(take), progress), images)
         rooms.write(folder / ROOMS)
         (folder / "house.json").write_text(take.walk.house.spec.to_json(), encoding="utf-8")
         return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())

@@ -30,8 +30,8 @@ class FrameRooms:
     def note(self, frames: Iterable[Frame]) -> Iterable[Frame]:
         """The frames, each noted."""
         for frame in frames:
-            if faults := getattr(frame.truth, "faults", ()):
-                self._faults[len(self._stamps)] = list(faults)
+            if frame.truth.faults:
+                self._faults[len(self._stamps)] = list(frame.truth.faults)
             self._stamps.append(frame.stamp_ns)
             self._rooms.append(self._house.rooms[frame.truth.room].id)
             self._storeys.append(frame.truth.storey)

@@ -4,7 +4,7 @@ A take begins with a moment at rest, which visual-inertial systems use to find g
 no frame where the odometry has not moved.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -86,7 +86,7 @@ class Take:
         moving = (self.imu.stamps > 0.0) & (self.imu.stamps < self.walk.tour.motion.duration_s)
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
-    def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Iterator[Frame]:
+    def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[Frame, None, None]:
         """The frames as they arrive, with images of cam0 and of the other `cameras` named, and its depth if asked for.
 
         Faults of images are those of cam0 alone, whose images LEXIS sees; faults of the world are seen by all.
@@ -101,7 +101,8 @@ class Take:
         with ExitStack() as stack:
             painters = {name: stack.enter_context(closing(Painter(staging, self.cameras[name]))) for name in cameras}
             ranging = stack.enter_context(closing(Painter(staging, camera))) if depth else None
-            for k, (observation, truth) in enumerate(session):
+            pairs = stack.enter_context(closing(iter(session)))
+            for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
                 frame = Frame(
                     stamp_ns(observation.stamp),
