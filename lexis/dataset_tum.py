@@ -22,7 +22,7 @@ from lexis.camera_io import CameraData
 from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image, usable_covariance
 from lexis.errors import DatasetError, LexisError
 from lexis.files import numbered_lines, replaced_folder
-from lexis.inputs import check_camera
+from lexis.inputs import check_camera, pixels
 from lexis.quaternions import pose_rows
 from lexis.tum import read_tum
 from lexis.types import Camera, Covariance, Image, Observation
@@ -59,7 +59,7 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
             covariances.write("# stamp [s], 6x6 row by row\n")
             for i, observation in enumerate(observations):
                 stamp, name = f"{observation.stamp:.6f}", f"rgb/{i:06d}.png"
-                (folder / name).write_bytes(cv2.imencode(".png", observation.image[..., ::-1])[1].tobytes())
+                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[..., ::-1])[1].tobytes())
                 images.write(f"{stamp} {name}\n")
                 odometry.write(odometry_line(stamp, observation))
                 covariances.write(covariance_line(stamp, observation))

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 
 from lexis.errors import LexisError, ObservationError
 from lexis.se3 import is_rigid
-from lexis.types import Camera, Observation
+from lexis.types import Camera, Image, Observation, Percept
 
 MAX_ROOM_NAMES = 1000
 """In a vocabulary."""
@@ -54,10 +54,10 @@ def check_room_names(names: Sequence[str]) -> None:
 def check_observation(observation: Observation, camera: Camera, previous: Observation | None) -> None:
     """Raise ObservationError unless image, pose and covariance are usable and time moves on."""
     where = f"observation {observation.index}"
-    expected = (camera.intrinsics.height, camera.intrinsics.width, 3)
-    if observation.image.shape != expected or observation.image.dtype != np.uint8:
-        found = f"{observation.image.dtype} {observation.image.shape}"
-        raise ObservationError(f"{where}: the image is {found}; valid: uint8 {expected}, as the camera makes them")
+    if isinstance(observation.image, Percept):
+        _check_percept(observation.image, where)
+    else:
+        _check_image(observation.image, camera, where)
     if not _is_pose(observation.T_O_B):
         raise ObservationError(f"{where}: T_O_B is not a rigid motion: {observation.T_O_B.tolist()}; {_RIGID}")
     covariance = observation.increment_covariance
@@ -73,6 +73,31 @@ def check_observation(observation: Observation, camera: Camera, previous: Observ
         raise ObservationError(
             f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before; valid: ascending stamps"
         )
+
+
+def pixels(observation: Observation) -> Image:
+    """The image of an observation. Raises `ObservationError` where there is only what was seen in it."""
+    if isinstance(observation.image, Percept):
+        raise ObservationError(f"observation {observation.index} brings no image, only what was seen in it; valid: an image")
+    return observation.image
+
+
+def _check_image(image: Image, camera: Camera, where: str) -> None:
+    expected = (camera.intrinsics.height, camera.intrinsics.width, 3)
+    if image.shape != expected or image.dtype != np.uint8:
+        found = f"{image.dtype} {image.shape}"
+        raise ObservationError(f"{where}: the image is {found}; valid: uint8 {expected}, as the camera makes them")
+
+
+def _check_percept(percept: Percept, where: str) -> None:
+    length = float(np.linalg.norm(percept.embedding))
+    if percept.embedding.ndim != 1 or not math.isclose(length, 1.0, abs_tol=1e-3):
+        shape = percept.embedding.shape
+        raise ObservationError(f"{where}: the embedding {shape} is {length:.3g} long; valid: a finite vector of unit norm")
+    points, descriptors = percept.features.keypoints, percept.features.descriptors
+    if len(points) != len(descriptors) or not np.isfinite(points).all():
+        found = f"{len(points)} key points and {len(descriptors)} descriptors"
+        raise ObservationError(f"{where}: {found}; valid: one descriptor for each key point, and finite places")
 
 
 def _is_pose(T: Float64[np.ndarray, "..."]) -> bool:

@@ -13,13 +13,14 @@ from lexis.features import FeatureExtractor
 from lexis.inputs import check_camera, check_observation, check_room_names
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
+from lexis.perception import embedding_of, features_of
 from lexis.place_recognition import propose
 from lexis.pose_graph import PoseGraph
 from lexis.room_labels import image_label
 from lexis.semantics import Semantics, derive
 from lexis.timing import StageTimer
 from lexis.types import Camera, Keyframe, LexisMap, Observation, RoomInstance
-from lexis.verification import verify
+from lexis.verification import Verifier, verify
 
 
 class Slam:
@@ -33,8 +34,15 @@ class Slam:
         lexis_map = slam.finish()
     """
 
-    def __init__(self, camera: Camera, encoder: Encoder, room_names: Sequence[str], config: Config | None = None) -> None:
-        """Set up all stages and encode the room prompts.
+    def __init__(
+        self,
+        camera: Camera,
+        encoder: Encoder,
+        room_names: Sequence[str],
+        config: Config | None = None,
+        verifier: Verifier = verify,
+    ) -> None:
+        """Set up all stages and encode the room prompts; `verifier` decides which loop candidates are closed.
 
         Raises:
             LexisError: the camera or the room names are unusable.
@@ -45,6 +53,7 @@ class Slam:
         self._encoder = encoder
         self._room_names = tuple(room_names)
         self._config = config or Config()
+        self._verify = verifier
         self._text = encoder.encode_rooms(self._room_names)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
@@ -67,9 +76,9 @@ class Slam:
         if frame is None:
             return
         with self._timed("encode"):
-            embedding = self._encoder.encode_image(observation.image) if frame.is_keyframe else None
+            embedding = embedding_of(observation, self._encoder) if frame.is_keyframe else None
         with self._timed("features"):
-            features = self._extractor.extract(observation.image)
+            features = features_of(observation, self._extractor)
         with self._timed("landmarks"):
             complete = self._window.add(frame, features, embedding)
         for keyframe in complete:
@@ -109,7 +118,7 @@ class Slam:
             label = self._room_names[image_label(query.embedding, self._text)]
             candidates = propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
-            loops = verify(query, candidates, self._graph, self._camera, self._config.verification)
+            loops = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))
         self._graph.add_loops(loops)
 

@@ -42,27 +42,37 @@ class Camera:
 
 
 @dataclass(frozen=True, eq=False)
-class Observation:
-    """All that LEXIS is given at one instant: an image and an odometry estimate (paper, Sec. III)."""
-
-    index: int
-    stamp: float
-    """Time of the image [s]."""
-    image: Image
-    """RGB."""
-    T_O_B: Pose
-    """The odometry's estimate of the body; it drifts."""
-    increment_covariance: Covariance
-    """What the odometry believes of the error it made since the previous observation [rad², m²]."""
-
-
-@dataclass(frozen=True, eq=False)
 class Features:
     """AKAZE key points of one image."""
 
     keypoints: Float32[np.ndarray, "n 2"]
     """[px], x right and y down."""
     descriptors: UInt8[np.ndarray, "n bytes"]
+
+
+@dataclass(frozen=True, eq=False)
+class Percept:
+    """What was seen in an image where it was taken: by a camera that encodes on board, or by a simulated one."""
+
+    embedding: Float32[np.ndarray, "d"]
+    """f_CLIP, unit norm, of the encoder that LEXIS reads room names with."""
+    features: Features
+    """f_AKAZE; none is a valid answer."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """All that LEXIS is given at one instant: an image and an odometry estimate (paper, Sec. III)."""
+
+    index: int
+    stamp: float
+    """Time of the image [s]."""
+    image: Image | Percept
+    """RGB; or, where nobody sends images, what was seen in it."""
+    T_O_B: Pose
+    """The odometry's estimate of the body; it drifts."""
+    increment_covariance: Covariance
+    """What the odometry believes of the error it made since the previous observation [rad², m²]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import poselib
@@ -30,6 +31,17 @@ class _Correspondences:
     """In the body frame of the candidate [m]."""
 
 
+@runtime_checkable
+class Verifier(Protocol):
+    """Says which loop candidates geometry confirms: `verify`, or what takes its place."""
+
+    def __call__(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
+    ) -> list[LoopEdge]:
+        """As `verify`."""
+        ...
+
+
 def verify(
     query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
 ) -> list[LoopEdge]:
@@ -42,14 +54,20 @@ def verify(
         camera: of all keyframes.
         config: what counts as confirmed, and how many edges to return at most.
     """
-    verifier = _Verifier(query, graph.keyframes, camera, config)
+    located = _Locator(query, graph.keyframes, camera, config)
+    edges = [located.from_match(match) for match in candidates]
+    return admitted([edge for edge in edges if edge is not None], graph, config)
+
+
+def admitted(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
+    """The edges of a query that the odometry allows, most inliers first, and no more than may be kept."""
     T_W_B, path_m = graph.T_W_B, graph.path_m
-    edges = [verifier.locate(match) for match in candidates]
     plausible = [
         edge
         for edge in edges
-        if edge is not None
-        and _is_plausible(edge, between(T_W_B[edge.match], T_W_B[query.id]), path_m[query.id] - path_m[edge.match], config)
+        if _is_plausible(
+            edge, between(T_W_B[edge.match], T_W_B[edge.query]), path_m[edge.query] - path_m[edge.match], config
+        )
     ]
     return sorted(plausible, key=lambda edge: -edge.inliers)[: config.max_edges]
 
@@ -62,7 +80,7 @@ def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: Verifi
     return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)
 
 
-class _Verifier:
+class _Locator:
     """PnP for the candidates of one query; remembers its matches, since neighbouring candidates share landmarks."""
 
     def __init__(self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig) -> None:
@@ -72,7 +90,7 @@ class _Verifier:
         self._config = config
         self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
 
-    def locate(self, match: int) -> LoopEdge | None:
+    def from_match(self, match: int) -> LoopEdge | None:
         """The query's pose by the landmarks around a candidate, or None where too few agree or they leave it open."""
         seen = self._correspondences(match)
         if len(np.unique(seen.feature_ids)) < self._config.min_inliers:

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float32
 
+from lexis.inputs import pixels
 from lexis.types import Image, Observation
 from sim.faults.fault import FrameFault, SpanFault, setting
 from sim.stream import Stream
@@ -25,7 +26,7 @@ class ImageFault(FrameFault):
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
         """The observation with another image."""
-        return replace(observation, image=self.edit(observation.image, rng))
+        return replace(observation, image=self.edit(pixels(observation), rng))
 
     @abstractmethod
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
@@ -111,7 +112,7 @@ class Smear(SpanFault):
         seed = int(rng.integers(2**63))
         for observation, truth in stream:
             if self.active(truth):
-                yield replace(observation, image=self._smeared(observation.image, seed)), self.mark(truth)
+                yield replace(observation, image=self._smeared(pixels(observation), seed)), self.mark(truth)
             else:
                 yield observation, truth
 
