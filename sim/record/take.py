@@ -14,6 +14,7 @@ from zlib import crc32
 import numpy as np
 from jaxtyping import Float32, Float64, Int64
 
+from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
@@ -108,7 +109,7 @@ class Take:
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
-                    MappingProxyType({"cam0": observation.image, **images}),
+                    MappingProxyType({"cam0": pixels(observation), **images}),
                     None if ranging is None else ranging.depth(truth.index, truth.T_W_B),
                 )
                 yield from self._at_rest(frame) if k == 0 else [frame]
