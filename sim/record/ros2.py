@@ -33,7 +33,8 @@ def write_bag(folder: Path, take: Take, frames: Iterable[Frame], images: str, st
     write_settings(folder / "settings", take)
     with _writer(folder / "bag", storage) as writer:
         bag = _Bag(writer, messages)
-        bag.write(take.imu_ns[0], "/tf_static", messages.static_transforms(int(take.imu_ns[0]), take.cameras))
+        start = int(take.imu_ns[0])
+        bag.write(start, "/tf_static", messages.static_transforms(start, take.cameras))
         imu = _Inertial(take, bag)
         odometry = _Odometry(bag)
         for frame in frames:
@@ -69,7 +70,7 @@ class _Bag:
                 topic, kind, typestore=self.messages.types, offered_qos_profiles=qos
             )
         data = self.messages.types.serialize_cdr(message, kind)
-        self._writer.write(self._connections[topic], int(stamp_ns), data)
+        self._writer.write(self._connections[topic], stamp_ns, data)
 
 
 class _Inertial:
