@@ -1,6 +1,7 @@
 """What the console scripts share: bad input costs one line on stderr and exit status 2, and never a traceback."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeAlias
@@ -8,6 +9,9 @@ from typing import NoReturn, TypeAlias
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Runs a command; returns the exit status."""
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+
+_BROKEN_PIPE, _INTERRUPTED = 141, 130
+"""128 and the number of the signal, as shells have it."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -31,12 +35,18 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
     """Parse and run; the exit status. Errors of the `expected` classes are bad input."""
     arguments = parser.parse_args(argv)
     try:
-        return int(arguments.command(arguments))
+        status = int(arguments.command(arguments))
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        # Who read has gone, as `head` does. What is still unwritten goes nowhere, or the interpreter would complain of it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _BROKEN_PIPE
     except expected as error:
         print(f"{parser.prog}: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        return 130
+        return _INTERRUPTED
 
 
 def positive(text: str) -> int:

@@ -65,6 +65,8 @@ def check_replaceable(path: Path, marker: str) -> None:
         ours = not path.exists() or (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir())))
     except OSError as error:
         raise LexisError(f"{path}: cannot be looked into: {error.strerror}; valid: a folder that can be made") from None
+    if path.is_file():
+        raise LexisError(f"{path}: is a file; valid: the name of a folder")
     if not ours:
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
 

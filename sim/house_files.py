@@ -37,6 +37,12 @@ def _write_truth(house: House, path: Path) -> None:
     _write(path, (json.dumps(truth_json(house), indent=1) + "\n").encode())
 
 
+def _write_geojson(house: House, path: Path) -> None:
+    from worlds.plan_import import to_geojson
+
+    _write(path, to_geojson(house.spec).encode())
+
+
 def _write_png(house: House, path: Path) -> None:
     from sim.report.house_plan import plan_png
 
@@ -54,7 +60,9 @@ def _write(path: Path, content: bytes) -> None:
         file.write_bytes(content)
 
 
-MODELS: Mapping[str, Writer] = MappingProxyType({".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth})
-"""glTF; MJCF, with its textures in a folder beside it; the truth as data."""
+MODELS: Mapping[str, Writer] = MappingProxyType(
+    {".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth, ".geojson": _write_geojson}
+)
+"""glTF; MJCF, with its textures in a folder beside it; the truth as data; rooms and openings, as plan import reads them."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
 """The plans of all storeys, side by side."""

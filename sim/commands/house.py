@@ -1,29 +1,19 @@
 """`lexis-sim house`: houses as files. A new action is a function and a row of `_ACTIONS`."""
 
 import argparse
+import json
 from collections.abc import Mapping
-from pathlib import Path
-from typing import NamedTuple
 
-from lexis.command_line import Command, Commands, add_command, positive
+from lexis.command_line import Commands, add_command, positive
 from lexis.files import replaced_file
-from sim.commands.arguments import PRESET_HELP, SEED, Argument, argument, out_file
+from sim.commands.arguments import SEED, argument, out_file
+from sim.commands.house_action import FILE, Action, built_and_checked, describe
+from sim.commands.house_check import CHECK, PROVE
+from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.house_files import MODELS, PLANS, Writer, writer_for
-from worlds.errors import HouseError
-from worlds.house import House, build_house
-from worlds.presets import PRESETS, sample_from_rooms, sample_house
-from worlds.spec import HouseSpec
-from worlds.truth import floor_area, openness
-
-
-class Action(NamedTuple):
-    """A command below `lexis-sim house`."""
-
-    name: str
-    command: Command
-    help: str
-    example: str
-    arguments: tuple[Argument, ...]
+from worlds.house import build_house
+from worlds.presets import PRESETS
+from worlds.spec import HouseSpec, json_schema
 
 
 def add_to(commands: Commands) -> None:
@@ -43,42 +33,20 @@ def add_to(commands: Commands) -> None:
             add_argument(parser)
 
 
-def _generate(arguments: argparse.Namespace) -> int:
-    if arguments.rooms is None:
-        spec = sample_house(arguments.preset, arguments.seed)
-    else:
-        spec = sample_from_rooms([label.strip() for label in arguments.rooms.split(",")], arguments.seed)
-    house = _checked(spec)
-    with replaced_file(arguments.out) as file:
-        file.write_text(spec.to_json())
-    print(f"{arguments.out}: {_describe(house)}")
-    return 0
-
-
-def _check(arguments: argparse.Namespace) -> int:
-    spec = HouseSpec.load(arguments.file)
-    try:
-        house = _checked(spec)
-    except HouseError as error:
-        print(f"{arguments.file}: {error}")
-        return 1
-    print(f"{arguments.file}: {_describe(house)}; all checks passed")
-    return 0
-
-
 def _show(arguments: argparse.Namespace) -> int:
-    return _write(arguments, PLANS)
+    return _write(arguments, PLANS, checked=False)  # a plan shows what is wrong
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    return _write(arguments, MODELS)
+    return _write(arguments, MODELS, checked=True)
 
 
-def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer]) -> int:
+def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked: bool) -> int:
     write = writer_for(arguments.out, writers)
-    house = build_house(HouseSpec.load(arguments.file))
+    spec = HouseSpec.load(arguments.file)
+    house = built_and_checked(spec) if checked else build_house(spec)
     write(house, arguments.out)
-    print(f"{arguments.out}: {_describe(house)}")
+    print(f"{arguments.out}: {describe(house)}")
     return 0
 
 
@@ -94,58 +62,29 @@ def _gallery(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _preset_or_rooms(parser: argparse.ArgumentParser) -> None:
-    source = parser.add_mutually_exclusive_group()
-    source.add_argument("--preset", default="home", help=PRESET_HELP)
-    source.add_argument("--rooms", metavar="A,B,...", help="one storey with these rooms around a corridor")
+def _schema(arguments: argparse.Namespace) -> int:
+    print(json.dumps(json_schema(), indent=1))
+    return 0
 
-
-def _checked(spec: HouseSpec) -> House:
-    from worlds.validation import validate
-
-    house = build_house(spec)
-    validate(house)
-    return house
-
-
-def _describe(house: House) -> str:
-    floors = len(house.storeys)
-    return (
-        f"{len(house.rooms)} rooms on {floors} floor{'s' * (floors > 1)}, {floor_area(house):.0f} m², "
-        f"openness {openness(house):.2f}, {len(house.furniture)} pieces of furniture"
-    )
-
-
-_FILE = argument("file", type=Path, metavar="FILE.json")
 
 _ACTIONS = (
-    Action(
-        "generate",
-        _generate,
-        "write a house as JSON",
-        "lexis-sim house generate --preset home --seed 3 -o home.json",
-        (_preset_or_rooms, SEED, out_file("FILE.json")),
-    ),
-    Action(
-        "check",
-        _check,
-        "prove that a house can stand and be walked",
-        "lexis-sim house check home.json",
-        (_FILE,),
-    ),
+    GENERATE,
+    VARIANT,
+    IMPORT,
+    CHECK,
     Action(
         "show",
         _show,
         "draw the plan of every storey",
         "lexis-sim house show home.json -o home.png",
-        (_FILE, out_file("FILE.png|.svg")),
+        (FILE, out_file("FILE.png|.svg")),
     ),
     Action(
         "export",
         _export,
-        "a model for other tools: glTF, MJCF with its textures beside it, or the truth as JSON",
+        "for other tools: glTF, MJCF with its textures beside it, the truth as JSON, or the plan as GeoJSON",
         "lexis-sim house export home.json -o home.glb",
-        (_FILE, out_file("FILE.glb|.xml|.json")),
+        (FILE, out_file("FILE.glb|.xml|.json|.geojson")),
     ),
     Action(
         "gallery",
@@ -159,5 +98,13 @@ _ACTIONS = (
             SEED,
             out_file("FILE.png"),
         ),
+    ),
+    PROVE,
+    Action(
+        "schema",
+        _schema,
+        "print the format of a house as JSON Schema, for editors and other tools",
+        "lexis-sim house schema > house.schema.json",
+        (),
     ),
 )

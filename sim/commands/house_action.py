@@ -1,0 +1,49 @@
+"""What the files of `lexis-sim house` share: a row per action, and how a house is checked, written and told."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+from lexis.command_line import Command
+from lexis.files import replaced_file
+from sim.commands.arguments import Argument, argument
+from worlds.house import House, build_house
+from worlds.spec import HouseSpec
+from worlds.truth import floor_area, openness
+
+FILE = argument("file", type=Path, metavar="FILE.json")
+
+
+class Action(NamedTuple):
+    """A command below `lexis-sim house`."""
+
+    name: str
+    command: Command
+    help: str
+    example: str
+    arguments: tuple[Argument, ...]
+
+
+def built_and_checked(spec: HouseSpec) -> House:
+    """A house that stands. Raises `HouseError` for another."""
+    from worlds.validation import validate
+
+    house = build_house(spec)
+    validate(house)
+    return house
+
+
+def write_checked(spec: HouseSpec, path: Path) -> None:
+    """Write a house that stands, and say what it is. Raises `HouseError` for one that does not, and writes nothing."""
+    house = built_and_checked(spec)
+    with replaced_file(path) as file:
+        file.write_text(spec.to_json())
+    print(f"{path}: {describe(house)}")
+
+
+def describe(house: House) -> str:
+    """A house in a line."""
+    floors = len(house.storeys)
+    return (
+        f"{len(house.rooms)} rooms on {floors} floor{'s' * (floors > 1)}, {floor_area(house):.0f} m², "
+        f"openness {openness(house):.2f}, {len(house.furniture)} pieces of furniture"
+    )

@@ -1,0 +1,85 @@
+"""`lexis-sim house check|prove`: a house on its own, and thousands, proved to stand and to be walkable."""
+
+import argparse
+import os
+from collections.abc import Iterator
+from dataclasses import astuple
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from lexis.command_line import positive
+from sim.commands.arguments import SEED, argument
+from sim.commands.house_action import FILE, Action, describe
+from worlds.errors import HouseError
+from worlds.house import House, build_house
+from worlds.presets import PRESETS
+from worlds.spec import HouseSpec
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    spec = HouseSpec.load(arguments.file)
+    try:
+        house = build_house(spec)
+    except HouseError as error:
+        print(f"{arguments.file}: {error}")
+        return 1
+    found = 0
+    for problem in _problems(house):
+        print(f"{arguments.file}: {problem}")
+        found += 1
+    if not found:
+        print(f"{arguments.file}: {describe(house)}; all checks passed")
+    return int(found > 0)
+
+
+def _problems(house: House) -> Iterator[str]:
+    from worlds.validation import problems
+
+    return problems(house)
+
+
+def _prove(arguments: argparse.Namespace) -> int:
+    from sim.bench.worlds import cases, prove, summaries
+
+    wanted = cases(arguments.preset, arguments.seed, arguments.houses)
+    proofs, progress = [], Console(stderr=True)
+    with Progress(console=progress, transient=True, disable=not progress.is_terminal) as bar:
+        for proof in bar.track(prove(wanted, arguments.processes), total=len(wanted), description="houses"):
+            proofs.append(proof)
+            if proof.failure is not None:
+                print(f"{proof.case}: {proof.failure}")
+    table = Table("family", "houses", "failed", "median, ms", "worst, ms", title="time of one core, for a complete house")
+    for row in summaries(proofs):
+        table.add_row(*(f"{value:.0f}" if isinstance(value, float) else str(value) for value in astuple(row)))
+    Console().print(table)
+    return int(any(proof.failure is not None for proof in proofs))
+
+
+def _presets(text: str) -> list[str]:
+    presets = [name.strip() for name in text.split(",")]
+    if unknown := [name for name in presets if name not in PRESETS]:
+        raise argparse.ArgumentTypeError(f"unknown preset {unknown[0]!r}; valid: {', '.join(PRESETS)}")
+    return presets
+
+
+CHECK = Action(
+    "check",
+    _check,
+    "prove that a house can stand and be walked, or name every place that is wrong",
+    "lexis-sim house check home.json",
+    (FILE,),
+)
+PROVE = Action(
+    "prove",
+    _prove,
+    "make and validate many houses, and make each again in another process: not a bit may differ",
+    "lexis-sim house prove --houses 1000",
+    (
+        argument("--preset", type=_presets, default=PRESETS, metavar="A,B,...", help="families, in turn (default: all)"),
+        argument("--houses", type=positive, default=1000, help="how many, from --seed upwards (default: %(default)s)"),
+        argument("--processes", type=positive, default=os.cpu_count() or 2, help="at least 2 run (default: one a core)"),
+        SEED,
+    ),
+)

@@ -1,0 +1,143 @@
+"""`lexis-sim house generate|variant|import`: where houses as files come from."""
+
+import argparse
+from pathlib import Path
+from typing import get_args
+
+from lexis.command_line import seed
+from sim.commands.arguments import PRESET_HELP, SEED, argument, out_file
+from sim.commands.house_action import FILE, Action, write_checked
+from sim.errors import SimError
+from worlds.presets import sample_from_rooms, sample_house
+from worlds.spec import AppearanceSpec, HouseSpec
+
+_DEFAULT_PRESET = "home"
+_OUT = out_file("FILE.json")
+
+
+def _generate(arguments: argparse.Namespace) -> int:
+    rooms, options = arguments.rooms, {"openness": arguments.openness}
+    if rooms is not None and not rooms.strip().isdecimal():
+        if arguments.preset is not None:
+            raise SimError(f"--preset {arguments.preset} goes with a number of --rooms, not with a list")
+        labels = [label.strip() for label in rooms.split(",")]
+        spec = sample_from_rooms(
+            labels, arguments.seed, clutter=arguments.clutter, storeys=arguments.storeys or 1, **options
+        )
+    else:
+        spec = sample_house(
+            arguments.preset or _DEFAULT_PRESET,
+            arguments.seed,
+            clutter=arguments.clutter,
+            rooms=None if rooms is None else int(rooms),
+            storeys=arguments.storeys,
+            **options,
+        )
+    write_checked(_with_appearance(spec, arguments), arguments.out)
+    return 0
+
+
+def _variant(arguments: argparse.Namespace) -> int:
+    from worlds.variant import variant
+
+    spec = HouseSpec.load(arguments.file)
+    changed = variant(
+        spec,
+        openness=arguments.openness,
+        clutter=arguments.clutter,
+        mirror=arguments.mirror,
+        rotate=arguments.rotate,
+        repaint=arguments.repaint,
+        add_storey=arguments.add_storey,
+    )
+    changed = _with_appearance(changed, arguments)
+    if changed == spec:
+        raise SimError(f"{arguments.file}: nothing would change; see lexis-sim house variant --help")
+    write_checked(changed, arguments.out)
+    return 0
+
+
+def _import(arguments: argparse.Namespace) -> int:
+    from worlds.plan_import import import_plan
+
+    plan = import_plan(arguments.plan, metres_per_unit=arguments.metres_per_unit, snap_m=arguments.snap, seed=arguments.seed)
+    write_checked(plan.spec, arguments.out)
+    for note in plan.notes:
+        print(f"note: {note}")
+    return 0
+
+
+def _with_appearance(spec: HouseSpec, arguments: argparse.Namespace) -> HouseSpec:
+    asked = {name: value for name in ("texture", "light") if (value := getattr(arguments, name)) is not None}
+    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update=asked)}) if asked else spec
+
+
+_OPENNESS = "share of the inner walls' area that is gap, 0 to 1"
+_CLUTTER = "how much furniture, 0 (none) to 4 (a hoarder's)"
+_APPEARANCE = (
+    argument(
+        "--texture",
+        choices=get_args(AppearanceSpec.model_fields["texture"].annotation),
+        help="poor: few features; repeating: walls and floors with a period",
+    ),
+    argument("--light", choices=get_args(AppearanceSpec.model_fields["light"].annotation)),
+)
+
+GENERATE = Action(
+    "generate",
+    _generate,
+    "write a house as JSON",
+    "lexis-sim house generate --preset home --seed 3 --openness 0.5 -o home.json",
+    (
+        argument("--preset", help=PRESET_HELP.replace("%(default)s", _DEFAULT_PRESET)),
+        argument(
+            "--rooms",
+            metavar="N|A,B,...",
+            help="how many besides corridors, halls and stairs, 2 to 40; or which, as labels (default: the family's)",
+        ),
+        argument("--storeys", type=int, metavar="N", help="1 to 4 (default: the family's; 1 with a list of rooms)"),
+        argument("--openness", type=float, metavar="X", help=f"{_OPENNESS} (default: the family's)"),
+        argument("--clutter", type=float, default=1.0, metavar="X", help=f"{_CLUTTER} (default: %(default)s)"),
+        *_APPEARANCE,
+        SEED,
+        _OUT,
+    ),
+)
+VARIANT = Action(
+    "variant",
+    _variant,
+    "the same house with one thing changed and everything else as it was",
+    "lexis-sim house variant home.json --openness 0.8 -o open.json",
+    (
+        FILE,
+        argument("--openness", type=float, metavar="X", help=_OPENNESS),
+        argument("--clutter", type=float, metavar="X", help=f"{_CLUTTER}; furniture that the file lists stays"),
+        argument("--mirror", action="store_true", help="in x"),
+        argument("--rotate", type=int, default=0, metavar="N", help="quarter turns counter-clockwise"),
+        argument("--repaint", type=seed, metavar="SEED", help="other materials and colours"),
+        argument("--add-storey", action="store_true", help="the top storey's plan once more on top"),
+        *_APPEARANCE,
+        _OUT,
+    ),
+)
+IMPORT = Action(
+    "import",
+    _import,
+    "a floor plan drawn elsewhere, SVG or GeoJSON, becomes a house",
+    "lexis-sim house import plan.svg --metres-per-unit 0.01 -o house.json",
+    (
+        argument("plan", type=Path, metavar="PLAN.svg|.geojson"),
+        argument(
+            "--metres-per-unit", type=float, metavar="X", help="scale of the drawing (default: GeoJSON 1; SVG what it says)"
+        ),
+        argument(
+            "--snap",
+            type=float,
+            default=0.05,
+            metavar="M",
+            help="corners so near to each other lie on one line, in metres (default: %(default)s)",
+        ),
+        SEED,
+        _OUT,
+    ),
+)
