@@ -1,70 +1,173 @@
-"""The encoder's training: frames tell the truth, captions hold out what they should, training learns and resumes."""
+"""The image tower's training: frames tell the truth, houses stay apart, both stages learn, resume and ship."""
+
+import json
+from dataclasses import replace
 
 import numpy as np
 import open_clip
 import pytest
 import torch
+from open_clip.transformer import TextTransformer
+from rich.console import Console
 from safetensors.torch import load_file
 
-from lexis.encoder import MINI_CONFIG
-from sim.training.frames import OBJECT_KINDS, TRAINING_SEEDS, Frames, _draw_houses, frames_of_house
-from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, TEMPLATES, room_caption
-from sim.training.train import Progress, TrainingConfig, export, train
+from lexis.encoder import OpenClipEncoder, squash
+from sim.errors import SimError
+from sim.training.align import AlignLearner, room_embeddings
+from sim.training.batches import batches
+from sim.training.command import TrainingRun, train_encoder
+from sim.training.dense import DenseLearner
+from sim.training.export import model_config, start_trunk_from
+from sim.training.fit import Progress, Schedule, fit
+from sim.training.frames import BARE, THINGS, Frames, Views, frames_of_house, rendered
+from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
+from sim.training.temperature import best_temperature, calibration_error
+from sim.training.text_tower import EMBED_DIM, TEXT_CFG, save_text_tower
 from worlds.labels import ROOM_LABELS
+from worlds.presets import PRESETS
+
+HOUSE = HouseDraw("uh2-apt", TRAINING_SEEDS[0])
 
 
 @pytest.fixture(scope="module")
 def frames():
-    return frames_of_house(("uh2-apt", TRAINING_SEEDS[0]))
+    return frames_of_house(HOUSE, Views(spacing_m=1.5))
 
 
-def test_training_stays_on_its_own_seeds():
-    seeds = [seed for _, seed in _draw_houses(200, seed=0)]
-    assert min(seeds) >= 100_000 and max(seeds) < 1_000_000 and len(set(seeds)) == 200
+@pytest.fixture(scope="module")
+def text():
+    torch.manual_seed(0)
+    return TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
 
 
-def test_frames_show_the_rooms_and_objects_of_the_house(frames):
+def test_houses_are_disjoint_and_leave_the_seeds_of_demos_and_acceptance_alone():
+    draws = [list(draw_houses(300, seeds, np.random.default_rng(0))) for seeds in (TRAINING_SEEDS, TUNING_SEEDS, TEST_SEEDS)]
+    seeds = [draw.seed for part in draws for draw in part]
+    assert len(set(seeds)) == 900 and min(seeds) >= 100_000 and max(seeds) < 1_000_000
+    assert {draw.preset for draw in draws[0]} == set(PRESETS)
+    assert not {(draw.texture, draw.light) for part in draws for draw in part} & set(HELD_OUT_LOOKS)
+
+
+def test_more_houses_begin_with_the_same_ones():
+    few, many = (list(draw_houses(n, TRAINING_SEEDS, np.random.default_rng(3))) for n in (10, 40))
+    assert many[:10] == few
+
+
+def test_walls_too_short_to_open_stay_as_they_are():
+    rooms = [HouseDraw("random", seed, openness=1.0).spec() for seed in range(TRAINING_SEEDS[0], TRAINING_SEEDS[0] + 12)]
+    assert len(rooms) == 12
+
+
+def test_frames_show_the_rooms_and_things_of_the_house(frames):
     labels = {ROOM_LABELS[k] for k in frames.rooms}
     assert {"dining room", "living room", "bedroom", "bathroom", "stairs"} <= labels
-    assert frames.images.shape[1:] == (96, 128, 3) and (frames.shares.sum(axis=1) <= 1.0 + 1e-6).all()
+    assert frames.images.shape[1:] == (96, 128, 3)
     in_bedroom = frames.rooms == ROOM_LABELS.index("bedroom")
-    bed = frames.shares[:, OBJECT_KINDS.index("double bed")]
+    bed = frames.shares[:, THINGS.index("double bed")]
     assert bed[in_bedroom].mean() > 10 * bed[~in_bedroom].mean()
 
 
-def test_frames_are_the_same_each_time(frames):
-    again = frames_of_house(("uh2-apt", TRAINING_SEEDS[0]))
-    assert np.array_equal(again.images, frames.images) and np.array_equal(again.shares, frames.shares)
+def test_what_is_in_view_adds_up(frames):
+    n = len(frames.rooms)
+    things = frames.shares.sum(axis=1)
+    assert (frames.views.sum(axis=1) <= 1 + 1e-6).all() and (things <= frames.content + 0.05).all()
+    own = frames.views[np.arange(n), frames.rooms]
+    assert own.mean() > 0.5 and (frames.content >= 1 - own - 0.35 * (frames.views.sum(axis=1) < 0.999) - 1e-6).all()
+    assert 0 < np.mean(frames.content < BARE) < 0.3
 
 
-def test_held_out_names_are_never_trained_on():
-    trained = {name for names in ROOM_NAMES.values() for name in names}
-    assert not trained & set(HELD_OUT_NAMES.values()) and set(ROOM_NAMES) == set(ROOM_LABELS)
+def test_frames_are_the_same_each_time_and_are_kept(frames, tmp_path):
+    first, again = (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2))
+    assert np.array_equal(first.images, again.images) and np.array_equal(first.things, again.things)
+    (file,) = tmp_path.iterdir()
+    file.write_bytes(b"no frames")
+    with pytest.raises(SimError, match="delete it"):
+        list(rendered([HOUSE], tmp_path))
+
+
+def test_patches_move_with_the_image():
+    """A thing whose patch is also painted in the image is found where the image shows it, mirrored and zoomed alike."""
+    n, things = 32, np.zeros((32, 3, 4, len(THINGS)), np.uint8)
+    images = np.zeros((n, 96, 128, 3), np.uint8)
     rng = np.random.default_rng(0)
-    captions = {room_caption(label, rng) for label in ROOM_LABELS for _ in range(40)}
-    assert len(captions) > len(ROOM_LABELS) * len(TEMPLATES) / 2
+    for i, (row, column) in enumerate(rng.integers((3, 4), size=(n, 2))):
+        things[i, row, column, 7] = 255
+        images[i, row * 32 : row * 32 + 32, column * 32 : column * 32 + 32] = 255
+    frames = Frames(
+        images, np.zeros(n, int), things, np.full((n, len(ROOM_LABELS)), 0.04, np.float32), np.ones(n, np.float32)
+    )
+    (batch,) = batches(frames, n, rng, torch.device("cpu"))
+    bright = torch.nn.functional.avg_pool2d(batch.images.mean(dim=1, keepdim=True), 32).flatten(1).argmax(dim=1)
+    assert (batch.patches[:, 7].flatten(1)[torch.arange(n), bright] == 1).float().mean() > 0.9
+    assert batch.patches.sum() == batch.patches[:, 7].sum() and set(batch.things.sum(dim=1).tolist()) <= {0.0, 1.0}
 
 
-def test_training_learns_and_resumes_to_the_same_weights(frames, tmp_path):
+class StoppedError(Exception):
+    pass
+
+
+@pytest.mark.parametrize("stage", ["dense", "align"])
+def test_a_stage_learns_and_resumes_to_the_same_weights(frames, text, stage, tmp_path):
     torch.set_num_threads(1)
-    half = Frames(frames.images[::2], frames.rooms[::2], frames.shares[::2])
-    config = TrainingConfig(epochs=5, batch=16, learning_rate=3e-3)
-    straight: list[Progress] = []
-    whole = train(half, frames, config, straight.append)
-    assert straight[-1].loss < 0.75 * straight[0].loss
+    half = frames[np.arange(0, len(frames.rooms), 3)]
+    schedule = Schedule(epochs=3, learning_rate=3e-3, batch=8)
 
-    class StoppedError(Exception):
-        pass
+    def learner():
+        dense = DenseLearner(half)
+        return dense if stage == "dense" else AlignLearner(dense.module, text, half, wordings=(2, 1))
 
-    def stop_after_three(progress):
-        if progress.epoch == 4:
+    whole, history = learner(), []
+    fit(whole, half, frames, schedule, history.append)
+    assert history[-1].loss < 0.9 * history[0].loss
+
+    def stop(progress: Progress) -> None:
+        if progress.epoch == 2:
             raise StoppedError
 
     with pytest.raises(StoppedError):
-        train(half, frames, config, stop_after_three, tmp_path / "checkpoint.pt")
-    resumed = train(half, frames, config, lambda progress: None, tmp_path / "checkpoint.pt")
-    for name, value in whole.state_dict().items():
-        assert torch.equal(value, resumed.state_dict()[name]), name
-    export(resumed, tmp_path / "mini.safetensors")
-    shipped = open_clip.create_model(MINI_CONFIG.stem)
-    shipped.load_state_dict({name: value.float() for name, value in load_file(tmp_path / "mini.safetensors").items()})
+        fit(learner(), half, frames, schedule, stop, tmp_path / "checkpoint.pt")
+    resumed = learner()
+    fit(resumed, half, frames, schedule, lambda progress: None, tmp_path / "checkpoint.pt")
+    for name, value in whole.module.state_dict().items():
+        assert torch.equal(value, resumed.module.state_dict()[name]), name
+
+
+def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_path):
+    work = tmp_path / "work"
+    work.mkdir()
+    save_text_tower(text, work / "text-tower.safetensors")
+    (work / "frames").mkdir()
+    run = TrainingRun(1, 1, (1, 1), work=work, out=tmp_path / "mini.safetensors", workers=1, batch=16, wordings=(2, 1))
+    history = train_encoder(run, Console(quiet=True))
+    assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
+    before = run.out.read_bytes()
+    assert train_encoder(run, Console(quiet=True)) == [] and run.out.read_bytes() == before
+    with pytest.raises(SimError, match="another folder"):
+        train_encoder(replace(run, epochs=(2, 1)), Console(quiet=True))
+    assert json.loads((tmp_path / "mini.json").read_text()) == model_config()
+    weights = {name: value.float() for name, value in load_file(run.out).items()}
+    model = open_clip.CLIP(**model_config())
+    model.load_state_dict(weights)
+    encoder = OpenClipEncoder("mini", model, open_clip.tokenizer.SimpleTokenizer(context_length=24), _squash)
+    said = encoder.encode_rooms(["kitchen", "place to cook"])
+    np.testing.assert_allclose(said, room_embeddings(text, ["kitchen", "place to cook"]), atol=0.02)
+    dense = DenseLearner(frames_of_house(HOUSE, Views(most=2))).module
+    start_trunk_from(run.out, dense)
+    torch.testing.assert_close(dense.trunk.state_dict()["stem.conv.weight"], weights["visual.trunk.stem.conv.weight"])
+    with pytest.raises(SimError, match="no image tower"):
+        start_trunk_from(work / "text-tower.safetensors", dense)
+
+
+def _squash(image):
+    return squash(image, 96, 128)
+
+
+def test_the_fitted_temperature_is_the_one_that_answers_were_drawn_with():
+    rng = np.random.default_rng(0)
+    similarities = rng.normal(0.0, 0.1, (20_000, 6))
+    odds = np.exp(similarities / 0.05)
+    chance = odds / odds.sum(axis=1, keepdims=True)
+    own = (rng.random((20_000, 1)) < chance.cumsum(axis=1)).argmax(axis=1)
+    assert best_temperature(similarities, own) == pytest.approx(0.05, rel=0.05)
+    confidence, right = chance.max(axis=1), chance.argmax(axis=1) == own
+    assert calibration_error(confidence, right) < 0.02 < calibration_error(np.ones(20_000), right)

@@ -14,26 +14,38 @@ from sim.errors import SimError
 def add_to(commands: Commands) -> None:
     """Add the command."""
     train = add_command(
-        commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --houses 300 --epochs 9"
+        commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --work encoder-training"
     )
-    train.add_argument("--houses", type=positive, default=300, help="training and tuning houses (default: %(default)s)")
-    train.add_argument("--epochs", type=positive, default=9, help="passes over the frames (default: %(default)s)")
+    train.add_argument("--houses", type=positive, default=430, help="to train on (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=9, help="of dense supervision (default: %(default)s)")
+    train.add_argument("--align-epochs", type=positive, default=4, help="of alignment with text (default: %(default)s)")
     SEED(train)
     train.add_argument(
-        "--work", type=folder, default=Path("encoder-training"), help="frames and checkpoint; resumed when it exists"
+        "--work", type=folder, default=Path("encoder-training"), help="frames and checkpoints; resumed when it exists"
     )
+    train.add_argument("--workers", type=positive, default=2, help="processes that render (default: %(default)s)")
+    train.add_argument("--start", type=Path, metavar="FILE", help="weights whose image tower to begin with")
+    train.add_argument("--teacher", type=folder, help="MiniLM's weights (default: those of the extra 'training')")
     train.add_argument("--out", type=Path, help="weights (default: those in the package)")
 
 
 def _train(arguments: argparse.Namespace) -> int:
     from sim.training.command import MINI_WEIGHTS, TrainingRun, train_encoder
-    from sim.training.train import TrainingConfig
 
     out: Path = arguments.out or MINI_WEIGHTS
     _check_writable("--work", arguments.work)
     _check_writable("--out", out.parent)
-    training = TrainingConfig(epochs=arguments.epochs, seed=arguments.seed)
-    train_encoder(TrainingRun(arguments.houses, training, arguments.work, out), Console())
+    run = TrainingRun(
+        houses=arguments.houses,
+        epochs=(arguments.epochs, arguments.align_epochs),
+        seed=arguments.seed,
+        work=arguments.work,
+        out=out,
+        workers=arguments.workers,
+        start=arguments.start,
+        teacher=arguments.teacher,
+    )
+    train_encoder(run, Console())
     return 0
 
 

@@ -1,77 +1,134 @@
-"""`lexis-sim train-encoder`: frames, training with checkpoints, the shipped weights."""
+"""`lexis-sim train-encoder`: frames, text tower, both stages of the image tower, the weights; every step resumes."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, fields
+import json
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import torch
+from open_clip.transformer import TextTransformer
 from rich.console import Console
-from rich.progress import track
+from safetensors.torch import load_file
 
 from lexis.encoder import MINI_CONFIG
 from sim.errors import SimError
-from sim.training.frames import Frames, render_frames
-from sim.training.train import Progress, TrainingConfig, export, train
+from sim.training.align import WORDINGS, AlignLearner
+from sim.training.dense import DenseLearner
+from sim.training.export import export, start_trunk_from
+from sim.training.fit import Progress, Schedule, fit
+from sim.training.frames import BARE, Frames, rendered
+from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, draw_houses
+from sim.training.teacher import load_teacher
+from sim.training.temperature import fit_temperature
+from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, DistilProgress, distil, save_text_tower
 
 MINI_WEIGHTS = MINI_CONFIG.with_suffix(".safetensors")
-_TUNING_SHARE = 0.06
+_SETTINGS = "settings.json"
 
 
 @dataclass(frozen=True)
 class TrainingRun:
     """What `train_encoder` is asked for."""
 
-    houses: int = 300
-    training: TrainingConfig = field(default_factory=TrainingConfig)
+    houses: int = 430
+    """To train on."""
+    tuning_houses: int = 24
+    epochs: tuple[int, int] = (9, 4)
+    """Of dense supervision and of alignment."""
+    seed: int = 0
     work: Path = Path("encoder-training")
-    """Folder for the rendered frames and the checkpoint; a run that was stopped goes on from there."""
+    """Folder for frames, text tower and checkpoints; a run that was stopped goes on from there."""
     out: Path = MINI_WEIGHTS
+    """The weights; the model's configuration is written beside them."""
     workers: int = 2
     """Processes that render."""
+    start: Path | None = None
+    """Weights of an earlier `mini` whose image tower to begin with; None: from nothing."""
+    teacher: Path | None = None
+    """Folder of the sentence encoder; None: the installed package."""
+    batch: int = 128
+    wordings: tuple[int, int] = WORDINGS
+    """Captions drawn of every room label and of every thing."""
+    distillation: DistilConfig = field(default_factory=DistilConfig)
 
     def __post_init__(self) -> None:
         """Raise SimError where a value cannot work."""
-        if self.houses < 2:
-            raise SimError(f"--houses {self.houses}: needs at least 2, one to train and one to tune on")
+        for name, value in (("houses", self.houses), ("tuning_houses", self.tuning_houses), ("epochs", min(self.epochs))):
+            if value < 1:
+                raise SimError(f"training: {name} is {value}; valid: at least 1")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
-    """Render frames (or take those of an earlier run), train, write the weights; the history is returned."""
+    """Do what is not done yet, write weights and configuration; the history of both stages is returned.
+
+    Raises `SimError` where the work folder belongs to a run with other settings.
+    """
     run.work.mkdir(parents=True, exist_ok=True)
+    _check_settings(run)
     torch.set_num_threads(1)  # two threads on two shared cores were no faster than one
-    sets = _frames(run, console)
-    tuning_houses = max(1, round(_TUNING_SHARE * len(sets)))
-    tuning, training = Frames.joined(sets[:tuning_houses]), Frames.joined(sets[tuning_houses:])
-    console.print(
-        f"{len(training.rooms)} frames of {len(sets) - tuning_houses} houses; {len(tuning.rooms)} frames to tune on"
-    )
+    text = _text_tower(run, console)
+    tuning = _frames(run, console, "tuning", run.tuning_houses, TUNING_SEEDS)
+    training = _frames(run, console, "training", run.houses, TRAINING_SEEDS)
+    training = training[training.content >= BARE]
+    console.print(f"{len(training.rooms)} frames to train on, less those of bare walls; {len(tuning.rooms)} to tune on")
     history: list[Progress] = []
 
     def report(progress: Progress) -> None:
         history.append(progress)
-        console.print(f"epoch {progress.epoch}: loss {progress.loss:.3f}, zero-shot accuracy {progress.accuracy:.3f}")
+        console.print(
+            f"{progress.stage} epoch {progress.epoch}: loss {progress.loss:.3f}, tuning accuracy {progress.accuracy:.3f}"
+        )
 
-    towers = train(training, tuning, run.training, report, run.work / "checkpoint.pt")
-    export(towers, run.out)
+    dense = DenseLearner(training, run.seed)
+    if run.start is not None:
+        start_trunk_from(run.start, dense.module)
+    first, second = _schedules(run)
+    fit(dense, training, tuning, first, report, run.work / "dense.pt")
+    align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
+    fit(align, training, tuning, second, report, run.work / "align.pt")
+    temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
+    console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
+    export(align.module, text, temperature, run.out)
     return history
 
 
-def _frames(run: TrainingRun, console: Console) -> list[Frames]:
-    cache = run.work / f"frames-{run.houses}-{run.training.seed}.npz"
-    if cache.exists():
-        return _load(cache)
-    rendered: Iterable[Frames] = render_frames(run.houses, run.training.seed, run.workers)
-    if console.is_terminal:
-        rendered = track(rendered, "rendering", total=run.houses, console=console)
-    sets = list(rendered)
-    beside = cache.with_suffix(".part.npz")
-    np.savez(beside, **{f"{f.name}-{i}": getattr(s, f.name) for i, s in enumerate(sets) for f in fields(Frames)})
-    beside.replace(cache)
-    return sets
+def _schedules(run: TrainingRun) -> tuple[Schedule, Schedule]:
+    gentle = run.start is not None
+    first = Schedule(run.epochs[0], 1.5e-3 if gentle else 3e-3, run.batch, seed=run.seed)
+    return first, Schedule(run.epochs[1], 1e-3, run.batch, seed=run.seed + 1)
 
 
-def _load(cache: Path) -> list[Frames]:
-    with np.load(cache, allow_pickle=False) as data:
-        count = len(data.files) // len(fields(Frames))
-        return [Frames(*(data[f"{f.name}-{i}"] for f in fields(Frames))) for i in range(count)]
+def _check_settings(run: TrainingRun) -> None:
+    path = run.work / _SETTINGS
+    asked = {"seed": run.seed, "epochs": list(run.epochs), "houses": run.houses, "batch": run.batch}
+    if not path.exists():
+        path.write_text(json.dumps(asked) + "\n")
+    elif (before := json.loads(path.read_text())) != asked:
+        raise SimError(
+            f"{run.work} belongs to a run with {before}, not {asked}; valid: the same settings, or another folder"
+        )
+
+
+def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
+    path = run.work / "text-tower.safetensors"
+    if not path.exists():
+
+        def report(progress: DistilProgress) -> None:
+            console.print(f"text epoch {progress.epoch}: cosine to the teacher {progress.cosine:.3f}")
+
+        save_text_tower(distil(load_teacher(run.teacher), run.distillation, report), path)
+    tower = TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
+    tower.load_state_dict({name: value.float() for name, value in load_file(path).items()})
+    return tower
+
+
+def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: range) -> Frames:
+    """Of the first houses that the seed draws."""
+    stream = (TRAINING_SEEDS, TUNING_SEEDS).index(seeds)
+    draws = list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
+    sets = []
+    for frames in rendered(draws, run.work / "frames", run.workers):
+        sets.append(frames)
+        if len(sets) % 20 == 0 or len(sets) == houses:
+            console.print(f"{name} frames of {len(sets)} of {houses} houses")
+    return Frames.joined(sets)

@@ -1,88 +1,204 @@
-"""Training frames: what a camera sees on tours through training houses, and what is in view."""
+"""Training frames: what a camera sees on tours through houses, and what is in view, patch by patch."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
+from pathlib import Path
+from zipfile import BadZipFile
 
 import cv2
 import numpy as np
-from jaxtyping import Float32, Int, UInt8
+from jaxtyping import Float32, Float64, Int, UInt8
 
-from sim.camera import CameraRenderer, fovy_deg, wide_camera
-from sim.scene import build_scene
+from lexis.files import replaced_file
+from lexis.types import Pose
+from sim.camera import fovy_deg, wide_camera
+from sim.errors import SimError
+from sim.raster import NO_GEOM, Raster
+from sim.scene import Scene, build_scene
 from sim.tour import TourConfig, plan_tour
+from sim.training.houses import HouseDraw
 from worlds.furniture.catalogue import CATALOGUE
-from worlds.house import build_house
-from worlds.labels import ROOM_LABELS
-from worlds.presets import sample_house
-from worlds.truth import room_at
+from worlds.house import House, build_house
+from worlds.labels import ROOM_LABELS, STAIRS
+from worlds.truth import objects, room_at
+from worlds.visuals import STAIRS_OBJECT
 from worlds.walkable import Walkable
 
-TRAINING_SEEDS = range(100_000, 900_000)
-"""House seeds that the encoder may see; demos, tests and acceptance use others."""
 IMAGE_SIZE = (128, 96)
 """Width and height that the encoder sees [px]."""
-PRESET_SHARE = {"home": 0.5, "random": 0.3, "ori": 0.08, "uh2-apt": 0.06, "uh2-office": 0.06}
-OBJECT_KINDS = tuple(sorted(CATALOGUE))
-_SUPERSAMPLING = 2
-_SPACING_M = 1.2
+THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
+"""What is told apart in a frame."""
+PATCHES = (3, 4)
+"""Rows and columns of patches in a frame: the image tower's last feature map."""
+BARE = 0.03
+"""Frames with less than this share of things and of other rooms show walls only."""
+
+_IDS_SIZE = (64, 48)
+_YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
+"""Deviations from the tour's level view along the way [rad], and from its height [m]."""
+_ALL_ROUND_SHARE = 0.15
+_NONE = -1
+
+
+@dataclass(frozen=True)
+class Views:
+    """Which frames are taken of a house."""
+
+    size: tuple[int, int] = IMAGE_SIZE
+    """Width and height of the images that are kept [px]."""
+    supersampling: int = 3
+    """How many times larger they are rendered."""
+    spacing_m: float = 1.2
+    """Between frames along the tour [m]."""
+    most: int = 110
+    """Frames taken of a house."""
+    glances: bool = True
+    """Whether the view strays from the tour's."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Images with the room that holds the camera and the share of the image that each kind of object fills."""
+    """Images with what is true of them."""
 
     images: UInt8[np.ndarray, "n h w 3"]
     rooms: Int[np.ndarray, "n"]
-    """Index into `ROOM_LABELS`."""
-    shares: Float32[np.ndarray, "n kinds"]
-    """Indexed as `OBJECT_KINDS`, in [0, 1]."""
+    """Index into `ROOM_LABELS` of the room that holds the camera."""
+    things: UInt8[np.ndarray, "n rows columns things"]
+    """Of every patch, the share that shows each of `THINGS`, in 1/255."""
+    views: Float32[np.ndarray, "n labels"]
+    """Of the image, the share that shows rooms of each label: their surfaces and what stands there."""
+    content: Float32[np.ndarray, "n"]
+    """Of the image, the share that shows anything but the camera's own room's bare surfaces."""
 
     @staticmethod
     def joined(parts: "Sequence[Frames]") -> "Frames":
         """All frames of several sets, in order."""
-        return Frames(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("images", "rooms", "shares")))
+        return Frames(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Frames)))
+
+    @cached_property
+    def shares(self) -> Float32[np.ndarray, "n things"]:
+        """The share of the image that shows each of `THINGS`."""
+        return np.asarray(self.things.mean(axis=(1, 2), dtype=np.float32) / np.float32(255.0))
+
+    def __getitem__(self, chosen: np.ndarray) -> "Frames":
+        """Some of the frames, by index or mask."""
+        return Frames(*(getattr(self, f.name)[chosen] for f in fields(Frames)))
 
 
-def render_frames(houses: int, seed: int, workers: int = 2) -> Iterator[Frames]:
-    """Frames of `houses` houses drawn by `seed`, one set per house, in an order that does not depend on `workers`."""
+def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Iterator[Frames]:
+    """Frames of every house, in order; those that lie in `folder` are taken from there, others are left there.
+
+    Raises `SimError` for files in the folder that cannot be read.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    if workers == 1:
+        yield from (_load(_render_into(folder, house)) for house in houses)
+        return
     with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(frames_of_house, _draw_houses(houses, seed))
+        for path in pool.map(partial(_render_into, folder), houses):
+            yield _load(path)
 
 
-def _draw_houses(houses: int, seed: int) -> list[tuple[str, int]]:
-    rng = np.random.default_rng(seed)
-    presets = rng.choice(list(PRESET_SHARE), houses, p=list(PRESET_SHARE.values()))
-    seeds = rng.choice(len(TRAINING_SEEDS), houses, replace=False)
-    return [(str(preset), TRAINING_SEEDS[int(s)]) for preset, s in zip(presets, seeds, strict=True)]
-
-
-def frames_of_house(house_of: tuple[str, int]) -> Frames:
-    """Render a tour through one house, (preset, seed), every 1.2 m, looking a little to the sides at random."""
-    preset, seed = house_of
-    rng = np.random.default_rng([seed, 2])
-    house = build_house(sample_house(preset, seed))
-    tour = plan_tour(house, Walkable(house), rng, TourConfig())
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tour.T_W_B[:, :3, 3], axis=0), axis=1))])
-    chosen = np.unique(np.searchsorted(path, np.arange(0.0, path[-1], _SPACING_M)))
-    poses = np.array([_glance(tour.T_W_B[i], rng) for i in chosen])
-    width, height = IMAGE_SIZE[0] * _SUPERSAMPLING, IMAGE_SIZE[1] * _SUPERSAMPLING
-    camera = wide_camera(width, height)
-    scene = build_scene(house, (width, height), fovy_deg(camera.intrinsics))
-    kind_of = {piece.id: OBJECT_KINDS.index(piece.kind) for piece in house.furniture}
-    kind_of_geom = np.array([kind_of.get(name, -1) for name in scene.object_of_geom] + [-1])
-    images, shares = [], []
-    with CameraRenderer(scene, camera) as renderer:
+def frames_of_house(draw: HouseDraw, views: Views = Views()) -> Frames:
+    """Frames along a tour through one house; none where there is no way."""
+    rng = np.random.default_rng([draw.seed, 2])
+    house = build_house(draw.spec())
+    poses = _poses(house, views, rng)
+    size = views.size[0] * views.supersampling, views.size[1] * views.supersampling
+    camera, plain = wide_camera(*size), wide_camera(*_IDS_SIZE)
+    scene = build_scene(house, size, fovy_deg(camera.intrinsics))
+    images, ids = [], []
+    with Raster(scene) as raster:
         for T_W_B in poses:
-            images.append(cv2.resize(renderer.rgb(T_W_B), IMAGE_SIZE, interpolation=cv2.INTER_AREA))
-            kinds = kind_of_geom[renderer.geom_ids(T_W_B)[::2, ::2]]
-            shares.append(np.bincount(kinds[kinds >= 0], minlength=len(OBJECT_KINDS)) / kinds.size)
-    labels = np.array([ROOM_LABELS.index(house.rooms[r].label) for r in room_at(house, poses[:, :3, 3])])
-    return Frames(np.array(images), labels, np.array(shares, np.float32))
+            image = raster.rgb(T_W_B @ camera.T_B_C, camera.intrinsics)
+            images.append(cv2.resize(image, views.size, None, 0, 0, cv2.INTER_AREA))
+            ids.append(raster.geom_ids(T_W_B @ plain.T_B_C, plain.intrinsics))
+    rooms = room_at(house, poses[:, :3, 3])
+    labels = np.array([ROOM_LABELS.index(room.label) for room in house.rooms])
+    pixels = np.array(images, np.uint8).reshape(-1, views.size[1], views.size[0], 3)
+    seen = np.array(ids, np.int64).reshape(-1, _IDS_SIZE[1], _IDS_SIZE[0])
+    return _labelled(pixels, rooms, seen, labels, *_shown(house, scene))
 
 
-def _glance(T_W_B: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    yaw = rng.normal(0.0, 0.35)
-    turn = np.eye(4)
-    turn[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
-    return T_W_B @ turn
+def _labelled(
+    images: UInt8[np.ndarray, "n h w 3"],
+    rooms: Int[np.ndarray, "n"],
+    ids: Int[np.ndarray, "n ih iw"],
+    labels: Int[np.ndarray, "rooms"],
+    thing_of_geom: Int[np.ndarray, "geoms"],
+    room_of_geom: Int[np.ndarray, "geoms"],
+) -> Frames:
+    things, seen = thing_of_geom[ids], room_of_geom[ids]
+    n, (rows, columns) = len(images), PATCHES
+    patches = things.reshape(n, rows, ids.shape[1] // rows, columns, -1).swapaxes(2, 3).reshape(n, rows, columns, -1)
+    shares = _histogram(patches, len(THINGS))
+    views = _histogram(np.where(seen == _NONE, _NONE, labels[seen]).reshape(n, -1), len(ROOM_LABELS))
+    bare = ((things == _NONE) & ((seen == rooms[:, None, None]) | (seen == _NONE))).mean(axis=(1, 2))
+    patch_shares = np.rint(shares * 255).astype(np.uint8)
+    return Frames(images, labels[rooms], patch_shares, views.astype(np.float32), (1.0 - bare).astype(np.float32))
+
+
+def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray, "*n bins"]:
+    """Of the last axis, the share of every value in 0 ... bins - 1."""
+    flat = values.reshape(-1, values.shape[-1])
+    index = np.arange(len(flat))[:, None] * bins + flat
+    counts = np.bincount(index[flat >= 0], minlength=len(flat) * bins)
+    return np.asarray(counts.reshape(*values.shape[:-1], bins) / values.shape[-1])
+
+
+def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np.ndarray, "geoms"]]:
+    """Of every geom, its index into `THINGS` and into `house.rooms`, or `_NONE`; the last entry is for the sky."""
+    kinds = {thing.id: THINGS.index(thing.kind) for thing in objects(house)} | {STAIRS_OBJECT: THINGS.index(STAIRS)}
+    number = {room.id: i for i, room in enumerate(house.rooms)}
+    homes = {thing.id: number[house.room_by_id[thing.room].id] for thing in objects(house)}
+    names = [*scene.object_of_geom]
+    things = [kinds.get(name, _NONE) for name in names]
+    rooms = [homes.get(name, number.get(name.rsplit("/", 1)[0], _NONE)) for name in names]
+    if NO_GEOM != _NONE:
+        raise SimError("ids of the sky have to index the last entry")
+    return np.array([*things, _NONE]), np.array([*rooms, _NONE])
+
+
+def _poses(house: House, views: Views, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
+    try:
+        tour = plan_tour(house, Walkable(house), rng, TourConfig())
+    except SimError:
+        return np.zeros((0, 4, 4))
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tour.T_W_B[:, :3, 3], axis=0), axis=1))])
+    stops = np.unique(np.searchsorted(way, np.arange(0.0, way[-1], views.spacing_m)))
+    if len(stops) > views.most:
+        stops = np.sort(rng.choice(stops, views.most, replace=False))
+    return np.array([_glance(tour.T_W_B[i], rng) if views.glances else tour.T_W_B[i] for i in stops])
+
+
+def _glance(T_W_B: Pose, rng: np.random.Generator) -> Pose:
+    yaw = rng.uniform(-np.pi, np.pi) if rng.random() < _ALL_ROUND_SHARE else rng.normal(0.0, _YAW)
+    pitch, roll, rise = rng.normal(0.0, (_PITCH, _ROLL, _HEIGHT))
+    (cy, sy), (cp, sp), (cr, sr) = ((np.cos(a), np.sin(a)) for a in (yaw, pitch, roll))
+    turn = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
+    moved = T_W_B.copy()
+    moved[:3, :3] = T_W_B[:3, :3] @ turn @ [[1, 0, 0], [0, cr, -sr], [0, sr, cr]]
+    moved[2, 3] += rise
+    return moved
+
+
+def _render_into(folder: Path, draw: HouseDraw) -> Path:
+    path = folder / f"{draw.preset}-{draw.seed}.npz"
+    if not path.exists():
+        frames = frames_of_house(draw)
+        with replaced_file(path) as beside, beside.open("wb") as file:
+            np.savez(file, **{f.name: getattr(frames, f.name) for f in fields(Frames)})
+    return path
+
+
+def _load(path: Path) -> Frames:
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            frames = Frames(*(data[f.name] for f in fields(Frames)))
+    except (OSError, ValueError, KeyError, BadZipFile) as error:
+        raise SimError(f"{path}: no frames in it: {error}; delete it to have it rendered again") from None
+    if frames.things.shape[1:] != (*PATCHES, len(THINGS)):
+        raise SimError(f"{path}: frames of other things than today's {len(THINGS)}; delete its folder to render again")
+    return frames

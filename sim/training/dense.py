@@ -1,0 +1,105 @@
+"""Stage 1 of the image tower: dense supervision, which the renderer gives for free.
+
+Linear heads on the tower's features tell which things are where in the image, how much of it shows rooms of each label, and
+in which room the camera is. They are thrown away after stage 2.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import timm
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from sim.training.batches import Batch, normalised
+from sim.training.fit import PROCESSOR
+from sim.training.frames import THINGS, Frames
+from worlds.labels import ROOM_LABELS
+
+TRUNK = "regnetx_002"
+"""timm's name of the image tower."""
+_SMOOTHING = 0.05
+_THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
+"""Beside the room's loss; presence is a mean over very many things that are absent."""
+_RARE = -4.0
+"""Logit that presence starts from."""
+_BATCH = 256
+
+
+class Seen(NamedTuple):
+    """What the tower makes of images, and what the heads read from it (logits)."""
+
+    pooled: Float[Tensor, "b f"]
+    rooms: Float[Tensor, "b labels"]
+    views: Float[Tensor, "b labels"]
+    things: Float[Tensor, "b things"]
+    patches: Float[Tensor, "b things rows columns"]
+
+
+class DenseTower(nn.Module):
+    """The trunk with its heads."""
+
+    def __init__(self, seed: int = 0) -> None:
+        super().__init__()
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)
+            trunk: Any = timm.create_model(TRUNK, num_classes=0)
+            self.trunk, self.width = trunk, int(trunk.num_features)
+            self.rooms, self.views = nn.Linear(self.width, len(ROOM_LABELS)), nn.Linear(self.width, len(ROOM_LABELS))
+            self.things, self.patches = nn.Linear(self.width, len(THINGS)), nn.Conv2d(self.width, len(THINGS), 1)
+        nn.init.constant_(self.things.bias, _RARE)
+        nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
+
+    def forward(self, images: Float[Tensor, "b 3 h w"]) -> Seen:
+        """Features and logits, in full precision."""
+        with torch.autocast(PROCESSOR, torch.bfloat16):
+            maps = self.trunk.forward_features(images)
+            pooled = self.trunk.forward_head(maps)
+            said = self.rooms(pooled), self.views(pooled), self.things(pooled), self.patches(maps)
+        return Seen(pooled.float(), *(logits.float() for logits in said))
+
+
+def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
+    """How far the heads are from the truth."""
+    presence = nn.functional.binary_cross_entropy_with_logits
+    return (
+        nn.functional.cross_entropy(seen.rooms, batch.rooms, weights, label_smoothing=_SMOOTHING)
+        + _VIEWS_WEIGHT * nn.functional.cross_entropy(seen.views, batch.views)
+        + _THINGS_WEIGHT * presence(seen.things, batch.things)
+        + _PATCHES_WEIGHT * presence(seen.patches, batch.patches)
+    )
+
+
+def room_weights(rooms: Int[np.ndarray, "n"]) -> Float[Tensor, "labels"]:
+    """Rare labels count more, by the square root of their rarity."""
+    counts = np.bincount(rooms, minlength=len(ROOM_LABELS))
+    weights = np.where(counts > 0, 1.0 / np.sqrt(np.maximum(counts, 1)), 0.0)
+    return torch.from_numpy((weights / weights[rooms].mean()).astype(np.float32)).to(PROCESSOR)
+
+
+class DenseLearner:
+    """Stage 1."""
+
+    name = "dense"
+
+    def __init__(self, frames: Frames, seed: int = 0) -> None:
+        self.module = DenseTower(seed)
+        self._weights = room_weights(frames.rooms)
+
+    def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
+        """The dense loss."""
+        return dense_loss(self.module(batch.images), batch, self._weights)
+
+    def accuracy(self, frames: Frames) -> float:
+        """Of the room head, over the labels present."""
+        with torch.inference_mode():
+            parts = range(0, len(frames.rooms), _BATCH)
+            logits = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).rooms for i in parts]
+        return told_right(torch.cat(logits).cpu().numpy(), frames.rooms)
+
+
+def told_right(scores: Float[np.ndarray, "n labels"], rooms: Int[np.ndarray, "n"]) -> float:
+    """Share of frames whose own room scores highest among the labels present."""
+    present = np.unique(rooms)
+    return float(np.mean(present[scores[:, present].argmax(axis=1)] == rooms))

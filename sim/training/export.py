@@ -1,0 +1,58 @@
+"""Weights and configuration of `lexis-mini`, as open_clip loads them."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import open_clip
+import torch
+from open_clip.transformer import TextTransformer
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+
+from lexis.files import replaced_file
+from sim.errors import SimError
+from sim.training.align import AlignedTower
+from sim.training.dense import TRUNK, DenseTower
+from sim.training.frames import IMAGE_SIZE
+from sim.training.text_tower import EMBED_DIM, TEXT_CFG
+
+_TRUNK = "visual.trunk."
+_PROJECTION = "visual.head.proj.weight"
+
+
+def model_config() -> dict[str, Any]:
+    """The architecture, as an open_clip model configuration."""
+    vision = {
+        "timm_model_name": TRUNK,
+        "timm_model_pretrained": False,
+        "timm_pool": "",
+        "timm_proj": "linear",
+        "image_size": [IMAGE_SIZE[1], IMAGE_SIZE[0]],
+    }
+    return {"embed_dim": EMBED_DIM, "vision_cfg": vision, "text_cfg": dict(TEXT_CFG)}
+
+
+def export(tower: AlignedTower, text: TextTransformer, temperature: float, path: Path) -> None:
+    """Write both towers in half precision with the logit scale that the temperature makes, and the configuration beside."""
+    weights = {name: value.clone() for name, value in text.state_dict().items()}
+    weights |= {_TRUNK + name: value for name, value in tower.dense.trunk.state_dict().items()}
+    weights[_PROJECTION] = tower.projection.weight.detach()
+    weights["logit_scale"] = torch.tensor(-math.log(temperature))
+    open_clip.CLIP(**model_config()).load_state_dict(weights)  # what does not fit is seen here
+    with replaced_file(path) as beside:
+        save_file({name: value.half().contiguous().cpu() for name, value in weights.items()}, beside)
+    with replaced_file(path.with_suffix(".json")) as beside:
+        beside.write_text(json.dumps(model_config(), indent=2) + "\n")
+
+
+def start_trunk_from(path: Path, tower: DenseTower) -> None:
+    """Take the image trunk out of an earlier `lexis-mini`. Raises `SimError` where it is not one."""
+    try:
+        weights = load_file(path)
+        trunk = {name.removeprefix(_TRUNK): value.float() for name, value in weights.items() if name.startswith(_TRUNK)}
+        tower.trunk.load_state_dict(trunk)
+    except (OSError, RuntimeError, SafetensorError) as error:
+        reason = str(error).splitlines()[0]
+        raise SimError(f"{path}: no image tower to start from: {reason}; valid: weights of lexis-mini") from None

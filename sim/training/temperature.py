@@ -1,0 +1,38 @@
+"""The temperature that turns similarities into probabilities, fitted where nothing was trained, and how well it does."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from open_clip.transformer import TextTransformer
+from scipy.optimize import minimize_scalar
+from scipy.special import log_softmax
+
+from sim.training.align import room_embeddings
+from worlds.labels import ROOM_LABELS
+
+_RANGE = (0.005, 0.5)
+
+
+def fit_temperature(embeddings: Float[np.ndarray, "n e"], text: TextTransformer, rooms: Int[np.ndarray, "n"]) -> float:
+    """The temperature of least cross-entropy over the labels present among `rooms` (indices into `ROOM_LABELS`)."""
+    present, own = np.unique(rooms, return_inverse=True)
+    similarities = embeddings @ room_embeddings(text, [ROOM_LABELS[i] for i in present]).T
+    return best_temperature(similarities, own)
+
+
+def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray, "n"]) -> float:
+    """The temperature at which `softmax(similarities / temperature)` is likeliest to say what is true."""
+
+    def surprise(log_temperature: float) -> float:
+        said = log_softmax(similarities / np.exp(log_temperature), axis=1)
+        return -float(said[np.arange(len(own)), own].mean())
+
+    return float(np.exp(minimize_scalar(surprise, bounds=tuple(np.log(_RANGE)), method="bounded").x))
+
+
+def calibration_error(confidence: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
+    """Expected calibration error: mean gap between confidence and accuracy, over equal bins of confidence (Guo 2017)."""
+    index = np.minimum((confidence * bins).astype(int), bins - 1)
+    gaps: Sequence[float] = [abs(float((confidence - right)[index == b].sum())) for b in range(bins)]
+    return sum(gaps) / len(confidence)
