@@ -8,6 +8,7 @@ from sim.gl import mujoco
 from worlds.house import House
 from worlds.labels import STAIRS
 from worlds.parts import Part, Vector
+from worlds.stairs import Stairs
 from worlds.surfaces import rectangles
 
 GROUP = 3
@@ -23,37 +24,62 @@ _TYPES = {
 
 
 def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
-    """Add walls, floors, stairs, doors as they stand and solid furniture to `spec` as static geoms, "<id>#<number>"."""
-    for i, wall in enumerate(house.walls):
-        x0, y0, x1, y1 = wall.footprint.bounds
-        _add_box(spec, f"wall#{i}", (x0, y0, wall.bottom_m), (x1, y1, wall.top_m))
+    """Add all that `add_ground` and `add_obstacles` add."""
+    add_ground(spec, house)
+    add_obstacles(spec, house)
+
+
+def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
+    """Add what one walks on, floors and stairs, to `spec` as static geoms, "<id>#<number>"."""
+    geoms = []
     for room in house.rooms:
         for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
-            _add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m))
+            geoms.append(_add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m)))
     for flight in house.stairs:
-        _add_parts(spec, f"{STAIRS}/{flight.room}/{flight.storey}", flight.parts, (0.0, 0.0, 0.0), 0.0)
+        geoms += _add_parts(spec, _name(flight), flight.treads + flight.floors, (0.0, 0.0, 0.0), 0.0)
+    return geoms
+
+
+def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
+    """Add walls, railings, doors as they stand and solid furniture likewise."""
+    geoms = []
+    for i, wall in enumerate(house.walls):
+        x0, y0, x1, y1 = wall.bounds
+        geoms.append(_add_box(spec, f"wall#{i}", (x0, y0, wall.bottom_m), (x1, y1, wall.top_m)))
+    for flight in house.stairs:
+        geoms += _add_parts(spec, f"{_name(flight)}/railing", flight.railing, (0.0, 0.0, 0.0), 0.0)
     for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
-        _add_parts(spec, thing.id, thing.parts, thing.position, thing.yaw)
+        geoms += _add_parts(spec, thing.id, thing.parts, thing.position, thing.yaw)
+    return geoms
 
 
-def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> None:
+def _name(flight: Stairs) -> str:
+    return f"{STAIRS}/{flight.room}/{flight.storey}"
+
+
+def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> "mujoco.MjsGeom":
     ends = np.array([low, high])
-    _add(spec, name, "box", ends.mean(axis=0), np.ptp(ends, axis=0), 0.0)
+    return _add(spec, name, "box", ends.mean(axis=0), np.ptp(ends, axis=0), 0.0)
 
 
-def _add_parts(spec: "mujoco.MjSpec", name: str, parts: Iterable[Part], position: Vector, yaw: float) -> None:
-    cos, sin = np.cos(yaw), np.sin(yaw)
+def _add_parts(
+    spec: "mujoco.MjSpec", name: str, parts: Iterable[Part], position: Vector, yaw: float
+) -> list["mujoco.MjsGeom"]:
+    cos, sin, geoms = np.cos(yaw), np.sin(yaw), []
     for i, part in enumerate(parts):
         x, y, z = part.centre
         centre = np.array(position) + (cos * x - sin * y, sin * x + cos * y, z)
-        _add(spec, f"{name}#{i}", part.shape, centre, np.array(part.size), yaw + part.yaw)
+        geoms.append(_add(spec, f"{name}#{i}", part.shape, centre, np.array(part.size), yaw + part.yaw))
+    return geoms
 
 
-def _add(spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float) -> None:
+def _add(
+    spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float
+) -> "mujoco.MjsGeom":
     half = np.maximum(size / 2, _LEAST_M)
     if _TYPES[shape] == mujoco.mjtGeom.mjGEOM_CYLINDER:
         half = np.array([half[:2].max(), half[2], 0.0])
-    spec.worldbody.add_geom(
+    return spec.worldbody.add_geom(
         name=name, type=_TYPES[shape], pos=centre, size=half, quat=[np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)],
         group=GROUP,
     )  # fmt: skip

@@ -20,7 +20,7 @@ from sim.tour import Tour
 
 __all__ = ["PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
-_METRES_PER_RADIAN = 0.3
+METRES_PER_RADIAN = 0.3
 _VARIANCE_FLOOR = 1e-10
 """Keeps covariances invertible where nothing moved or nothing drifts [rad², m²]."""
 
@@ -58,7 +58,7 @@ def simulate_odometry(
     reported = np.arange(len(T_W_B)) if reported is None else reported
     _check(T_W_B, stamps, reported)
     step = np.diff(T_W_B[:, :3, 3], axis=0)
-    way = np.linalg.norm(step, axis=1) + _METRES_PER_RADIAN * rotation_angle(between(T_W_B[:-1], T_W_B[1:]))
+    way = np.linalg.norm(step, axis=1) + METRES_PER_RADIAN * rotation_angle(between(T_W_B[:-1], T_W_B[1:]))
     scale = rng.normal(0.0, config.scale_error)
     yaw, translation_error = _drift(T_W_B[:-1, :3, :3], way, config, rng)
     tilt = np.zeros((len(T_W_B), 3))

@@ -1,16 +1,18 @@
+"""A body in MuJoCo that drives by what it believes of its pose."""
+
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-import shapely
 
 from sim.errors import SimError
-from sim.robot import REACHED_M, drive
+from sim.odometry import PRESETS, OdometryConfig
+from sim.robot import DeadReckoning, Robot
+from sim.robot.body import RADIUS_M, Body
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
-from worlds.walkable import Walkable, polyline_length
+from worlds.walkable import Walkable
 
 
 def two_rooms(door=True):
@@ -23,54 +25,84 @@ def two_rooms(door=True):
     return build_house(HouseSpec(storeys=(StoreySpec(rooms=rooms, openings=(opening,) if door else (), furniture=()),)))
 
 
-def go(house, *waypoints, height_m=0.0):
-    return drive(house, Walkable(house), np.array(waypoints, dtype=float), height_m)
+@pytest.fixture(scope="module")
+def home():
+    return build_house(sample_house("home", 600))
 
 
-def test_a_free_straight_drive_is_straight_and_ends_in_the_room():
-    result = go(two_rooms(), (1.0, 1.5, 1.4), (3.0, 1.5, 1.4), (7.0, 1.5, 1.4), height_m=1.4)
-    assert (result.room, result.collisions) == ("kitchen", 0)
-    assert 6.0 - 2 * REACHED_M <= result.length_m <= 6.2
-    assert result.length_m == pytest.approx(polyline_length(result.path))
+def go(house, *waypoints, drift=None, off=(0.0, 0.0, 0.0), seed=0):
+    """From the first waypoint, facing the second, believing to be `off` from there."""
+    points = np.array(waypoints, dtype=float)
+    toward = points[min(1, len(points) - 1)] - points[0]
+    yaw = float(np.arctan2(toward[1], toward[0]))
+    x, y, turn = off
+    pose = DeadReckoning(
+        points[0, 0] + x, points[0, 1] + y, yaw + turn, drift or OdometryConfig(), np.random.default_rng(seed)
+    )
+    start = np.append(points[0], 0.0) if points.shape[1] == 2 else points[0]
+    return Robot(house).drive(start, yaw, pose, points[:, :2])
 
 
-def test_waypoints_that_are_off_by_the_maps_error_still_lead_there(rng):
-    house = build_house(sample_house("home", 21))
-    walkable = Walkable(house)
-    kitchen, bathroom = (next(room for room in house.rooms if room.label == label) for label in ("kitchen", "bathroom"))
-    exact = walkable.path(*(int(walkable.nodes_in(room.id)[0]) for room in (kitchen, bathroom)))
-    dense = [point for a, b in pairwise(exact) for point in np.linspace(a, b, 6)[:-1]]
-    waypoints = np.array([*dense, exact[-1]]) + rng.uniform(-0.17, 0.17, (len(dense) + 1, 3))
-    result = drive(house, walkable, waypoints)
-    assert (result.room, result.collisions) == (bathroom.id, 0)
-    assert result.length_m < 1.3 * polyline_length(exact)
+def test_a_body_touches_a_wall_from_where_its_surface_meets_it():
+    body = Body(two_rooms())
+    wall = 0.05  # half its thickness
+    assert body.place(wall + RADIUS_M + 0.001, 1.5, 0.0) == ()
+    touched = body.place(wall + RADIUS_M - 0.001, 1.5, 0.0)
+    assert touched and all(name.startswith("wall#") for name in touched)
 
 
-def test_the_robot_goes_round_what_the_map_does_not_know_and_touches_nothing():
-    table = Furniture("table", "table", "office", 0, (2.0, 1.5, 0.0), 0.3, (0.8, 1.0, 0.7), True)
-    house = replace(two_rooms(), furniture=(table,))
-    result = go(house, (0.6, 1.5, 0.0), (3.4, 1.5, 0.0), (6.0, 1.5, 0.0))
-    assert (result.room, result.collisions) == ("kitchen", 0)
-    line = shapely.LineString(result.path[:, :2])
-    assert min(line.distance(solid.footprint) for solid in (table, *(w for w in house.walls if w.bottom_m < 1.9))) >= 0.249
+def test_a_drive_along_free_space_touches_nothing_and_is_hardly_longer_than_the_plan():
+    result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (7.0, 1.5))
+    assert (result.room, result.touched) == ("kitchen", ())
+    assert 5.6 <= result.length_m <= 6.2
+    np.testing.assert_allclose(result.path[:, 1], 1.5, atol=0.05)
 
 
-def test_a_waypoint_just_behind_a_wall_does_not_lure_the_robot_through_the_door():
-    result = go(two_rooms(), (2.0, 0.5, 0.0), (4.15, 0.5, 0.0))
-    assert (result.room, result.collisions) == ("office", 0)
+def test_the_robot_goes_round_what_the_map_does_not_know():
+    table = Furniture("table", "dining table", "office", 0, (2.0, 1.5, 0.0), 0.3, (0.8, 1.0, 0.7), True)
+    result = go(replace(two_rooms(), furniture=(table,)), (0.6, 1.5), (3.4, 1.5), (6.0, 1.5))
+    assert (result.room, result.touched) == ("kitchen", ())
 
 
-def test_a_leg_without_a_way_is_a_collision_that_ends_the_drive():
-    result = go(two_rooms(door=False), (1.0, 1.5, 0.0), (2.0, 1.5, 0.0), (6.0, 1.5, 0.0), (7.0, 1.5, 0.0))
-    assert (result.room, result.collisions) == ("office", 1)
-    np.testing.assert_allclose(result.path[-1], [2.0, 1.5, 0.0], atol=0.4)
+def test_the_scan_makes_good_for_a_drift_that_would_lead_into_the_jamb():
+    drift = 0.3
+    assert drift > 0.5 - RADIUS_M  # blindly, it would touch
+    result = go(two_rooms(), (1.0, 1.5), (7.0, 1.5), off=(0.0, drift, 0.0))
+    assert (result.room, result.touched) == ("kitchen", ())
 
 
-def test_a_start_where_nobody_can_stand_is_a_collision():
-    result = go(two_rooms(), (-3.0, 1.5, 0.0), (1.0, 1.5, 0.0))
-    assert (result.room, result.collisions, result.length_m) == (None, 1, 0.0)
+def test_without_a_way_the_robot_stops_in_front_of_the_wall():
+    result = go(two_rooms(door=False), (1.0, 1.5), (7.0, 1.5))
+    assert (result.room, result.touched) == ("office", ())
 
 
-def test_bad_waypoints_are_named():
+def test_stairs_are_climbed_and_descended_without_a_touch(home):
+    line = home.stairs[0].walking_line
+    for way, storey in ((line, 1), (line[::-1], 0)):
+        result = go(home, *way)
+        assert result.touched == ()
+        assert result.path[-1, 2] == pytest.approx(home.storeys[storey].floor_m, abs=1e-6)
+
+
+def test_what_is_believed_has_no_bearing_on_where_contacts_are(home):
+    """A robot that is lost by a metre cannot fare through walls: every place of its path is free of contacts."""
+    walkable = Walkable(home)
+    a, b = (int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1]))
+    result = go(home, *walkable.path(a, b), off=(0.7, -0.7, 0.3), drift=PRESETS["degraded"])
+    body = Body(home)
+    assert not any(body.place(*point) for point in result.path[: len(result.path) - bool(result.touched)])
+
+
+def test_the_same_seed_is_the_same_drive(home):
+    walkable = Walkable(home)
+    way = walkable.path(*(int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1])))
+    first, again, other = (go(home, *way, drift=PRESETS["multicam"], seed=seed).path for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first, again)
+    assert first.shape != other.shape or not np.array_equal(first, other)
+
+
+def test_bad_waypoints_and_starts_are_named():
     with pytest.raises(SimError, match="at least one and finite"):
-        go(two_rooms(), (np.nan, 0.0, 0.0))
+        go(two_rooms(), (np.nan, 0.0))
+    with pytest.raises(SimError, match="nothing to stand on"):
+        go(two_rooms(), (-3.0, 1.5), (1.0, 1.5))

@@ -1,18 +1,29 @@
 """Plans put to the test: from every room that the map names to every other, driven by a simulated robot."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import permutations
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from lexis.errors import PlanError
 from lexis.planner import plan
 from lexis.se3 import inverse
+from lexis.types import Pose
 from sim.harness.run import Run
-from sim.robot import drive
+from sim.odometry import OdometryConfig
+from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
 from worlds.walkable import polyline_length
+
+Steering = Literal["lexis", "odometry", "truth"]
+"""Where the robot's waypoints and its pose come from: the optimised map and the odometry corrected as the map's last
+keyframe was; the odometry alone, while mapping and while driving; the truth."""
+
+_STREAM = 3
+"""Of drives among the streams that a run's seed spawns; see `sim.faults` for the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,29 +37,77 @@ class Trial:
     shortest_m: float
     """Shortest walkable way from the start into a room of the goal's label [m]."""
     travelled_m: float
-    collisions: int
+    touched: tuple[str, ...]
+    """Names of what it ran into."""
     path: Float64[np.ndarray, "k 3"]
     """Of the robot, in W [m]."""
+    planned: Float64[np.ndarray, "j 3"]
+    """The plan's keyframes where they truly are, on the walked surface in W [m]; none where no plan was found."""
+
+    @property
+    def collisions(self) -> int:
+        """1 where it touched something, which ended the drive."""
+        return int(bool(self.touched))
 
 
-def try_plans(run: Run) -> list[Trial]:
-    """Ask for a plan between every two room labels of the map, stairs left out, and drive it."""
+@dataclass(frozen=True, eq=False)
+class _Belief:
+    """What the robot goes by."""
+
+    keyframes: Float64[np.ndarray, "n 4 4"]
+    """Poses of the map's keyframes, in a frame of its own."""
+    T_believed_true: Pose
+    """From true poses in W to believed ones, at the end of the map."""
+    drift: OdometryConfig
+
+    @staticmethod
+    def of(run: Run, steering: Steering) -> "_Belief":
+        truth = run.true_poses
+        if steering == "truth":
+            return _Belief(truth, np.eye(4), OdometryConfig())
+        keyframes = run.map.T_W_B if steering == "lexis" else run.odometry_poses
+        # Correction after odometry, at the last keyframe: T_W_B[-1] @ inverse(T_O_B[-1]) @ T_O_B is T_W_B[-1] there.
+        return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), run.config.drift())
+
+
+def try_plans(run: Run, steering: Steering = "lexis") -> list[Trial]:
+    """Ask for a plan between every two room labels of the map, stairs left out, and drive it.
+
+    The robot is set down at the first keyframe of each plan, its odometry as it was at the end of the map, and the odometry
+    goes on drifting from there.
+    """
+    return list(_trials(run, steering))
+
+
+def _trials(run: Run, steering: Steering) -> Iterator[Trial]:
+    robot, belief = Robot(run.house), _Belief.of(run, steering)
     labels = sorted({room.label for room in run.map.rooms} - {STAIRS})
-    return [_try(run, start, goal) for start, goal in permutations(labels, 2)]
+    for query, (start, goal) in enumerate(permutations(labels, 2)):
+        rng = np.random.default_rng(np.random.SeedSequence(run.config.seed, spawn_key=(_STREAM, query)))
+        try:
+            keyframes = np.array(plan(run.map, start, goal, run.config.lexis.planner).keyframes)
+        except PlanError:
+            yield Trial(start, goal, False, 0.0, 0.0, (), np.zeros((0, 3)), np.zeros((0, 3)))
+            continue
+        yield _try(run, robot, belief, start, goal, keyframes, rng)
 
 
-def _try(run: Run, start: str, goal: str) -> Trial:
-    try:
-        keyframes = np.array(plan(run.map, start, goal, run.config.lexis.planner).keyframes)
-    except PlanError:
-        return Trial(start, goal, False, 0.0, 0.0, 0, np.zeros((0, 3)))
-    # The robot starts where the first keyframe truly is; from there on it believes the map.
-    T_W_map = run.true_poses[keyframes[0]] @ inverse(run.map.T_W_B[keyframes[0]])
-    waypoints = (T_W_map @ run.map.T_W_B[keyframes])[:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
-    driven = drive(run.house, run.walkable, waypoints)
+def _try(
+    run: Run, robot: Robot, belief: _Belief, start: str, goal: str, keyframes: Int[np.ndarray, "k"], rng: np.random.Generator
+) -> Trial:
+    T_W_B = run.true_poses[keyframes[0]]
+    planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
+    pose = DeadReckoning(*_in_plan(belief.T_believed_true @ T_W_B), belief.drift, rng)
+    driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :2, 3])
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
-    shortest = _shortest(run, waypoints[0], goal)
-    return Trial(start, goal, arrived and not driven.collisions, shortest, driven.length_m, driven.collisions, driven.path)
+    success = arrived and not driven.touched
+    shortest = _shortest(run, planned[0], goal)
+    return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.path, planned)
+
+
+def _in_plan(T: Pose) -> tuple[float, float, float]:
+    """(x, y, yaw)."""
+    return float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0]))
 
 
 def _shortest(run: Run, start: Float64[np.ndarray, "3"], goal: str) -> float:

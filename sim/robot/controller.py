@@ -1,0 +1,79 @@
+"""`Controller`: pure pursuit of a route, round what the scans show."""
+
+import math
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.robot.body import RADIUS_M
+from sim.robot.dead_reckoning import DeadReckoning
+from sim.robot.local_map import LocalMap
+from sim.robot.route import Route
+
+STEP_S = 0.1
+SPEED_M_S = 0.7
+_TURN_RATE_RAD_S = 1.5
+_TURN_GAIN_HZ = 4.0
+_LOOKAHEAD_M = 0.7
+_HORIZON_M = 1.7
+_KEEP_M = RADIUS_M + 0.05
+_EASY_M = RADIUS_M + 0.15
+"""With this much room the route itself is followed; with less, a way is sought that has the most room."""
+_CLOSE_M = RADIUS_M + 0.02
+_REPLAN_M = 0.16
+ARRIVED_M = 0.3
+"""The end counts as reached from this far [m]."""
+PATIENCE_S = 12.0
+"""Without progress, the robot gives up after this time."""
+
+
+class Controller:
+    """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
+
+    def __init__(self, waypoints: Float64[np.ndarray, "k 2"]) -> None:
+        self._route, self._map = Route(waypoints), LocalMap(_KEEP_M)
+        self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
+        self._planned_at = np.full(2, np.inf)
+        self._best_m, self._since_s = -1.0, 0.0
+
+    def see(self, hits: Float64[np.ndarray, "hits 2"], pose: DeadReckoning, climbed_m: float) -> None:
+        """Take a scan; the legs know how much higher they stand than at the start."""
+        self._map.add(hits, pose.x, pose.y, pose.yaw, climbed_m)
+
+    def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
+        """The next `STEP_S`; None where the robot has arrived or has given up."""
+        here = np.array([pose.x, pose.y])
+        self._route.follow(here)
+        if np.linalg.norm(self._route.end - here) <= ARRIVED_M or self._has_lost_patience():
+            return None
+        target = self._target(here)
+        bearing = math.atan2(target[1] - pose.y, target[0] - pose.x)
+        error = math.remainder(bearing - pose.yaw, math.tau)
+        most = _TURN_RATE_RAD_S * STEP_S
+        turn = min(max(_TURN_GAIN_HZ * STEP_S * error, -most), most)
+        return self._forward(here, pose.yaw + turn / 2, error), turn
+
+    def _has_lost_patience(self) -> bool:
+        self._since_s += STEP_S
+        if self._route.progress_m > self._best_m + 0.1:
+            self._best_m, self._since_s = self._route.progress_m, 0.0
+        return self._since_s > PATIENCE_S
+
+    def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"]:
+        carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
+        if self._map.clearance(here, carrot) >= _EASY_M:
+            self._planned_at = np.full(2, np.inf)
+            return carrot
+        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
+            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)), here
+        nearest = int(np.argmin(((self._way - here) ** 2).sum(axis=1)))
+        for target in self._way[nearest + 1 :][7::-1]:
+            if self._map.clearance(here, target) >= _KEEP_M:
+                return target
+        return self._way[min(nearest + 2, len(self._way) - 1)]
+
+    def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:
+        step = STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2
+        ahead = here + step * np.array([math.cos(heading), math.sin(heading)])
+        after, now = self._map.clearance(ahead, ahead), self._map.clearance(here, here)
+        return 0.0 if after < min(_CLOSE_M, now) else step

@@ -1,0 +1,48 @@
+"""`DeadReckoning`: the pose that a robot believes in while it drives; the error law of `sim.odometry`, step by step."""
+
+import math
+
+import numpy as np
+
+from sim.odometry import METRES_PER_RADIAN, OdometryConfig
+
+_BLOCK = 512
+"""Draws fetched at a time."""
+
+
+class DeadReckoning:
+    """A pose in the plan, (x, y, yaw), to which increments of the true motion are added with their errors.
+
+    The law is that of `simulate_odometry` as far as it shows in the plan; here the way is not known beforehand. Scale and
+    biases are drawn anew.
+    """
+
+    def __init__(self, x: float, y: float, yaw: float, config: OdometryConfig, rng: np.random.Generator) -> None:
+        self.x, self.y, self.yaw = x, y, yaw
+        self._config, self._rng = config, rng
+        self._scale = 1.0 + float(rng.normal(0.0, config.scale_error))
+        self._bias: list[float] = rng.standard_normal(3).tolist()
+        self._draws: list[float] = []
+
+    def advance(self, forward: float, turn: float) -> None:
+        """Take a true step: `turn` [rad], half before and half after `forward` [m]."""
+        config, way = self._config, abs(forward) + METRES_PER_RADIAN * abs(turn)
+        if way == 0.0:
+            return
+        root, kept = math.sqrt(way), math.exp(-way / config.bias_correlation_m)
+        yaw_noise, x_noise, y_noise, *fresh = self._next(6)
+        yaw_bias, x_bias, y_bias = self._bias
+        x = self._scale * forward + config.position_walk_m * root * x_noise + config.velocity_bias * way * x_bias
+        y = config.position_walk_m * root * y_noise + config.velocity_bias * way * y_bias
+        middle = self.yaw + turn / 2
+        self.x += math.cos(middle) * x - math.sin(middle) * y
+        self.y += math.sin(middle) * x + math.cos(middle) * y
+        self.yaw += turn + config.yaw_walk_rad * root * yaw_noise + config.yaw_bias_rad_m * way * yaw_bias
+        new = math.sqrt(1.0 - kept * kept)
+        self._bias = [kept * bias + new * draw for bias, draw in zip(self._bias, fresh, strict=True)]
+
+    def _next(self, count: int) -> list[float]:
+        if len(self._draws) < count:
+            self._draws = self._rng.standard_normal(_BLOCK).tolist()
+        taken, self._draws = self._draws[:count], self._draws[count:]
+        return taken

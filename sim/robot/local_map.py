@@ -1,0 +1,98 @@
+"""`LocalMap`: what recent scans have shown around the robot, and ways through it."""
+
+from collections import deque
+from functools import cache
+
+import cv2
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+CELL_M = 0.08
+_HALF = 22
+"""Cells to either side of the robot's."""
+_N = 2 * _HALF + 1
+_SCANS = 12
+_SAME_M = 0.4
+"""Scans from heights that differ by more show other things, on stairs [m]."""
+_PREFERRED_M = 0.2
+"""Beyond the least distance, from which on more room is no better [m]."""
+_BLOCKED = 100.0
+"""Cost of a metre that is too near to something: a way out is always found, and any other way is preferred."""
+_CROWDING = 2.0
+
+
+class LocalMap:
+    """The ends of the beams of the last few scans, in the frame that the robot steers in.
+
+    `keep_m` is the least distance of the robot's centre from any of them.
+    """
+
+    def __init__(self, keep_m: float) -> None:
+        self._keep_m = keep_m
+        self._scans: deque[tuple[float, Float64[np.ndarray, "_ 2"]]] = deque(maxlen=_SCANS)
+        self._points = np.zeros((0, 2))
+
+    def add(self, hits: Float64[np.ndarray, "hits 2"], x: float, y: float, yaw: float, climbed_m: float) -> None:
+        """Take a scan made at a pose, so much higher than at the start; those of other heights are left out from now on."""
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
+        self._points = np.concatenate([points for height, points in self._scans if abs(height - climbed_m) <= _SAME_M])
+
+    def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
+        """Distance of the nearest point from a straight line [m]; infinite where there is none."""
+        if not len(self._points):
+            return np.inf
+        along, to = end - start, self._points - start
+        share = np.clip(to @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
+        return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
+
+    def way(self, start: Float64[np.ndarray, "2"], targets: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
+        """A way that keeps clear, to the last of the targets that is on the map and can be stood at."""
+        distance = self._distances(start)
+        lack = np.clip(1.0 - (distance - self._keep_m) / _PREFERRED_M, 0.0, 1.0)
+        cost = np.where(distance < self._keep_m, _BLOCKED, 1.0 + _CROWDING * lack).ravel()
+        cells = np.rint((targets - start) / CELL_M).astype(int) + _HALF
+        cells = cells[((cells >= 0) & (cells < _N)).all(axis=1)]
+        nodes = cells[:, 1] * _N + cells[:, 0]
+        free = nodes[cost[nodes] < _BLOCKED]
+        goal = int(free[-1] if len(free) else nodes[-1] if len(nodes) else _HALF * _N + _HALF)
+        path = _trace(cost, goal)
+        return start + (np.stack([path % _N, path // _N], axis=1) - _HALF) * CELL_M
+
+    def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
+        """Of every cell from the nearest point [m]."""
+        cells = np.rint((self._points - centre) / CELL_M).astype(int) + _HALF
+        cells = cells[((cells >= 0) & (cells < _N)).all(axis=1)]
+        free = np.ones((_N, _N), np.uint8)
+        free[cells[:, 1], cells[:, 0]] = 0
+        if free.all():
+            return np.full((_N, _N), np.inf)
+        return cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(np.float64) * CELL_M
+
+
+def _trace(cost: Float64[np.ndarray, "cells"], goal: int) -> Int[np.ndarray, "j"]:
+    """The cheapest cells from the middle to the goal."""
+    a, b, length, indptr = _grid()
+    graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
+    before = dijkstra(graph, indices=_HALF * _N + _HALF, return_predecessors=True)[1]
+    path = [goal]
+    while before[path[-1]] >= 0:
+        path.append(int(before[path[-1]]))
+    return np.array(path[::-1])
+
+
+@cache
+def _grid() -> tuple[Int[np.ndarray, "e"], Int[np.ndarray, "e"], Float64[np.ndarray, "e"], Int[np.ndarray, "m"]]:
+    """Steps between the eight neighbours of every cell, sorted by where they begin: ends, lengths, row starts."""
+    cell = np.arange(_N * _N)
+    x, y = cell % _N, cell // _N
+    moves = [(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)]
+    ends = np.stack([np.where((x + i >= 0) & (x + i < _N) & (y + j >= 0) & (y + j < _N), cell + j * _N + i, -1)
+                     for i, j in moves], axis=1)  # fmt: skip
+    lengths = np.broadcast_to([CELL_M * np.hypot(i, j) for i, j in moves], ends.shape)
+    inside = ends >= 0
+    starts = np.broadcast_to(cell[:, None], ends.shape)
+    indptr = np.append(0, np.cumsum(inside.sum(axis=1))).astype(np.int32)
+    return starts[inside], ends[inside].astype(np.int32), lengths[inside].astype(float), indptr
