@@ -72,6 +72,11 @@ class OpenClipEncoder:
         """What `load_encoder` was asked for."""
         return self._name
 
+    @property
+    def temperature(self) -> float:
+        """The model's own: softmax(similarities / temperature) are its probabilities."""
+        return float(1.0 / self._model.logit_scale.detach().float().exp())
+
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         """f_CLIP of an RGB image of any size, unit norm."""
         with _inference(self._threads):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def run_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, R
         )
 
 
-def mean_and_spread(rows: Sequence[Row]) -> tuple[list[float | None], list[float | None]]:
-    """Mean and standard deviation of every figure over the houses that have it; None where none has."""
+def mean_and_spread(rows: Sequence[Any]) -> tuple[list[float | None], list[float | None]]:
+    """Mean and standard deviation of every figure of dataclasses over the houses that have it; None where none has."""
     columns = [[value for value in column if value is not None] for column in zip(*map(astuple, rows), strict=True)]
     return [float(np.mean(c)) if c else None for c in columns], [float(np.std(c)) if c else None for c in columns]

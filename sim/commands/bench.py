@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from lexis.command_line import Commands, add_command, positive
-from sim.commands.arguments import ENCODER_HELP, SEED
+from sim.commands.arguments import ENCODER_HELP, SEED, folder
 from worlds.presets import PRESETS
 
 
@@ -21,6 +21,7 @@ def add_to(commands: Commands) -> None:
     bench.add_argument("--preset", choices=PRESETS, default="home")
     bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
     bench.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    bench.add_argument("--work", type=folder, help="of train-encoder; encoders: its frames teach the ceiling")
     SEED(bench)
 
 
@@ -51,6 +52,28 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _encoders(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.encoder import load_encoder
+    from sim.bench.encoders import EncoderRow, ceiling_of, loading_seconds, measure
+    from sim.bench.segmentation import mean_and_spread
+    from sim.report.figures import shown
+    from sim.training.houses import TEST_SEEDS
+
+    encoder = load_encoder(arguments.encoder)
+    ceiling = None if arguments.work is None else ceiling_of(arguments.work)
+    seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
+    names = [field.name for field in fields(EncoderRow)]
+    title = f"{arguments.preset}, encoder {arguments.encoder}, loaded in {loading_seconds(arguments.encoder):.2f} s"
+    table = Table("seed", *names, title=escape(title))
+    rows = []
+    for house, row in measure(encoder, arguments.preset, seeds, ceiling):
+        rows.append(row)
+        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == seeds[-1])
+    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
+        table.add_row(name, *(shown(value, "{:.3g}") for value in values))
+    yield table
+
+
 def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.speed import measure_speed
 
@@ -65,4 +88,8 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
-_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {"speed": _speed, "segmentation": _segmentation}
+_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {
+    "speed": _speed,
+    "segmentation": _segmentation,
+    "encoders": _encoders,
+}

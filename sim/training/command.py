@@ -100,7 +100,13 @@ def _schedules(run: TrainingRun) -> tuple[Schedule, Schedule]:
 
 def _check_settings(run: TrainingRun) -> None:
     path = run.work / _SETTINGS
-    asked = {"seed": run.seed, "epochs": list(run.epochs), "houses": run.houses, "batch": run.batch}
+    asked = {
+        "seed": run.seed,
+        "epochs": list(run.epochs),
+        "houses": run.houses,
+        "batch": run.batch,
+        "start": run.start and str(run.start),
+    }
     if not path.exists():
         path.write_text(json.dumps(asked) + "\n")
     elif (before := json.loads(path.read_text())) != asked:

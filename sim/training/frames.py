@@ -101,6 +101,14 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
             yield _load(path)
 
 
+def frames_in(folder: Path) -> Frames:
+    """All frames that `rendered` left in a folder. Raises `SimError` where there are none."""
+    paths = sorted(folder.glob("*.npz"))
+    if not paths:
+        raise SimError(f"{folder}: no frames in it; valid: the frames of lexis-sim train-encoder")
+    return Frames.joined([_load(path) for path in paths])
+
+
 def frames_of_house(draw: HouseDraw, views: Views = Views()) -> Frames:
     """Frames along a tour through one house; none where there is no way."""
     rng = np.random.default_rng([draw.seed, 2])
