@@ -109,7 +109,7 @@ def _epipolar_distances(
     distances = np.multiply.outer(a, u)
     distances += np.multiply.outer(b, v)
     distances += c[:, None]
-    return np.abs(distances, out=distances)
+    return np.asarray(np.abs(distances, out=distances))
 
 
 def _fit(tracks: _Tracks) -> Thetas:
