@@ -81,8 +81,9 @@ def _fisheye(camera: Camera) -> Rig:
 RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
     {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
 )
-"""`four` is the paper's: two cameras ahead and one to either side. `front-rear` verifies revisits in the opposite direction.
-`fisheye` has a 180 degrees one beside the front camera."""
+"""`four` is the paper's: two cameras ahead and one to either side. `front-rear` sees revisits in the opposite direction.
+`fisheye` has one of 180 degrees beside the front pinhole, for tests of other software: LEXIS and the formats of recordings
+know pinholes only, so that LEXIS sees the pinhole."""
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:

@@ -20,18 +20,18 @@ from lexis.errors import LexisError
 from lexis.map_io import load_map
 from lexis.projection import rays
 from lexis.quaternions import poses_of
-from sim.camera import wide_camera
 from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import RunConfig, run
 from sim.record import record
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
+from sim.rig import make_rig
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
 CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom"), seed=51), seed=5, length_m=13.0, camera=wide_camera(160, 120, 80.0)
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=51), seed=5, length_m=13.0, rig=make_rig("wide", 160, 120, 80.0)
 )
 """The shortest of walks with loops."""
 REST = 20
@@ -270,7 +270,7 @@ def test_only_the_list_of_labels_is_read(recordings, replay, live, tmp_path):
 
 
 def test_faults_are_recorded(tmp_path):
-    faulty = replace(CONFIG, camera=wide_camera(32, 24), faults=(Dropped(share=0.3),))
+    faulty = replace(CONFIG, rig=make_rig("wide", 32, 24), faults=(Dropped(share=0.3),))
     record(faulty, tmp_path / "out", "tum", "jpg")
     frames = json.loads((tmp_path / "out" / "rooms.json").read_text())["frames"]
     assert len(open_dataset(tmp_path / "out")) == len(frames["stamp_ns"]) < 0.85 * len(prepare(CONFIG))

@@ -13,6 +13,10 @@ from sim.commands.arguments import DEMO_SEED, ENCODER_HELP, add_run_seed, add_wa
 if TYPE_CHECKING:
     from sim.harness import RunConfig
 
+RIG_HELP = (
+    "wide, stereo, front-rear, four or fisheye; LEXIS sees the first pinhole: the front, left or front left one "
+    "(default: %(default)s)"
+)
 _WIDE = 110
 """Columns from which there is room for the meaning of every figure."""
 
@@ -31,6 +35,7 @@ def add_to(commands: Commands) -> None:
     _add_out(run, Path("lexis-run"))
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--fidelity", choices=["render"], default="render")
+    run.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
     run.add_argument("--no-loops", action="store_true", help="close no loops")
     run.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
 
@@ -49,11 +54,13 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 def _run(arguments: argparse.Namespace) -> int:
     from sim.harness import RunConfig
+    from sim.rig import make_rig
 
     config = RunConfig(
         encoder=arguments.encoder,
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,
+        rig=make_rig(arguments.rig),
         **walk_options(arguments),
     )
     return _run_and_report(config, arguments.out)

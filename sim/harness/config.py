@@ -11,6 +11,7 @@ from sim.errors import SimError
 from sim.faults import Fault
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import OdometryConfig
+from sim.rig import Rig, make_rig
 from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
@@ -46,7 +47,8 @@ class RunConfig:
     faults: tuple[Fault, ...] = ()
     """What breaks, in order; see `sim.faults`."""
     lexis: Config = field(default_factory=Config)
-    camera: Camera = field(default_factory=wide_camera)
+    rig: Rig = field(default_factory=lambda: make_rig("wide"))
+    """Cameras on the body. LEXIS sees the first pinhole's images; recordings have those of all pinholes."""
 
     def __post_init__(self) -> None:
         """Raise SimError for an unknown odometry preset or a negative seed."""
@@ -55,6 +57,11 @@ class RunConfig:
         self.drift()
         if not 0 <= self.seed < 2**63:
             raise SimError(f"seed {self.seed} is not in 0 ... 2**63 - 1")
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of LEXIS."""
+        return self.rig.front
 
     def house_spec(self) -> HouseSpec:
         """The given house, or the preset's house of this seed. Raises `worlds.errors.WorldsError`."""

@@ -58,7 +58,7 @@ def record(
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
-    `images` is png, jpg or, in bags, raw; the cameras are those of `rig`, or the config's with one to the right of it;
+    `images` is png, jpg or, in bags, raw; the cameras are the pinholes of `rig` or of the config;
     `progress` is told the share of frames done. Returns the bytes written. Raises `LexisError` where `out` holds anything
     else or cannot be written, `SimError` for an unknown format or kind of images, or too little room on the disk, and what
     `sim.harness.run` raises.

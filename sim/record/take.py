@@ -125,11 +125,12 @@ class Take:
 def prepare(config: RunConfig, rig: Rig | None = None, imu_config: ImuConfig | None = None) -> Take:
     """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises.
 
-    The cameras are the config's and one to the right of it, or the pinholes of `rig`, the first of which is LEXIS's then.
+    The cameras are the pinholes of `rig`, or of the config's; beside a single one, another to the right of it.
     """
     imu_config = imu_config or ImuConfig()
-    cameras = (config.camera, stereo_partner(config.camera)) if rig is None else tuple(rig.cameras.values())
-    config = replace(config, camera=cameras[0])
+    config = replace(config, rig=rig or config.rig)
+    pinholes = tuple(config.rig.cameras.values())
+    cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
