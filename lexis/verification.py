@@ -54,7 +54,7 @@ def verify(
         camera: of all keyframes.
         config: what counts as confirmed, and how many edges to return at most.
     """
-    located = _Locator(query, graph.keyframes, camera, config)
+    located = Locator(query, graph.keyframes, camera, config)
     edges = [located.from_match(match) for match in candidates]
     return admitted([edge for edge in edges if edge is not None], graph, config)
 
@@ -80,7 +80,7 @@ def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: Verifi
     return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)
 
 
-class _Locator:
+class Locator:
     """PnP for the candidates of one query; remembers its matches, since neighbouring candidates share landmarks."""
 
     def __init__(self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig) -> None:

@@ -7,10 +7,12 @@ from contextlib import closing
 import numpy as np
 
 from lexis.quaternions import pose_rows, poses_of
-from lexis.types import Camera, Image, Observation
+from lexis.types import Camera, Image, Observation, Percept
+from lexis.verification import Verifier, verify
 from sim.ahead import ahead
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
+from sim.features.sensor import FeatureSensor
 from sim.odometry import Odometry
 from sim.scene import Scene
 from sim.staging import Painter, Staging
@@ -28,21 +30,32 @@ class Session:
     """Iterate, once or often, to get `(Observation, Truth)` pairs in the order in which they arrive.
 
     That is the order of time unless `faults` change it; these draw from streams of `seed`. Frames are rendered ahead by a
-    thread that owns the GL context, so that rendering and LEXIS share two cores. Who may stop early closes the iterator
-    (`contextlib.closing`). Raises `SimError` where the tour leaves the house.
+    thread that owns the GL context, so that rendering and LEXIS share two cores; with a `sensor` nothing is rendered, and
+    observations bring what it senses. Who may stop early closes the iterator (`contextlib.closing`). Raises `SimError`
+    where the tour leaves the house.
     """
 
     def __init__(
-        self, house: House, tour: Tour, odometry: Odometry, camera: Camera, faults: Sequence[Fault] = (), seed: int = 0
+        self,
+        house: House,
+        tour: Tour,
+        odometry: Odometry,
+        camera: Camera,
+        faults: Sequence[Fault] = (),
+        seed: int = 0,
+        sensor: FeatureSensor | None = None,
     ) -> None:
         self.house, self.tour, self.odometry, self.camera = house, tour, odometry, camera
         self.faults, self._seed = tuple(faults), seed
         truths = _truths(house, tour)
         self._staging = Staging(house, tour, camera, self.faults, seed)
+        self._sensor = sensor
+        if sensor is None:
+            self._staging.compile()
         self.truths = self._staging.marked(truths)
         """Of every frame of the tour, without faults of the stream."""
         self.render_seconds = 0.0
-        """Time spent on rendering so far, in its own thread [s]."""
+        """Time spent on rendering, or on sensing, so far, in its own thread [s]."""
 
     @property
     def scene(self) -> Scene:
@@ -65,7 +78,21 @@ class Session:
                 stamp = float(self.tour.stamps[i])
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
-    def _images(self) -> Generator[Image, None, None]:
+    def verifier(self) -> Verifier:
+        """What verifies loops of this tour: LEXIS itself on images, the sensor where there are none."""
+        return verify if self._sensor is None else self._sensor.verifier(self._staging.houses, self.tour.T_W_B)
+
+    def _images(self) -> Generator[Image | Percept, None, None]:
+        return self._rendered() if self._sensor is None else self._sensed(self._sensor)
+
+    def _sensed(self, sensor: FeatureSensor) -> Generator[Percept, None, None]:
+        start = time.perf_counter()
+        for percept in sensor.percepts(self._staging.houses, self.tour.T_W_B):
+            self.render_seconds += time.perf_counter() - start
+            yield percept
+            start = time.perf_counter()
+
+    def _rendered(self) -> Generator[Image, None, None]:
         with closing(Painter(self._staging, self.camera)) as painter:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from jaxtyping import Float32, Float64
 from numpy import ndarray
@@ -18,15 +19,34 @@ from worlds.meshes import Solid
 
 
 @dataclass(frozen=True, eq=False)
-class Set:
-    """A world ready to render."""
+class Stand:
+    """What stands in a world, whoever moves in it."""
 
-    scene: Scene
+    house: House
+    camera: Camera
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Ready to render; compiled when it is first asked for."""
+        k = self.camera.intrinsics
+        return build_scene(self.house, (k.width, k.height), fovy_deg(k))
+
+
+@dataclass(frozen=True, eq=False)
+class Set:
+    """A world to look at."""
+
+    stand: Stand
     actors: tuple[Actor, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """What stands in it, ready to render."""
+        return self.stand.scene
 
 
 class Staging:
-    """The sets of a tour, compiled once each; a house without faults of the world has one."""
+    """The sets of a tour; a house without faults of the world has one."""
 
     def __init__(self, house: House, tour: Tour, camera: Camera, faults: Sequence[Fault], seed: int) -> None:
         world = [(place, fault) for place, fault in enumerate(faults) if isinstance(fault, WorldFault)]
@@ -38,14 +58,23 @@ class Staging:
         """Per frame: which of the faults of the world are there."""
         self._names = [fault.name for _, fault in world]
         self._sets: dict[tuple[int, ...], Set] = {}
-        scenes: dict[int, tuple[House, Scene]] = {}
+        stands: dict[int, Stand] = {}
         for active in dict.fromkeys(self.active):
             stage = Stage(house)
             for place, fault in (world[k] for k in active):
                 stage = fault.change(stage, tour, fault_rng(seed, place))
-            if id(stage.house) not in scenes:
-                scenes[id(stage.house)] = stage.house, _scene(stage.house, camera)
-            self._sets[active] = Set(scenes[id(stage.house)][1], stage.actors)
+            stand = stands.setdefault(id(stage.house), Stand(stage.house, camera))
+            self._sets[active] = Set(stand, stage.actors)
+
+    @property
+    def houses(self) -> list[House]:
+        """Per frame: the house as it then is; the same object where it is the same."""
+        return [self._sets[active].stand.house for active in self.active]
+
+    def compile(self) -> None:
+        """Make all scenes ready to render."""
+        for each in self._sets.values():
+            each.scene  # noqa: B018
 
     def set_at(self, frame: int) -> Set:
         """What there is to see at a frame."""
@@ -62,10 +91,6 @@ class Staging:
             replace(truth, faults=tuple(self._names[k] for k in active)) if active else truth
             for truth, active in zip(truths, self.active, strict=True)
         )
-
-
-def _scene(house: House, camera: Camera) -> Scene:
-    return build_scene(house, (camera.intrinsics.width, camera.intrinsics.height), fovy_deg(camera.intrinsics))
 
 
 class Painter:

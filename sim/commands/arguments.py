@@ -15,6 +15,9 @@ Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """Adds itself to a parser."""
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
+FIDELITY_HELP = "features: no pixels, but what a model of the encoder makes of the true view (default: %(default)s)"
+ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
+FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 

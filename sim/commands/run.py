@@ -8,7 +8,17 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command
-from sim.commands.arguments import DEMO_SEED, ENCODER_HELP, add_run_seed, add_walk, folder, walk_options
+from sim.commands.arguments import (
+    DEMO_SEED,
+    ENCODER_HELP,
+    FEATURE_MODEL_HELP,
+    FIDELITY_HELP,
+    ORACLE_HELP,
+    add_run_seed,
+    add_walk,
+    folder,
+    walk_options,
+)
 
 if TYPE_CHECKING:
     from sim.harness import RunConfig
@@ -33,8 +43,9 @@ def add_to(commands: Commands) -> None:
     )
     add_walk(run)
     _add_out(run, Path("lexis-run"))
-    run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    run.add_argument("--fidelity", choices=["render"], default="render")
+    run.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
+    run.add_argument("--fidelity", choices=("render", "features"), default="render", help=FIDELITY_HELP)
+    run.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     run.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
     run.add_argument("--no-loops", action="store_true", help="close no loops")
     run.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
@@ -58,6 +69,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
     config = RunConfig(
         encoder=arguments.encoder,
+        fidelity=arguments.fidelity,
+        feature_model=arguments.feature_model,
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,
         rig=make_rig(arguments.rig),

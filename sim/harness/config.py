@@ -1,14 +1,17 @@
 """What a run consists of: a house, a walk, a drift, an encoder."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from lexis.config import Config
 from lexis.types import Camera
-from sim.camera import wide_camera
 from sim.errors import SimError
 from sim.faults import Fault
+from sim.faults.images import ImageFault, Smear
+from sim.faults.world import Pedestrian
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import OdometryConfig
 from sim.rig import Rig, make_rig
@@ -16,6 +19,11 @@ from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
+Fidelity: TypeAlias = Literal["render", "features"]
+ORACLE = "oracle"
+"""An encoder that is told the truth: for tests of what comes after the encoder, never for a figure of LEXIS."""
+NEEDS_PIXELS = (ImageFault, Smear, Pedestrian)
+"""Faults that the feature sensor knows nothing of."""
 TOUR_LENGTH_M = {"home": 140.0}
 """Walks of presets that are shorter than two laps [m]."""
 
@@ -39,7 +47,11 @@ class RunConfig:
     overconfidence: float = 1.0
     """Factor by which the odometry's covariances are too small; 1 is honest."""
     encoder: str = "mini"
-    """As `lexis.encoder.load_encoder` takes it."""
+    """As `lexis.encoder.load_encoder` takes it; or, with features, `ORACLE`."""
+    fidelity: Fidelity = "render"
+    """render: LEXIS is given images. features: what a model of the encoder makes of what is truly in view."""
+    feature_model: Path | None = None
+    """Fitted to the encoder by `lexis-sim fit-features`; None: the one that ships for `mini`."""
     loops: bool = True
     """Whether loops are closed."""
     refine: bool = True
@@ -55,8 +67,19 @@ class RunConfig:
         if self.odometry not in ODOMETRY_PRESETS:
             raise SimError(f"unknown odometry {self.odometry!r}; valid: {', '.join(ODOMETRY_PRESETS)}")
         self.drift()
+        self._check_fidelity()
         if not 0 <= self.seed < 2**63:
             raise SimError(f"seed {self.seed} is not in 0 ... 2**63 - 1")
+
+    def _check_fidelity(self) -> None:
+        if self.fidelity not in get_args(Fidelity):
+            raise SimError(f"unknown fidelity {self.fidelity!r}; valid: {', '.join(get_args(Fidelity))}")
+        if self.fidelity == "render":
+            if self.encoder == ORACLE:
+                raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
+            return
+        if unseen := [fault.name for fault in self.faults if isinstance(fault, NEEDS_PIXELS)]:
+            raise SimError(f"fault {unseen[0]!r} is one of images, and features have none; valid: with fidelity 'render'")
 
     @property
     def camera(self) -> Camera:

@@ -31,7 +31,7 @@ def evaluate(run: Run, trials: Sequence[Trial]) -> dict[str, Any]:
         "schema": SCHEMA,
         "seed": run.config.seed,
         "preset": None if run.config.house else run.config.preset,
-        "fidelity": "render",
+        "fidelity": run.config.fidelity,
         "encoder": run.config.encoder,
         "odometry": run.config.odometry,
         "house": _house(run),

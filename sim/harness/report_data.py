@@ -58,7 +58,9 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:
-    """The frames that LEXIS was most sure of, half of them right and half of them wrong, rendered once more."""
+    """The frames that LEXIS was most sure of, half of them right and half wrong, rendered once more (if they were)."""
+    if run.config.fidelity != "render":
+        return ()
     ranked = np.sort(run.map.similarities, axis=1)
     margin = ranked[:, -1] - ranked[:, -2] if ranked.shape[1] > 1 else ranked[:, -1]
     wrong = run.map.baseline_labels != run.true_labels

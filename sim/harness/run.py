@@ -12,7 +12,10 @@ from lexis.encoder import Encoder, load_encoder
 from lexis.errors import ObservationError
 from lexis.slam import Slam
 from lexis.types import LexisMap
-from sim.harness.config import RunConfig
+from sim.features.model import MINI_FEATURES, load_features
+from sim.features.oracle import Oracle
+from sim.features.sensor import FeatureSensor
+from sim.harness.config import ORACLE, RunConfig
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.stream import Truth
@@ -79,13 +82,14 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     that LEXIS refuses are left out, as a driver would that logs the error and goes on. Raises `WorldsError`,
     `SimError` or `LexisError` where the config asks for what cannot be.
     """
-    encoder = encoder or load_encoder(config.encoder)
+    encoder = encoder or (Oracle() if config.encoder == ORACLE else load_encoder(config.encoder))
+    sensor = _sensor(config, encoder)
     seconds: dict[str, float] = {}
     with _timed(seconds, "house_s"):
         walked = walk(config)
     with _timed(seconds, "scene_s"):
-        session = Session(walked.house, walked.tour, walked.odometry, config.camera, config.faults, config.seed)
-    slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
+        session = Session(walked.house, walked.tour, walked.odometry, config.camera, config.faults, config.seed, sensor)
+    slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config(), session.verifier())
     delivered, refused = [], []
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
@@ -101,6 +105,18 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     lexis_map = slam.finish()
     seconds["render_s"] = session.render_seconds
     return Run(config, walked.house, walked.walkable, session, lexis_map, seconds, tuple(delivered), tuple(refused))
+
+
+def _sensor(config: RunConfig, encoder: Encoder) -> FeatureSensor | None:
+    """What takes the place of images; None where there are images."""
+    if config.fidelity == "render":
+        return None
+    source = config.feature_model or MINI_FEATURES
+    model = load_features(source)
+    oracle = config.encoder == ORACLE
+    if not oracle:
+        model.check(encoder, str(source))
+    return FeatureSensor(model, config.camera, config.seed, oracle)
 
 
 @contextmanager

@@ -1,0 +1,44 @@
+"""`lexis-sim fit-features`: the model of an encoder that `--fidelity features` draws from."""
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from lexis.command_line import Commands, add_command, positive
+from sim.commands.arguments import ENCODER_HELP
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command."""
+    fit = add_command(
+        commands,
+        "fit-features",
+        _fit,
+        "fit the feature sensor to an encoder",
+        "lexis-sim fit-features --encoder mini --out mini.npz\n  lexis-sim run --fidelity features --feature-model mini.npz",
+    )
+    fit.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    fit.add_argument("--houses", type=positive, default=40, help="rendered for the embeddings (default: %(default)s)")
+    fit.add_argument("-o", "--out", type=Path, metavar="FILE.npz", help="default: the model of mini in the package")
+
+
+def _fit(arguments: argparse.Namespace) -> int:
+    from lexis.encoder import load_encoder
+    from sim.features.fit import fit_features
+    from sim.features.model import MINI_FEATURES, save_features
+
+    out: Path = arguments.out or MINI_FEATURES
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("rendering and fitting", total=1.0)
+        model = fit_features(
+            load_encoder(arguments.encoder), arguments.houses, progress=lambda share: bar.update(task, completed=share)
+        )
+    save_features(model, out)
+    loops = model.loops
+    print(f"{out}: {out.stat().st_size / 1e3:.0f} kB")
+    print(f"error of embeddings: {(model.embedding.errors**2).sum() ** 0.5:.2f} of unit norm")
+    print(f"loops: {len(loops.true_edges.inliers)} true and {len(loops.false_edges.inliers)} false edges remembered")
+    return 0

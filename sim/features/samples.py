@@ -1,0 +1,82 @@
+"""What feature models are fitted to: walks through houses, what the cameras truly see, and what the encoder makes of it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Float64
+
+from lexis.encoder import Encoder
+from lexis.types import Camera
+from sim.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.features.surroundings import Surroundings, survey
+from sim.features.views import Views, look
+from sim.scene import build_scene
+from sim.tour import Tour, TourConfig, plan_tour
+from worlds.house import House, build_house
+from worlds.presets import sample_house
+from worlds.walkable import Walkable
+
+
+@dataclass(frozen=True)
+class HouseChoice:
+    """A house to sample."""
+
+    preset: str
+    seed: int
+    openness: float | None = None
+    clutter: float = 1.0
+
+    def build(self) -> House:
+        """The house."""
+        return build_house(sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter))
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Frames of a walk through one house."""
+
+    around: Surroundings
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    views: Views
+    embeddings: Float32[np.ndarray, "n d"]
+    """Of the rendered images."""
+
+
+def choices(houses: int, first_seed: int) -> tuple[HouseChoice, ...]:
+    """A mixture of families, openness and clutter; every house has a seed of its own, from `first_seed` on."""
+    presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
+    openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
+    return tuple(
+        HouseChoice(presets[i % len(presets)], first_seed + i, openness[i % len(openness)], clutter[i % len(clutter)])
+        for i in range(houses)
+    )
+
+
+def sample(choice: HouseChoice, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
+    """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
+    camera = camera or wide_camera()
+    house = choice.build()
+    tour = tour_through(house, choice.seed)
+    poses = tour.T_W_B[np.unique(np.linspace(0, len(tour.stamps) - 1, frames).astype(int))]
+    around = survey(house)
+    k = camera.intrinsics
+    scene = build_scene(house, (k.width, k.height), fovy_deg(k))
+    with CameraRenderer(scene, camera) as renderer:
+        embeddings = np.stack([encoder.encode_image(renderer.rgb(T_W_B)) for T_W_B in poses])
+    return Sample(around, poses, look(around, poses, camera), embeddings)
+
+
+def tour_through(house: House, seed: int, kind: str = "rooms") -> Tour:
+    """The tour that samples and benchmarks of a house take."""
+    return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))
+
+
+def samples(
+    houses: tuple[HouseChoice, ...], encoder: Encoder, frames: int, progress: Callable[[float], None] | None = None
+) -> Iterator[Sample]:
+    """`sample` of every house."""
+    for i, choice in enumerate(houses):
+        yield sample(choice, encoder, frames)
+        if progress is not None:
+            progress((i + 1) / len(houses))
