@@ -81,13 +81,23 @@ def test_the_schema_is_printed(capsys):
 
 
 def test_a_check_names_every_problem(here, capsys):
-    overlapping = BEDROOM | {"polygon_m": [[3.5, 0], [8, 0], [8, 3], [3.5, 3]]}
-    (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN, overlapping], furniture=[SOFA | {"position_m": [7.5, 1, 0]}]))
+    narrow, outside = DOOR | {"end_m": [4, 1.3]}, SOFA | {"position_m": [7.5, 1, 0]}
+    (here / "bad.json").write_text(two_rooms(openings=[narrow], furniture=[outside]))
     assert status_of("check", "bad.json") == 1
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) >= 3 and all(line.startswith("bad.json: ") for line in lines)
-    for named in ("'kitchen' and 'bedroom' overlap by 1.50 m²", "storeys[0].openings[0]", "'s'"):
-        assert any(named in line for line in lines), named
+    for named in ("openings[0] (kitchen - bedroom): 0.30 m wide", "'s'", "not reachable on foot"):
+        assert any(named in line for line in lines), lines
+
+
+def test_a_check_names_all_rooms_that_overlap_even_where_nothing_can_be_built(here, capsys):
+    others = [BEDROOM | {"id": name, "polygon_m": [[x, 0], [8, 0], [8, 3], [x, 3]]} for name, x in (("b", 3), ("c", 5))]
+    (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN, *others], openings=[]))
+    assert status_of("check", "bad.json") == 1
+    assert capsys.readouterr().out.splitlines() == [
+        f"bad.json: storeys[0]: rooms {pair} overlap by {area} m²; rooms may only touch"
+        for pair, area in (("'kitchen' and 'b'", "3.00"), ("'b' and 'c'", "9.00"))
+    ]
 
 
 def sparse_gigabyte(path):
@@ -110,7 +120,7 @@ IMPOSSIBLE = {
     "unreachable": (two_rooms(openings=[]), "not reachable on foot (body radius 0.25 m): bedroom"),
     "a door wider than its wall": (
         two_rooms(openings=[DOOR | {"start_m": [4, 1], "end_m": [4, 3.5]}]),
-        "storeys[0].openings[0] (door kitchen - bedroom)",
+        "storeys[0].openings[0] (kitchen - bedroom): only 2.00 of its 2.50 m lie in the wall",
     ),
 }
 BAD = [(*case, 2) for case in MALFORMED.values()] + [(*case, 1) for case in IMPOSSIBLE.values()]
@@ -120,9 +130,8 @@ BAD = [(*case, 2) for case in MALFORMED.values()] + [(*case, 1) for case in IMPO
 def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(content, message, checked, here, capsys):
     bad = here / "bad.json"
     content(bad) if callable(content) else bad.write_text(content)
-    commands = [["house", "export", bad, "-o", "h.glb"], ["house", "variant", bad, "--mirror", "-o", "h.json"]]
-    for command in (*commands, ["run", "--house", bad, "--out", "run"], ["record", "--house", bad, "--out", "run"]):
-        assert main([str(word) for word in command]) == 2
+    for command in (["export", bad, "-o", "h.glb"], ["variant", bad, "--mirror", "-o", "h.json"]):
+        assert status_of(*command) == 2
         printed = capsys.readouterr()
         assert message in printed.err and printed.err.count("\n") == 1 and printed.out == ""
     assert status_of("check", bad) == checked
@@ -159,12 +168,6 @@ def test_bad_arguments_cost_a_line_and_leave_nothing(argv, message, here, capsys
     printed = capsys.readouterr()
     assert message in printed.err and printed.err.count("\n") == 1 and printed.out == ""
     assert not (here / "h.json").exists()
-
-
-def test_a_file_is_no_folder_to_write_to(here, capsys):
-    (here / "thesis.txt").write_text("years of work")
-    assert main(["run", "--out", "thesis.txt"]) == 2
-    assert "thesis.txt: is a file; valid: the name of a folder" in capsys.readouterr().err
 
 
 def test_who_stops_reading_is_not_answered_with_a_traceback():

@@ -36,6 +36,7 @@ def status_of(argv):
         (["run", "--encoder", "no-such-model"], "mini"),
         (["run", "--seed", "-1"], "whole number"),
         (["run", "--out", "file.txt/inside"], "valid"),
+        (["run", "--out", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
         (["run", "--out", "/proc/nowhere"], "valid"),
         (["run", "--out", "occupied"], "valid"),
         (["run", "--out", ""], "the name of a folder"),
@@ -69,7 +70,7 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     "words",
     [[], ["demo"], ["run"], ["bench"], ["train-encoder"], ["doctor"], ["house"]]
-    + [["house", action] for action in ("generate", "check", "show", "export")],
+    + [["house", action] for action in ("generate", "variant", "import", "check", "show", "export", "gallery", "prove", "schema")],
 )
 def test_help_has_an_example(words, capsys):
     assert status_of([*words, "--help"]) == 0

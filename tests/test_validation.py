@@ -299,7 +299,7 @@ def test_reachability_agrees_with_the_walkable_graph():
         rng = np.random.default_rng(seed)
         for changed in (house, replace(house, stairs=()), replace(house, walls=tuple(rng.permutation(house.walls)[5:]))):
             shut_out = {room.id for room in changed.rooms} - set(Walkable(replace(changed, leaves=())).reachable_rooms())
-            assert set(unreachable_rooms(changed, PlanGrid.of(changed), 0.25)) == shut_out
+            assert set(unreachable_rooms(changed, PlanGrid.of(changed.spec), 0.25)) == shut_out
 
 
 boxes = st.tuples(*[st.floats(-1, 1)] * 2, st.just(0.0), *[st.floats(0.05, 1.5)] * 2, st.just(1.0), st.floats(-3.2, 3.2))
@@ -326,7 +326,7 @@ def test_overlaps_agree_with_polygons(a, b):
 
 def test_the_plan_grid_is_the_polygons():
     house = build_house(sample_house("home", 2))
-    grid = PlanGrid.of(house)
+    grid = PlanGrid.of(house.spec)
     for level, owner in enumerate(grid.owner):
         of_level = [k for k, its in enumerate(grid.level_of_room) if its == level]
         for k in of_level:

@@ -17,17 +17,22 @@ _TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
 
 def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     """Rules that concern whole rooms, each named."""
+    yield from overlap_problems(grid)
+    yield from _slivers(grid)
+    yield from _unsupported(grid)
+    for room in house.rooms:
+        if room.label == STAIRS and room.ceiling_m == house.storeys[room.storey].ceiling_m:
+            yield f"stairs {room.id!r} join no storeys; they need stairs with the same corners above or below"
+
+
+def overlap_problems(grid: PlanGrid) -> Iterator[str]:
+    """Rooms that are in the same place."""
     for a, b, area in grid.clashes:
         if area > _TOLERANCE_M2:
             yield (
                 f"storeys[{grid.level_of_room[a]}]: rooms {grid.rooms[a].id!r} and {grid.rooms[b].id!r} overlap by "
                 f"{area:.2f} m²; rooms may only touch"
             )
-    yield from _slivers(grid)
-    yield from _unsupported(grid)
-    for room in house.rooms:
-        if room.label == STAIRS and room.ceiling_m == house.storeys[room.storey].ceiling_m:
-            yield f"stairs {room.id!r} join no storeys; they need stairs with the same corners above or below"
 
 
 def _slivers(grid: PlanGrid) -> Iterator[str]:

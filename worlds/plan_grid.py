@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from worlds.house import House
-from worlds.spec import RoomSpec
+from worlds.spec import HouseSpec, RoomSpec
 
 NO_ROOM = -1
 _DECIMALS = 6
@@ -28,13 +27,13 @@ class PlanGrid:
     """Rooms of a storey that cover the same cells, and the area that they share [m²]."""
 
     @staticmethod
-    def of(house: House) -> "PlanGrid":
-        """The grid of a house."""
-        rooms = [(level, room) for level, storey in enumerate(house.spec.storeys) for room in storey.rooms]
+    def of(spec: HouseSpec) -> "PlanGrid":
+        """The grid of a house, which need not stand."""
+        rooms = [(level, room) for level, storey in enumerate(spec.storeys) for room in storey.rooms]
         corners = [np.round(room.polygon_m, _DECIMALS) for _, room in rooms]
         x, y = (np.unique(np.concatenate([c[:, k] for c in corners])) for k in (0, 1))
         area = np.outer(np.diff(x), np.diff(y))
-        owner = np.full((len(house.storeys), len(x) - 1, len(y) - 1), NO_ROOM)
+        owner = np.full((len(spec.storeys), len(x) - 1, len(y) - 1), NO_ROOM)
         clashes = []
         for index, ((level, _), ring) in enumerate(zip(rooms, corners, strict=True)):
             (i0, j0), inside = _cells(np.searchsorted(x, ring[:, 0]), np.searchsorted(y, ring[:, 1]))

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from worlds.errors import SpecError, WorldsError
-from worlds.house import build_house
 from worlds.imports.doorways import apart, on_walls
 from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built, read_text
 from worlds.imports.geojson import read_geojson, to_geojson
@@ -20,7 +19,7 @@ from worlds.imports.made_up import made_up
 from worlds.imports.straighten import main_direction, straighten, turned
 from worlds.imports.svg import read_svg
 from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
-from worlds.validation import validate
+from worlds.validation import built_and_checked
 
 _SLAB_M = 0.3
 _FAR_M = 900.0
@@ -73,7 +72,7 @@ def import_plan(
 def _proved(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[HouseSpec, list[str]]:
     """The house and notes. Raises `WorldsError` where the house does not stand."""
     spec, notes = _house(drawing, snap_m, name, seed)
-    validate(build_house(spec))
+    built_and_checked(spec)
     return spec, notes
 
 

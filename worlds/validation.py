@@ -4,13 +4,24 @@ from collections.abc import Iterator
 
 from worlds.errors import HouseError
 from worlds.furniture_checks import furniture_problems
-from worlds.house import House
+from worlds.house import House, build_house
 from worlds.opening_checks import opening_problems
-from worlds.plan_checks import plan_problems
+from worlds.plan_checks import overlap_problems, plan_problems
 from worlds.plan_grid import PlanGrid
 from worlds.reachability import unreachable_rooms
+from worlds.spec import HouseSpec
 
 BODY_RADIUS_M = 0.25
+
+
+def built_and_checked(spec: HouseSpec) -> House:
+    """The house of a spec, which stands and can be walked. Raises `HouseError` for another."""
+    try:
+        house = build_house(spec)
+    except HouseError as error:
+        raise HouseError(next(_obstacles(spec, error))) from None
+    validate(house)
+    return house
 
 
 def validate(house: House) -> None:
@@ -27,7 +38,7 @@ def problems(house: House) -> Iterator[str]:
     where doors swing; every room can be reached on foot from every other, doors being opened. (`worlds.stairs` holds the
     rules of stairs: a house that breaks them cannot be built.)
     """
-    grid = PlanGrid.of(house)
+    grid = PlanGrid.of(house.spec)
     yield from plan_problems(house, grid)
     yield from opening_problems(house)
     yield from furniture_problems(house, grid)
@@ -36,3 +47,18 @@ def problems(house: House) -> Iterator[str]:
             f"not reachable on foot (body radius {BODY_RADIUS_M} m): {', '.join(missing)}; "
             "add an opening, stairs or free space"
         )
+
+
+def spec_problems(spec: HouseSpec) -> Iterator[str]:
+    """Every rule that the house of a spec breaks; of one that cannot be built, the rooms that overlap, or else the first."""
+    try:
+        house = build_house(spec)
+    except HouseError as error:
+        yield from _obstacles(spec, error)
+    else:
+        yield from problems(house)
+
+
+def _obstacles(spec: HouseSpec, error: HouseError) -> Iterator[str]:
+    overlaps = list(overlap_problems(PlanGrid.of(spec)))
+    yield from overlaps or [str(error)]

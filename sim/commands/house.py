@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from lexis.command_line import Commands, add_command, positive
 from lexis.files import replaced_file
 from sim.commands.arguments import SEED, argument, out_file
-from sim.commands.house_action import FILE, Action, built_and_checked, describe
+from sim.commands.house_action import FILE, Action, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.house_files import MODELS, PLANS, Writer, writer_for
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
+from worlds.validation import built_and_checked
 
 
 def add_to(commands: Commands) -> None:

@@ -6,9 +6,10 @@ from typing import NamedTuple
 from lexis.command_line import Command
 from lexis.files import replaced_file
 from sim.commands.arguments import Argument, argument
-from worlds.house import House, build_house
+from worlds.house import House
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
+from worlds.validation import built_and_checked
 
 FILE = argument("file", type=Path, metavar="FILE.json")
 
@@ -21,15 +22,6 @@ class Action(NamedTuple):
     help: str
     example: str
     arguments: tuple[Argument, ...]
-
-
-def built_and_checked(spec: HouseSpec) -> House:
-    """A house that stands. Raises `HouseError` for another."""
-    from worlds.validation import validate
-
-    house = build_house(spec)
-    validate(house)
-    return house
 
 
 def write_checked(spec: HouseSpec, path: Path) -> None:

@@ -10,6 +10,7 @@ from sim.commands.house_action import FILE, Action, write_checked
 from sim.errors import SimError
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
+from worlds.validation import built_and_checked
 
 _DEFAULT_PRESET = "home"
 _OUT = out_file("FILE.json")
@@ -40,7 +41,7 @@ def _generate(arguments: argparse.Namespace) -> int:
 def _variant(arguments: argparse.Namespace) -> int:
     from worlds.variant import variant
 
-    spec = HouseSpec.load(arguments.file)
+    spec = built_and_checked(HouseSpec.load(arguments.file)).spec
     changed = variant(
         spec,
         openness=arguments.openness,

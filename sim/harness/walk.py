@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from sim.harness.config import RunConfig
 from sim.odometry import Odometry, tour_odometry
 from sim.tour import Tour, plan_tour
-from worlds.house import House, build_house
-from worlds.validation import validate
+from worlds.house import House
+from worlds.validation import built_and_checked
 from worlds.walkable import Walkable
 
 
@@ -23,8 +23,7 @@ class Walk:
 def walk(config: RunConfig) -> Walk:
     """The walk that `config` describes. Raises `WorldsError` or `SimError` where it asks for what cannot be."""
     streams = config.streams()
-    house = build_house(config.house_spec())
-    validate(house)
+    house = built_and_checked(config.house_spec())
     walkable = Walkable(house)
     tour = plan_tour(house, walkable, streams["tour"], config.tour())
     odometry = tour_odometry(tour, config.drift(), streams["odometry"])
