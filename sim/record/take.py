@@ -125,12 +125,12 @@ class Take:
 def prepare(config: RunConfig, rig: Rig | None = None, imu_config: ImuConfig | None = None) -> Take:
     """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises.
 
-    The cameras are the pinholes of `rig`, or of the config's; beside a single one, another to the right of it.
+    The cameras are the pinholes of `rig`. None: those of the config's rig, and where it has one alone, another to the right.
     """
     imu_config = imu_config or ImuConfig()
     config = replace(config, rig=rig or config.rig)
     pinholes = tuple(config.rig.cameras.values())
-    cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
+    cameras = (*pinholes, stereo_partner(config.camera)) if rig is None and len(pinholes) == 1 else pinholes
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
