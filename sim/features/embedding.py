@@ -1,9 +1,9 @@
 """Embeddings drawn from what a camera truly sees: an expected one, and an error that is alike where views are alike.
 
-The error is a Gaussian field over poses. In embedding space it has a low rank; over poses its covariance is a sum of kernels:
-an offset for the whole house (its looks), one for every room and one for every object as far as they are in view, and smooth
-fields of three correlation lengths. So errors persist as the real encoder's do: neighbours in the pose graph, which vote on
-each other's labels, err together, and a place that is revisited looks the same.
+The error is a Gaussian field over poses. In embedding space it has a low rank; over poses its covariance is a sum of
+kernels: an offset for the whole house (its looks), one for every room and one for every object as far as they are in view,
+and smooth fields of three correlation lengths. So errors persist as the real encoder's do: neighbours in the pose graph,
+which vote on each other's labels, err together, and a place that is revisited looks the same.
 """
 
 from collections.abc import Iterator

@@ -15,8 +15,8 @@ from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopEdge
 from lexis.verification import Locator
 from sim.camera import wide_camera
+from sim.features.eyes import RayGrid
 from sim.features.loops import PREDICTORS, LoopModel, Measured, Sight, fit_logistic, predictors
-from sim.features.rays import RayGrid
 from sim.features.samples import HouseChoice
 from sim.features.surroundings import survey
 from sim.features.views import COLUMNS, ROWS, look

@@ -17,7 +17,7 @@ from lexis.pose_graph import PoseGraph
 from lexis.se3 import between, exp, inverse, rotation_angle, transform
 from lexis.types import Camera, Keyframe, LoopEdge, Pose
 from lexis.verification import admitted
-from sim.features.rays import RayGrid
+from sim.features.eyes import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
 """How far two depths of a shared point may differ: rays are coarse."""

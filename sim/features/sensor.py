@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float32
 
 from lexis.types import Camera, Features, Percept, Poses
+from sim.features.eyes import RayGrid
 from sim.features.loops import CovisibilityVerifier, Sight
 from sim.features.model import FeatureModel
 from sim.features.oracle import true_embeddings
-from sim.features.rays import RayGrid
 from sim.features.surroundings import Surroundings, survey
 from sim.features.views import COLUMNS, ROWS, Views, look
 from worlds.house import House

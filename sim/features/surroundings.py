@@ -9,7 +9,7 @@ from jaxtyping import Float32, Int
 
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House
-from worlds.labels import ROOM_LABELS, STAIRS
+from worlds.labels import ROOM_LABELS
 from worlds.surfaces import rectangles
 from worlds.truth import NOWHERE
 from worlds.visuals import STAIRS_OBJECT
@@ -22,7 +22,6 @@ CELL_M = 0.05
 """Of the map that tells the room of a place."""
 _LEAST_M = 0.08
 """Objects smaller than this in every direction are left out [m]."""
-_FAR_M = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +64,10 @@ def survey(house: House) -> Surroundings:
     """The surroundings that a house is."""
     index = {room.id: i for i, room in enumerate(house.rooms)}
     rows = [*_walls(house), *_objects(house)]
-    objects = dict.fromkeys((name, kind, room) for _, name, kind, room in rows if name is not None)
+    # By name: all flights of stairs are one object, as they are when rendered.
+    objects = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
     surfaces = [(f"{room.id}/{surface}", f"{room.label}/{surface}", room.id) for room in house.rooms for surface in SURFACES]
-    things = [*surfaces, *objects]
+    things = [*surfaces, *objects.values()]
     row_of = {name: i for i, (name, _, _) in enumerate(things)}
     kinds = {kind: i for i, kind in enumerate(KINDS)}
     values = np.array([box for box, *_ in rows], np.float32).reshape(-1, 7)
@@ -132,13 +132,8 @@ class RoomMap:
                 cells[levels, a[0] : b[0], a[1] : b[1]] = i
         return RoomMap(cells, low.astype(np.float32))
 
-    def at(self, storey: Int[np.ndarray, "*n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
+    def at(self, storey: Int[np.ndarray, "*#n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
         """The room of each place in the plan of a storey, `NOWHERE` outside of all."""
         place = np.clip((xy - self.origin) / np.float32(CELL_M), 0.0, np.array(self.cells.shape[1:]) - 1).astype(np.int32)
         flat = (storey * self.cells.shape[1] + place[..., 0]) * self.cells.shape[2] + place[..., 1]
         return np.asarray(self.cells.reshape(-1)[flat])
-
-
-def is_stairs(house: House, room: int) -> bool:
-    """Whether a room of `House.rooms` joins storeys."""
-    return house.rooms[room].label == STAIRS

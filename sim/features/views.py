@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int
 
 from lexis.types import Camera, Poses
-from sim.features.rays import Hits, RayGrid, cast
+from sim.features.eyes import RayGrid
+from sim.features.rays import Hits, cast
 from sim.features.surroundings import KINDS, Surroundings
 from worlds.truth import NOWHERE
 

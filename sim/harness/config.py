@@ -11,7 +11,7 @@ from lexis.types import Camera
 from sim.errors import SimError
 from sim.faults import Fault
 from sim.faults.images import ImageFault, Smear
-from sim.faults.world import Pedestrian
+from sim.faults.world import ClosedDoors, Pedestrian
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import OdometryConfig
 from sim.rig import Rig, make_rig
@@ -22,8 +22,8 @@ from worlds.spec import HouseSpec
 Fidelity: TypeAlias = Literal["render", "features"]
 ORACLE = "oracle"
 """An encoder that is told the truth: for tests of what comes after the encoder, never for a figure of LEXIS."""
-NEEDS_PIXELS = (ImageFault, Smear, Pedestrian)
-"""Faults that the feature sensor knows nothing of."""
+NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
+"""Faults that the feature sensor knows nothing of: it has no pixels, and sees nothing that moves by itself."""
 TOUR_LENGTH_M = {"home": 140.0}
 """Walks of presets that are shorter than two laps [m]."""
 
@@ -79,7 +79,7 @@ class RunConfig:
                 raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
             return
         if unseen := [fault.name for fault in self.faults if isinstance(fault, NEEDS_PIXELS)]:
-            raise SimError(f"fault {unseen[0]!r} is one of images, and features have none; valid: with fidelity 'render'")
+            raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
 
     @property
     def camera(self) -> Camera:
