@@ -24,9 +24,12 @@ from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import RunConfig, run
+from sim.imu import ImuConfig
 from sim.record import record
+from sim.record.settings import write_settings
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
 from sim.rig import make_rig
+from sim.staging import Painter
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
@@ -36,7 +39,11 @@ CONFIG = RunConfig(
 """The shortest of walks with loops."""
 REST = 20
 """Frames at rest at the start."""
+TRUTH = ("house.json", "rooms.json", "groundtruth.txt", "state_groundtruth_estimate0", "depth*")
 LOSSLESS = [("euroc", "png"), ("tum", "png"), ("ros2", "raw"), ("mcap", "png")]
+SILENT, SLOW = ImuConfig(200.0, 0.0, 0.0, 0.0, 0.0), ImuConfig(20.0)
+IMUS = {("euroc", "jpg"): SILENT, ("ros2", "raw"): SLOW, ("mcap", "png"): SLOW}
+"""Of recordings whose IMU is another than EuRoC's."""
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +71,7 @@ def recordings(frames, tmp_path_factory):
         if (form, images) not in made:
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(Take, "frames", lambda *_: (frame for frame in frames))
-                record(CONFIG, root / f"{form}-{images}", form, images)
+                record(CONFIG, root / f"{form}-{images}", form, images, imu_config=IMUS.get((form, images)))
         made[form, images] = root / f"{form}-{images}"
         return made[form, images]
 
@@ -73,14 +80,16 @@ def recordings(frames, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def replay(encoder, tmp_path_factory):
-    """The map that `lexis run` writes, by the folder of a recording."""
+    """The map that `lexis run` makes of a recording's folder, less all files in it that hold truth."""
 
     def run_command(folder):
-        out = tmp_path_factory.mktemp("replay") / "map"
+        root = tmp_path_factory.mktemp("replay")
+        blind = shutil.copytree(folder, root / "recording", ignore=shutil.ignore_patterns(*TRUTH))
+        labels = json.loads((folder / "rooms.json").read_text())["labels"]
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("lexis.encoder.load_encoder", lambda name: encoder)  # which takes seconds
-            assert lexis(["run", str(folder), "--rooms", str(folder / "rooms.json"), "-o", str(out)]) == 0
-        return load_map(out)
+            assert lexis(["run", str(blind), "--rooms", ",".join(labels), "-o", str(root / "map")]) == 0
+        return load_map(root / "map")
 
     return run_command
 
@@ -149,23 +158,36 @@ def test_euroc_is_laid_out_as_its_readers_expect(recordings):
     assert noise["gyroscope_noise_density"] == 1.6968e-4 and noise["accelerometer_random_walk"] == 3.0e-3
 
 
-def test_imu_and_true_states_of_the_files_agree(recordings):
-    """Integrating what the files say over five seconds of the walk, less the biases that they state, gives the path."""
-    mav = recordings("euroc", "png") / "mav0"
+def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(recordings):
+    """By the midpoint rule over the whole walk, from rest; true velocities are those integrated."""
+    mav = recordings("euroc", "jpg") / "mav0"
     imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
     state = np.array(csv_rows(mav / "state_groundtruth_estimate0" / "data.csv")[1], float)
-    start, end, dt = 600, 1600, 0.005
-    gyro, force = imu[:, 1:4] - state[:, 11:14], imu[:, 4:7] - state[:, 14:17]
-    position, velocity = state[start, 1:4].copy(), state[start, 8:11].copy()
-    R = Rotation.from_quat(state[start, [5, 6, 7, 4]])
-    for k in range(start, end):
-        turned = R * Rotation.from_rotvec((gyro[k] + gyro[k + 1]) / 2 * dt)
-        acceleration = (R.apply(force[k]) + turned.apply(force[k + 1])) / 2 - [0, 0, 9.81]
-        position += velocity * dt + acceleration * dt**2 / 2
-        velocity, R = velocity + acceleration * dt, turned
-    assert np.linalg.norm(state[end, 1:4] - state[start, 1:4]) > 0.5
-    np.testing.assert_allclose(position, state[end, 1:4], atol=0.1)
-    assert np.degrees((R.inv() * Rotation.from_quat(state[end, [5, 6, 7, 4]])).magnitude()) < 0.3
+    gyro, force = imu[:, 1:4], imu[:, 4:7]
+    dt, mean = 0.005, (imu[1:, 1:4] + imu[:-1, 1:4]) / 2
+    turns = Rotation.from_rotvec(mean * dt + np.cross(gyro[:-1], gyro[1:]) * dt**2 / 12)
+    R = [Rotation.from_quat(state[0, [5, 6, 7, 4]])]
+    for turn in turns:
+        R.append(R[-1] * turn)
+    acceleration = Rotation.concatenate(R).apply(force) - [0.0, 0.0, 9.81]
+    velocity = np.vstack([np.zeros(3), np.cumsum((acceleration[1:] + acceleration[:-1]) / 2 * dt, axis=0)])
+    position = state[0, 1:4] + np.vstack([np.zeros(3), np.cumsum((velocity[1:] + velocity[:-1]) / 2 * dt, axis=0)])
+    assert np.linalg.norm(np.diff(state[:, 1:4], axis=0), axis=1).sum() > 12.0
+    np.testing.assert_allclose(velocity, state[:, 8:11], atol=2e-3)
+    np.testing.assert_allclose(position, state[:, 1:4], atol=2e-2)
+    truth = Rotation.from_quat(state[:, [5, 6, 7, 4]])
+    assert np.degrees((Rotation.concatenate(R).inv() * truth).magnitude().max()) < 1e-2
+
+
+def test_noise_and_biases_of_the_files_are_what_they_say(recordings):
+    """What was measured, less what a noise-free IMU measures and the biases that are stated, is white."""
+    given, silent = (recordings("euroc", images) / "mav0" for images in ("png", "jpg"))
+    imu, ideal = (np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)[:, 1:] for mav in (given, silent))
+    biases = np.array(csv_rows(given / "state_groundtruth_estimate0" / "data.csv")[1], float)[:, 11:]
+    noise = imu - ideal - biases
+    np.testing.assert_allclose(noise.std(axis=0), np.sqrt(200) * np.repeat([1.6968e-4, 2.0e-3], 3), rtol=0.05)
+    assert np.abs(np.mean(noise[1:] * noise[:-1], axis=0) / noise.var(axis=0)).max() < 0.05
+    assert biases[-1].all() and not biases[0].any()
 
 
 def test_stereo_images_and_depth_agree(recordings):
@@ -217,9 +239,9 @@ def test_a_bag_says_the_same_as_euroc(recordings):
             assert stamp >= last
             last = stamp
             of.setdefault(connection.topic, []).append(reader.deserialize(raw, connection.msgtype))
-    imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
-    bag_imu = [(m.angular_velocity.x, m.linear_acceleration.z) for m in of["/imu0"]]
-    np.testing.assert_array_equal(bag_imu, imu[:, [1, 6]])
+    imu = prepare(CONFIG, imu_config=SLOW).imu
+    np.testing.assert_array_equal([m.angular_velocity.x for m in of["/imu0"]], imu.angular_velocity[:, 0])
+    np.testing.assert_array_equal([m.linear_acceleration.z for m in of["/imu0"]], imu.specific_force[:, 2])
     info = of["/cam1/camera_info"][0]
     assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * CONFIG.camera.intrinsics.fx)
     assert {t.child_frame_id for t in of["/tf_static"][0].transforms} == {"imu0", "cam0", "cam1"}
@@ -230,19 +252,32 @@ def test_a_bag_says_the_same_as_euroc(recordings):
 
 
 def test_settings_say_what_the_sensors_are(recordings):
-    """Read as ORB-SLAM3 and VINS-Fusion do, and as Kalibr and OpenVINS do."""
-    settings = recordings("euroc", "png") / "settings"
-    take = prepare(CONFIG)
-    left, right = take.cameras["cam0"].T_B_C, take.cameras["cam1"].T_B_C
-    for name, key, expected in (
-        ("orb_slam3", "IMU.T_b_c1", left),
-        ("orb_slam3", "Stereo.T_c1_c2", np.linalg.inv(left) @ right),
-        ("vins_fusion", "body_T_cam1", right),
-    ):
-        storage = cv2.FileStorage(str(settings / f"{name}.yaml"), cv2.FILE_STORAGE_READ)
-        np.testing.assert_allclose(storage.getNode(key).mat(), expected, atol=1e-6)
-    kalibr = yaml.safe_load((settings / "kalibr_imucam_chain.yaml").read_text().removeprefix("%YAML:1.0\n"))
-    np.testing.assert_array_equal(kalibr["cam1"]["T_imu_cam"], right)
+    """Read by what ORB-SLAM3, VINS-Fusion and OpenVINS read them with; the first wants whole numbers where it has them."""
+    folder = recordings("euroc", "png") / "settings"
+    files = {path.stem: cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ) for path in folder.iterdir()}
+    left, right = (prepare(CONFIG).cameras[name].T_B_C for name in ("cam0", "cam1"))
+    orb, vins, cameras = files["orb_slam3"], files["vins_fusion"], files["kalibr_imucam_chain"]
+    np.testing.assert_allclose(orb.getNode("IMU.T_b_c1").mat(), left, atol=1e-6)
+    np.testing.assert_allclose(orb.getNode("Stereo.T_c1_c2").mat(), np.linalg.inv(left) @ right, atol=1e-6)
+    np.testing.assert_array_equal(vins.getNode("body_T_cam1").mat(), right)
+    rows = cameras.getNode("cam1").getNode("T_imu_cam")
+    assert [[rows.at(i).at(j).real() for j in range(4)] for i in range(4)] == right.tolist()
+    assert orb.getNode("File.version").string() == "1.0"
+    for name in ("Camera.width", "Camera.height", "Camera.fps", "Camera.RGB", "ORBextractor.nFeatures"):
+        assert orb.getNode(name).isInt(), name
+    k = CONFIG.camera.intrinsics
+    own = files[vins.getNode("cam1_calib").string().removesuffix(".yaml")].getNode("projection_parameters")
+    assert own.getNode("fx").real() == k.fx == orb.getNode("Camera2.fx").real()
+    assert files["kalibr_imu_chain"].getNode("imu0").getNode("update_rate").real() == 200.0
+    # VINS-Fusion adds the noise of a sample times the time step; over a second that is the density.
+    for name, density in (("acc_n", 2.0e-3), ("acc_w", 3.0e-3), ("gyr_n", 1.6968e-4), ("gyr_w", 1.9393e-5)):
+        assert np.sqrt(200) * vins.getNode(name).real() / 200 == pytest.approx(density)
+
+
+def test_settings_are_of_stereo_pairs_only(tmp_path):
+    for name, written in (("stereo", True), ("front-rear", False)):
+        write_settings(tmp_path / name, prepare(replace(CONFIG, rig=make_rig(name, 160, 120))))
+        assert (tmp_path / name).exists() == written
 
 
 def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
@@ -258,19 +293,16 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
     assert set(rooms["frames"]["storey"]) == {0}
 
 
-def test_only_the_list_of_labels_is_read(recordings, replay, live, tmp_path):
-    """A recording without its truth gives the same map."""
-    folder = tmp_path / "blind"
-    shutil.copytree(recordings("euroc", "png"), folder)
-    labels = json.loads((folder / "rooms.json").read_text())["labels"]
-    shutil.rmtree(folder / "mav0" / "state_groundtruth_estimate0")
-    (folder / "house.json").unlink()
-    (folder / "rooms.json").write_text(json.dumps({"labels": labels}))
-    assert content(replay(folder)) == content(live)
+@pytest.fixture
+def unlit(monkeypatch):
+    """Frames are black, and cost nothing."""
+    size = CONFIG.camera.intrinsics.height, CONFIG.camera.intrinsics.width
+    monkeypatch.setattr(Painter, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
+    monkeypatch.setattr(Painter, "depth", lambda *_: np.zeros(size, np.float32))
 
 
-def test_faults_are_recorded(tmp_path):
-    faulty = replace(CONFIG, rig=make_rig("wide", 32, 24), faults=(Dropped(share=0.3),))
+def test_faults_are_recorded(tmp_path, unlit):
+    faulty = replace(CONFIG, faults=(Dropped(share=0.3),))
     record(faulty, tmp_path / "out", "tum", "jpg")
     frames = json.loads((tmp_path / "out" / "rooms.json").read_text())["frames"]
     assert len(open_dataset(tmp_path / "out")) == len(frames["stamp_ns"]) < 0.85 * len(prepare(CONFIG))
@@ -289,7 +321,7 @@ def fails_at_the_tenth(monkeypatch, error):
     monkeypatch.setattr("sim.record.tum_rgbd.encoded", encoded)
 
 
-def test_a_recording_that_fails_leaves_nothing(tmp_path, monkeypatch):
+def test_a_recording_that_fails_leaves_nothing(tmp_path, unlit, monkeypatch):
     fails_at_the_tenth(monkeypatch, RuntimeError("power cut"))
     with pytest.raises(RuntimeError, match="power cut"):
         record(CONFIG, tmp_path / "out", "tum")
@@ -304,7 +336,7 @@ def command(tmp_path_factory):
     return ["record", "--house", str(house), "--length", "13", "--format", "tum", "-o"]
 
 
-def test_a_full_disk_costs_one_line(command, tmp_path, monkeypatch, capsys):
+def test_a_full_disk_costs_one_line(command, tmp_path, unlit, monkeypatch, capsys):
     fails_at_the_tenth(monkeypatch, OSError(errno.ENOSPC, "No space left on device"))
     assert main([*command, str(tmp_path / "out")]) == 2
     printed = capsys.readouterr().err

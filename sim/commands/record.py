@@ -20,10 +20,9 @@ IMAGES_HELP = (
     "raw: uncompressed, in bags only (default: %(default)s)"
 )
 
-RIGS = ("stereo", "front-rear", "four")
+RIGS = ("wide", "stereo", "front-rear", "four")
 RIG_HELP = (
-    f"cameras: {', '.join(RIGS)}, of which the first is the one of LEXIS (default: the camera of 'lexis-sim run', "
-    "with one 0.11 m to the right of it)"
+    f"cameras: {', '.join(RIGS)}; LEXIS sees the first; wide gets a second one 0.11 m to the right (default: %(default)s)"
 )
 
 
@@ -39,7 +38,7 @@ def add_to(commands: Commands) -> None:
     )
     add_walk(record)
     record.add_argument("--length", type=float, metavar="M", help="of the walk, in metres (default: the preset's)")
-    record.add_argument("--rig", choices=RIGS, help=RIG_HELP)
+    record.add_argument("--rig", choices=RIGS, default="wide", help=RIG_HELP)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
     record.add_argument("--images", choices=("png", "jpg", "raw"), default="png", help=IMAGES_HELP)
@@ -53,7 +52,7 @@ def _record(arguments: argparse.Namespace) -> int:
     from sim.record import record
     from sim.rig import make_rig
 
-    config = RunConfig(length_m=arguments.length, **walk_options(arguments))
+    config = RunConfig(length_m=arguments.length, rig=make_rig(arguments.rig), **walk_options(arguments))
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("recording", total=1.0)
@@ -62,7 +61,6 @@ def _record(arguments: argparse.Namespace) -> int:
             arguments.out,
             arguments.format,
             arguments.images,
-            make_rig(arguments.rig) if arguments.rig else None,
             progress=lambda share: bar.update(task, completed=share),
         )
     print(f"{arguments.out}: {arguments.format}, {size / 1e6:.0f} MB")

@@ -105,7 +105,7 @@ def _camera_yaml(name: str, camera: Camera, rate_hz: float) -> str:
     return (
         f"sensor_type: camera\ncomment: simulated {name}\n{_extrinsics(camera.T_B_C)}"
         f"rate_hz: {rate_hz:g}\nresolution: [{k.width}, {k.height}]\ncamera_model: pinhole\n"
-        f"intrinsics: [{k.fx!r}, {k.fy!r}, {k.cx!r}, {k.cy!r}] # fu, fv, cu, cv\n"
+        f"intrinsics: [{k.fx}, {k.fy}, {k.cx}, {k.cy}] # fu, fv, cu, cv\n"
         "distortion_model: radial-tangential\ndistortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n"
     )
 
@@ -113,10 +113,10 @@ def _camera_yaml(name: str, camera: Camera, rate_hz: float) -> str:
 def _imu_yaml(imu: ImuConfig) -> str:
     return (
         f"sensor_type: imu\ncomment: simulated ADIS16448\n{_extrinsics(np.eye(4))}rate_hz: {imu.rate_hz:g}\n"
-        f"gyroscope_noise_density: {imu.gyroscope_noise!r} # [rad/s/sqrt(Hz)]\n"
-        f"gyroscope_random_walk: {imu.gyroscope_walk!r} # [rad/s^2/sqrt(Hz)]\n"
-        f"accelerometer_noise_density: {imu.accelerometer_noise!r} # [m/s^2/sqrt(Hz)]\n"
-        f"accelerometer_random_walk: {imu.accelerometer_walk!r} # [m/s^3/sqrt(Hz)]\n"
+        f"gyroscope_noise_density: {imu.gyroscope_noise} # [rad/s/sqrt(Hz)]\n"
+        f"gyroscope_random_walk: {imu.gyroscope_walk} # [rad/s^2/sqrt(Hz)]\n"
+        f"accelerometer_noise_density: {imu.accelerometer_noise} # [m/s^2/sqrt(Hz)]\n"
+        f"accelerometer_random_walk: {imu.accelerometer_walk} # [m/s^3/sqrt(Hz)]\n"
     )
 
 

@@ -132,9 +132,9 @@ class Messages:
             accelerometer,
         )
 
-    def pose(self, stamp_ns: int, T_W_B: Float64[np.ndarray, "4 4"]) -> Any:
-        """A pose in the world."""
-        return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(T_W_B))
+    def pose(self, stamp_ns: int, row: Float64[np.ndarray, "7"]) -> Any:
+        """A pose in the world: position, quaternion x y z w."""
+        return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(row))
 
     def odometry(
         self,
@@ -157,7 +157,7 @@ class Messages:
         return self._of["Odometry"](
             self._header(stamp_ns, ODOM),
             BODY,
-            self._of["PoseWithCovariance"](self._pose(T_O_B), in_odom.ravel()),
+            self._of["PoseWithCovariance"](self._pose(pose_rows(T_O_B[None])[0]), in_odom.ravel()),
             self._of["TwistWithCovariance"](
                 self._of["Twist"](self._vector(twist[3:]), self._vector(twist[:3])), twist_covariance.ravel()
             ),
@@ -175,9 +175,9 @@ class Messages:
     def _vector(self, vector: Float64[np.ndarray, "3"]) -> Any:
         return self._of["Vector3"](*vector.tolist())
 
-    def _pose(self, T: Float64[np.ndarray, "4 4"]) -> Any:
-        row = pose_rows(T[None])[0].tolist()
-        return self._of["Pose"](self._of["Point"](*row[:3]), self._of["Quaternion"](*row[3:]))
+    def _pose(self, row: Float64[np.ndarray, "7"]) -> Any:
+        x, y, z, *quaternion = row.tolist()
+        return self._of["Pose"](self._of["Point"](x, y, z), self._of["Quaternion"](*quaternion))
 
     def _transform(self, stamp_ns: int, child: str, T_B_S: Float64[np.ndarray, "4 4"]) -> Any:
         row = pose_rows(T_B_S[None])[0].tolist()

@@ -12,12 +12,12 @@ from typing import TypeAlias
 from lexis.files import replaced_folder
 from sim.errors import SimError
 from sim.harness.config import RunConfig
+from sim.imu import ImuConfig
 from sim.record.euroc import write_euroc
 from sim.record.rooms import ROOMS, FrameRooms
 from sim.record.ros2 import write_bag
 from sim.record.take import Frame, Take, prepare
 from sim.record.tum_rgbd import write_tum_rgbd
-from sim.rig import Rig
 
 Write: TypeAlias = Callable[[Path, Take, Iterable[Frame], str], None]
 
@@ -53,19 +53,19 @@ def record(
     out: Path,
     format: str = "euroc",
     images: str = "png",
-    rig: Rig | None = None,
     progress: Callable[[float], None] | None = None,
+    imu_config: ImuConfig | None = None,
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
-    `images` is png, jpg or, in bags, raw; the cameras are the pinholes of `rig` or of the config;
-    `progress` is told the share of frames done. Returns the bytes written. Raises `LexisError` where `out` holds anything
-    else or cannot be written, `SimError` for an unknown format or kind of images, or too little room on the disk, and what
-    `sim.harness.run` raises.
+    `images` is png, jpg or, in bags, raw; the cameras are the pinholes of the config's rig, a single one with a partner to
+    the right of it; `progress` is told the share of frames done; `imu_config` has another IMU than EuRoC's. Returns the
+    bytes written. Raises `LexisError` where `out` holds anything else or cannot be written, `SimError` for an unknown format
+    or kind of images, or too little room on the disk, and what `sim.harness.run` raises.
     """
     form = _format(format, images)
     with replaced_folder(out.resolve(), ROOMS) as folder:
-        take = prepare(config, rig)
+        take = prepare(config, imu_config)
         _check_space(folder, take, form, images)
         rooms = FrameRooms(take.walk.house)
         others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")

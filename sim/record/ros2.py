@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from lexis.dataset_ros2 import ODOMETRY
+from lexis.quaternions import pose_rows
 from lexis.se3 import between, compose_covariance
 from lexis.types import Observation
 from sim.errors import SimError
@@ -78,7 +79,7 @@ class _Inertial:
 
     def __init__(self, take: Take, bag: _Bag) -> None:
         self._take, self._bag = take, bag
-        self._truth = take.T_W_B
+        self._truth = pose_rows(take.T_W_B)
         self._next = 0
 
     def until(self, stamp_ns: int) -> None:

@@ -19,7 +19,7 @@ from lexis.types import Camera, Image, Observation
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
 from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
-from sim.rig import STEREO_BASELINE_M, Rig
+from sim.rig import STEREO_BASELINE_M
 from sim.session import Session
 from sim.staging import Painter, Staging
 from sim.stream import Truth
@@ -122,15 +122,14 @@ class Take:
             yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
 
 
-def prepare(config: RunConfig, rig: Rig | None = None, imu_config: ImuConfig | None = None) -> Take:
+def prepare(config: RunConfig, imu_config: ImuConfig | None = None) -> Take:
     """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises.
 
-    The cameras are the pinholes of `rig`. None: those of the config's rig, and where it has one alone, another to the right.
+    The cameras are the pinholes of the config's rig; beside a single one, another to the right of it.
     """
     imu_config = imu_config or ImuConfig()
-    config = replace(config, rig=rig or config.rig)
     pinholes = tuple(config.rig.cameras.values())
-    cameras = (*pinholes, stereo_partner(config.camera)) if rig is None and len(pinholes) == 1 else pinholes
+    cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
