@@ -144,7 +144,7 @@ def _ranked_first(
 ) -> Int[np.ndarray, "q"]:
     """For every question, the room label whose frames resemble it most in the mean."""
     similarities = images @ questions.T
-    return np.array([similarities[own == room].mean(axis=0) for room in range(own.max() + 1)]).argmax(axis=0)
+    return np.argmax([similarities[own == room].mean(axis=0) for room in range(own.max() + 1)], axis=0)
 
 
 def ceiling_of(work: Path) -> Scores:

@@ -97,7 +97,8 @@ class AlignLearner:
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
     """As `lexis.encoder` embeds room names: unit means over prompts."""
-    means = np.stack([encode_texts(text, prompts(name)).mean(axis=0) for name in names])
+    said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
+    means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))
 
 
