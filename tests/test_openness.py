@@ -15,7 +15,7 @@ from worlds.truth import boundary_openness, openness
 from worlds.validation import validate
 
 TARGETS = (0.0, 0.07, 0.25, 0.5, 0.72, 0.93, 1.0)
-# Houses are made in the tests: beartype checks items that it picks with the `random` module, which strategies must not touch.
+# Made in the tests: beartype checks items that it picks with the `random` module, which strategies must not touch.
 presets, seeds = st.sampled_from(PRESETS), st.integers(0, 500)
 
 

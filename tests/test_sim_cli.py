@@ -70,7 +70,10 @@ def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     "words",
     [[], ["demo"], ["run"], ["bench"], ["train-encoder"], ["doctor"], ["house"]]
-    + [["house", action] for action in ("generate", "variant", "import", "check", "show", "export", "gallery", "prove", "schema")],
+    + [
+        ["house", name]
+        for name in ("generate", "variant", "import", "check", "show", "export", "gallery", "prove", "schema")
+    ],
 )
 def test_help_has_an_example(words, capsys):
     assert status_of([*words, "--help"]) == 0

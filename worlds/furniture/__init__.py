@@ -3,14 +3,14 @@
 To add a kind, write one function in the module of its theme (or a new module, named in `catalogue._THEMES`)::
 
     @furniture(
-        "piano", width=(1.35, 1.5), depth=(0.55, 0.65), height=(1.05, 1.25), rooms={"living room": 0.2}, clearance=0.7
+        "longcase clock", width=(0.4, 0.5), depth=(0.25, 0.3), height=(1.9, 2.1), rooms={"living room": 0.2}, clearance=0.5
     )
-    def piano(s: Size, rng: Generator) -> Parts:
-        black = pick(rng, DARK_WOODS)
+    def longcase_clock(s: Size, rng: Generator) -> Parts:
+        """A clock face and a pendulum's window in a tall case."""
         return (
-            box(s.x, (s.back, s.back + 0.3), s.z, black, "wood"),
-            box(s.x, (s.back + 0.3, s.front), (0.6, 0.75), black, "wood"),
-            box((s.left + 0.08, s.right - 0.08), (s.front - 0.16, s.front - 0.01), (0.75, 0.77), WHITE, "keyboard"),
+            box(s.x, s.y, s.z, pick(rng, DARK_WOODS), "wood"),
+            box((-0.12, 0.12), (s.front - 0.02, s.front), (0.4, 1.3), GLASS),
+            ball(about(0.0, 0.28), (s.front - 0.02, s.front), about(s.height - 0.25, 0.28), WHITE),
         )
 
 `rooms` says how many: 0.2 is an expected number, (1, 2) what the room always has, `Hoarded(0.5)` what only clutter brings.
