@@ -6,7 +6,6 @@ To add a kind, write one function in the module of its theme (or a new module, n
         "longcase clock", width=(0.4, 0.5), depth=(0.25, 0.3), height=(1.9, 2.1), rooms={"living room": 0.2}, clearance=0.5
     )
     def longcase_clock(s: Size, rng: Generator) -> Parts:
-        """A clock face and a pendulum's window in a tall case."""
         return (
             box(s.x, s.y, s.z, pick(rng, DARK_WOODS), "wood"),
             box((-0.12, 0.12), (s.front - 0.02, s.front), (0.4, 1.3), GLASS),
