@@ -8,8 +8,10 @@ import numpy as np
 
 from lexis.types import Poses
 from sim.bench.memory import measure_memory
+from sim.bench.overlap import measure_overlap
 from sim.bench.plain import PlainRenderer
 from sim.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.harness.config import RunConfig
 from sim.scene import build_scene
 from sim.tour import plan_tour
 from worlds.house import House, build_house
@@ -23,6 +25,7 @@ _MANY_ROOMS, _MANY_HOUSES = 40, 5
 _FRAME_ROOMS = 10
 _RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
 _GREY_LEVELS = 2
+_RUN_FRAMES, _RUNS = 400, 5
 _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
 
@@ -48,12 +51,13 @@ class Section:
 
 
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
-    """Measure `houses` houses of a preset, from `seed` upwards, and the scene, frames and memory of one."""
+    """Measure `houses` houses of a preset, from `seed` upwards, the scene, frames and memory of one, and the demo's run."""
     yield _houses(preset, houses, seed)
     house, walk = _furnished(seed)
     yield _scenes(house)
     for size in _RATIO_BARS:
         yield from _frames(house, walk, size)
+    yield from _runs()
     yield Section("memory of a run with rendering", "MB", (_memory(seed),))
 
 
@@ -130,6 +134,28 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
     yield Section(f"merged against plain at {name}", "1", ratios)
 
 
+def _runs() -> Iterator[Section]:
+    """Each alone and both at once, in turn, so that whatever else the machine does slows all alike."""
+    runs = measure_overlap(RunConfig(), _RUN_FRAMES, _RUNS)
+    parts = {
+        "rendering alone": [run.rendering for run in runs],
+        "LEXIS alone": [run.lexis for run in runs],
+        "both at once": [run.both for run in runs],
+    }
+    title = f"{_RUN_FRAMES} frames of the demo"
+    yield Section(f"{title}: wall time", "s", tuple(_most(name, [t.wall for t in of]) for name, of in parts.items()))
+    yield Section(f"{title}: processor time", "s", tuple(_most(n, [t.processor for t in of]) for n, of in parts.items()))
+    yield Section(
+        "rendering and LEXIS at once, on two cores that nobody else uses",
+        "1",
+        (
+            _most("wall time / the longer of both within it", [run.of_the_busiest for run in runs], "<= 1.15"),
+            _most("wall time / the longer alone", [run.of_the_longer for run in runs], "<= 1.15"),
+            _most("processor time / the sum of each alone", [run.extra_work for run in runs]),
+        ),
+    )
+
+
 def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Poses) -> dict[str, list[float]]:
     for draw in work.values():
         draw(poses[0])  # the first frame uploads textures and compiles shaders
@@ -155,9 +181,13 @@ def _memory(seed: int) -> Figure:
     return Figure("peak resident, apart from torch", megabytes, megabytes, 1, "<= 1200")
 
 
+def _most(name: str, values: Sequence[float], bar: str = "") -> Figure:
+    return Figure(name, float(np.median(values)), max(values), len(values), bar)
+
+
 def _timing(name: str, work: Callable[[int], object], items: Iterable[int], bar: str = "") -> Figure:
     milliseconds = [1e3 * _seconds(work, item) for item in items]
-    return Figure(name, float(np.median(milliseconds)), max(milliseconds), len(milliseconds), bar)
+    return _most(name, milliseconds, bar)
 
 
 def _seconds(work: Callable[..., object], item: object) -> float:

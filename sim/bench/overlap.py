@@ -1,0 +1,81 @@
+"""How far rendering and LEXIS get in each other's way when they run at once, as they do in every run."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from lexis.encoder import load_encoder
+from lexis.slam import Slam
+from lexis.types import Observation
+from sim.harness.config import RunConfig
+from sim.harness.walk import walk
+from sim.odometry import Odometry
+from sim.session import Session
+from sim.tour import Tour
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """What some work took, in whichever threads."""
+
+    wall: float
+    processor: float
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """One repetition: each alone, then both at once."""
+
+    rendering: Seconds
+    lexis: Seconds
+    both: Seconds
+    busiest: float
+    """The longer of rendering and LEXIS while both ran: `render_s` or `slam_s` of a run's result [s]."""
+
+    @property
+    def of_the_busiest(self) -> float:
+        """Wall time of both at once as a share of `busiest`; what is above 1 was spent waiting for each other."""
+        return self.both.wall / self.busiest
+
+    @property
+    def of_the_longer(self) -> float:
+        """Wall time of both at once as a share of the longer alone; 1 is perfect, on two free cores."""
+        return self.both.wall / max(self.rendering.wall, self.lexis.wall)
+
+    @property
+    def extra_work(self) -> float:
+        """Processor time of both at once as a share of each alone; 1 is perfect, whatever else the machine does."""
+        return self.both.processor / (self.rendering.processor + self.lexis.processor)
+
+
+def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Overlap]:
+    """Measure the first `frames` frames of a run, whose images are kept in memory."""
+    walked, encoder = walk(config), load_encoder(config.encoder)
+    tour, odometry = walked.tour, walked.odometry
+    part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)
+    reported = Odometry(odometry.T_O_B[:frames], odometry.increment_covariance[:frames])
+    session = Session(walked.house, part, reported, config.camera, config.faults, config.seed)
+
+    def lexis(observations: Iterable[Observation]) -> float:
+        """Run it; return its own time [s]."""
+        slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
+        for observation in observations:
+            slam.process(observation)
+        return sum(slam.finish().stage_seconds.values())
+
+    def repetition() -> Overlap:
+        rendering, _ = _clocked(lambda: sum(1 for _ in session))
+        alone, _ = _clocked(lambda: lexis(seen))
+        before = session.render_seconds
+        both, slam_s = _clocked(lambda: lexis(observation for observation, _ in session))
+        return Overlap(rendering, alone, both, max(slam_s, session.render_seconds - before))
+
+    seen = [observation for observation, _ in session]
+    lexis(seen[: len(seen) // 4])  # the first use of torch compiles and allocates
+    return [repetition() for _ in range(repetitions)]
+
+
+def _clocked(work: Callable[[], float]) -> tuple[Seconds, float]:
+    wall, processor = time.perf_counter(), time.process_time()
+    value = work()
+    return Seconds(time.perf_counter() - wall, time.process_time() - processor), value
