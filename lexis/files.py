@@ -19,6 +19,8 @@ def replaced_file(path: Path) -> Iterator[Path]:
     try:
         if path.is_dir():
             raise LexisError(f"{path}: is a folder; valid: the name of a file")
+        if path.exists() and not path.is_file():
+            raise LexisError(f"{path}: is a device or a pipe, which cannot be replaced; valid: the name of a file")
         handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     except OSError as error:
         raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a file in a folder that exists") from None

@@ -1,6 +1,7 @@
 """`lexis-sim house`: every option reaches the house, every problem is named, and bad files cost a line and nothing else."""
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -150,6 +151,7 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
         (["generate", "--texture", "shiny", "-o", "h.json"], "choose from"),
         (["generate", "--preset", "ori", "--rooms", "gym", "-o", "h.json"], "goes with a number of --rooms"),
         (["generate", "-o", "."], "is a folder"),
+        (["generate", "-o", "pipe"], "pipe: is a device or a pipe"),
         (["variant", "good.json", "-o", "h.json"], "good.json: nothing would change"),
         (["variant", "good.json", "--clutter", "5", "-o", "h.json"], "clutter 5.0 cannot be; valid: 0"),
         (["variant", "good.json", "--repaint", "-4", "-o", "h.json"], "whole number from 0"),
@@ -164,6 +166,7 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
 def test_bad_arguments_cost_a_line_and_leave_nothing(argv, message, here, capsys):
     (here / "good.json").write_text(two_rooms())
     sparse_gigabyte(here / "huge.svg")
+    os.mkfifo(here / "pipe")
     assert status_of(*argv) == 2
     printed = capsys.readouterr()
     assert message in printed.err and printed.err.count("\n") == 1 and printed.out == ""
