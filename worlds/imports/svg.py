@@ -74,7 +74,7 @@ def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
             scale = float(reader.root["data-metres-per-unit"])
         except (KeyError, ValueError):
             raise SpecError(
-                "does not say its scale; give --metres-per-unit (in Python metres_per_unit), or data-metres-per-unit on <svg>"
+                "does not say its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>"
             ) from None
     if not 0.0 < scale < 1e6:
         raise SpecError(f"has a scale of {scale} metres per unit; valid: above 0")
