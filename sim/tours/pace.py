@@ -16,6 +16,8 @@ _SLOWER = 0.93
 _ROUNDING = 1e-9
 _GAIT_S = 0.6
 """Over which the sway follows the speed."""
+_DIGITS = 9
+"""Of the gait: sums that BLAS makes differ between processors in their last bits."""
 
 
 @dataclass(frozen=True)
@@ -121,4 +123,4 @@ def _gait(positions: Float64[np.ndarray, "n 3"], speed_m_s: float) -> Float64[np
     width = round(_GAIT_S / _KNOT_S) | 1
     gait = np.convolve(np.pad(share, width // 2), np.full(width, 1 / width), mode="valid")
     ramp = np.minimum(np.arange(len(gait)), np.arange(len(gait))[::-1]) / width
-    return np.asarray(gait * np.clip(ramp, 0.0, 1.0))
+    return np.asarray((gait * np.clip(ramp, 0.0, 1.0)).round(_DIGITS))

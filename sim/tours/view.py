@@ -14,6 +14,8 @@ from worlds.truth import room_at
 _SMOOTHING_M = 0.24
 _PITCH_SMOOTHING_M = 0.5
 _GLANCE_EVERY_M = 4.0
+_DIGITS = 7
+"""Of what trigonometry gives: its last bits differ between processors, and the pace must not depend on them."""
 _AMBIGUOUS_RAD = 1e-3
 """About-turns go to the left, whichever side rounding would choose."""
 
@@ -23,11 +25,13 @@ def view_along(
 ) -> Float64[np.ndarray, "k 2"]:
     """Yaw, unwrapped, and pitch of the view at every point of a path; pitch is positive downwards [rad]."""
     step = np.diff(points, axis=0)
-    turn = np.diff(np.arctan2(step[:, 1], step[:, 0]))
+    heading = np.arctan2(step[:, 1], step[:, 0]).round(_DIGITS)
+    turn = np.diff(heading)
     turn = (turn + np.pi - _AMBIGUOUS_RAD) % (2 * np.pi) - np.pi + _AMBIGUOUS_RAD
-    yaw = np.arctan2(step[0, 1], step[0, 0]) + np.concatenate([[0.0], np.cumsum(turn), [turn.sum()]])
+    yaw = heading[0] + np.concatenate([[0.0], np.cumsum(turn), [turn.sum()]])
     yaw = _smoothed(yaw + _glances(house, points, glance_rad), _SMOOTHING_M)
-    slope = -np.arctan2(step[:, 2], np.linalg.norm(step[:, :2], axis=1)) if pitch_on_stairs else np.zeros(len(step))
+    slope = -np.arctan2(step[:, 2], np.linalg.norm(step[:, :2], axis=1)).round(_DIGITS)
+    slope = slope if pitch_on_stairs else np.zeros(len(step))
     return np.column_stack([yaw, _smoothed(np.append(slope, slope[-1]), _PITCH_SMOOTHING_M)])
 
 
@@ -45,4 +49,4 @@ def _glances(house: House, points: Float64[np.ndarray, "k 3"], amplitude_rad: fl
         times = round((s[j] - s[i]) / _GLANCE_EVERY_M)
         if times > 0 and room[i] >= 0 and house.rooms[room[i]].label != STAIRS:
             offset[i:j] = amplitude_rad * np.sin(2 * np.pi * times * (s[i:j] - s[i]) / (s[j] - s[i]))
-    return offset
+    return offset.round(_DIGITS)
