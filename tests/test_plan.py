@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from opening_rooms import every_kind
-from shapely.geometry import Point, Polygon
+from shapely.geometry import Point, Polygon, box
 from shapely.ops import unary_union
 
 from sim.errors import SimError
@@ -125,3 +125,18 @@ def test_dashes_leave_white_between_them():
     ]
     on, off = STYLES["open"].dash
     assert (drawn < 128).any(axis=1).mean() == pytest.approx(on / (on + off), abs=0.1)
+
+
+@pytest.mark.parametrize(("preset", "seed"), [("office", 610), ("school", 611), ("random", 611)])
+def test_names_stand_in_their_rooms(preset, seed):
+    house = build_house(sample_house(preset, seed, clutter=0.0))
+    for plan in floor_plans(house):
+        rooms = [Polygon(room.outline) for room in plan.rooms]
+        south = min(room.bounds[1] for room in rooms)  # of it are the legend and the scale
+        marks = plan_drawing(plan, label_colours(ROOM_LABELS)).marks
+        names = [mark for mark in marks if mark.style == "name" and mark.points[0, 1] > south]
+        assert len(names) >= len(rooms)
+        for mark in names:
+            (x, y), width = mark.points[0], 0.55 * mark.size * len(mark.text)
+            (room,) = [room for room in rooms if room.contains(Point(x, y))]
+            assert room.contains(box(x, y - 0.2 * mark.size, x + width, y + 0.4 * mark.size)), mark.text

@@ -45,10 +45,16 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
 
 
 def _name(room: PlannedRoom) -> Iterator[Mark]:
-    """The name in the upper left corner, where few paths run: on as many lines as keep it large; none where none fits."""
-    corner, width = _corner(room.outline)
+    """The name in an upper left corner, where few paths run: where and on as many lines as keep it large; or none."""
     text = room.name if room.label in room.name else f"{room.name} ({room.label})"
-    size, lines = max((_fitting_size(lines, width), lines) for lines in _layouts(text))
+    (size, _, lines), corner = max(
+        (
+            ((_fitting_size(lines, width), corner[1], lines), corner)
+            for corner, width in _corners(room.outline)
+            for lines in _layouts(text)
+        ),
+        key=lambda fit: fit[0],
+    )
     if size < _LEAST_TEXT_M:
         return
     for i, line in enumerate(lines):
@@ -64,10 +70,11 @@ def _fitting_size(lines: tuple[str, ...], width: float) -> float:
     return min(0.26 if len(lines) == 1 else 0.25, width / (_GLYPH_ASPECT * max(map(len, lines))))
 
 
-def _corner(outline: Float64[np.ndarray, "corners 2"]) -> tuple[Float64[np.ndarray, "2"], float]:
-    """The left end of the highest edge, moved inside, and the width there [m]."""
-    top = outline[outline[:, 1] > outline[:, 1].max() - 1e-6, 0]
-    return np.array([top.min() + _INSET_M, outline[:, 1].max() - _INSET_M]), float(np.ptp(top)) - 2 * _INSET_M
+def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float64[np.ndarray, "2"], float]]:
+    """The left end of every edge that the room lies below, moved inside, and the width there [m]."""
+    for right, left in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if left[0] < right[0]:  # counter-clockwise: upper edges run to the left
+            yield left + [_INSET_M, -_INSET_M], float(right[0] - left[0]) - 2 * _INSET_M
 
 
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
