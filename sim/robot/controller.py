@@ -21,7 +21,7 @@ _EASY_M = RADIUS_M + 0.15
 """With this much room the route itself is followed; with less, a way is sought that has the most room."""
 _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
-ARRIVED_M = 0.3
+ARRIVED_M = 0.1
 """The end counts as reached from this far [m]."""
 PATIENCE_S = 12.0
 """Without progress, the robot gives up after this time."""
@@ -47,6 +47,8 @@ class Controller:
         if np.linalg.norm(self._route.end - here) <= ARRIVED_M or self._has_lost_patience():
             return None
         target = self._target(here)
+        if target is None:
+            return 0.0, 0.0
         bearing = math.atan2(target[1] - pose.y, target[0] - pose.x)
         error = math.remainder(bearing - pose.yaw, math.tau)
         most = _TURN_RATE_RAD_S * STEP_S
@@ -59,13 +61,17 @@ class Controller:
             self._best_m, self._since_s = self._route.progress_m, 0.0
         return self._since_s > PATIENCE_S
 
-    def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"]:
+    def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
+        """Where to steer to; None where no place is better than this one."""
         carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)
             return carrot
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
-            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)), here
+            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)[-1]), here
+        if len(self._way) < 2:
+            self._planned_at = np.full(2, np.inf)
+            return None
         nearest = int(np.argmin(((self._way - here) ** 2).sum(axis=1)))
         for target in self._way[nearest + 1 :][7::-1]:
             if self._map.clearance(here, target) >= _KEEP_M:

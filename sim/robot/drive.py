@@ -15,6 +15,7 @@ from worlds.house import House
 from worlds.truth import NOWHERE, room_at
 
 _SCAN_EVERY_M = 0.1
+_SCAN_EVERY_S = 0.5
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
 """A drive may take this many times as long as its line at full speed, and the least time more."""
@@ -62,13 +63,13 @@ class Robot:
             raise SimError(f"drive: waypoints must be at least one and finite; got {waypoints.tolist()}")
         controller = Controller(waypoints)
         touched = self._body.stand(start)
-        path, since_scan = [self._body.position], math.inf
+        path, unseen = [self._body.position], math.inf
         for _ in range(_most_steps(waypoints)):
             if touched:
                 break
-            if since_scan >= _SCAN_EVERY_M:
+            if unseen >= _SCAN_EVERY_M:
                 controller.see(self._scanner.scan(yaw), pose, float(path[-1][2] - path[0][2]))
-                since_scan = 0.0
+                unseen = 0.0
             step = controller.step(pose)
             if step is None:
                 break
@@ -77,7 +78,7 @@ class Robot:
             yaw += turn
             pose.advance(forward, turn)
             path.append(self._body.position)
-            since_scan += forward
+            unseen += max(forward, _SCAN_EVERY_M * STEP_S / _SCAN_EVERY_S)
         return self._judged(np.array(path), touched)
 
     def _move(self, heading: float, forward: float) -> tuple[str, ...]:

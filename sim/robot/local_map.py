@@ -21,6 +21,9 @@ _PREFERRED_M = 0.2
 _BLOCKED = 100.0
 """Cost of a metre that is too near to something: a way out is always found, and any other way is preferred."""
 _CROWDING = 2.0
+"""How much more a metre costs at the least distance."""
+_MISS_COST = 30.0
+"""Of every metre that is missing to the target; more than a crowded metre costs."""
 
 
 class LocalMap:
@@ -48,18 +51,19 @@ class LocalMap:
         share = np.clip(to @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
-    def way(self, start: Float64[np.ndarray, "2"], targets: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-        """A way that keeps clear, to the last of the targets that is on the map and can be stood at."""
+    def way(self, start: Float64[np.ndarray, "2"], target: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
+        """A way that keeps clear, as near to the target as is worth its length."""
         distance = self._distances(start)
         lack = np.clip(1.0 - (distance - self._keep_m) / _PREFERRED_M, 0.0, 1.0)
         cost = np.where(distance < self._keep_m, _BLOCKED, 1.0 + _CROWDING * lack).ravel()
-        cells = np.rint((targets - start) / CELL_M).astype(int) + _HALF
-        cells = cells[((cells >= 0) & (cells < _N)).all(axis=1)]
-        nodes = cells[:, 1] * _N + cells[:, 0]
-        free = nodes[cost[nodes] < _BLOCKED]
-        goal = int(free[-1] if len(free) else nodes[-1] if len(nodes) else _HALF * _N + _HALF)
-        path = _trace(cost, goal)
-        return start + (np.stack([path % _N, path // _N], axis=1) - _HALF) * CELL_M
+        a, b, length, indptr = _grid()
+        graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
+        costs, before = dijkstra(graph, indices=_HALF * _N + _HALF, return_predecessors=True)
+        cells = start + _cells() * CELL_M
+        path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - target, axis=1)))]
+        while before[path[-1]] >= 0:
+            path.append(int(before[path[-1]]))
+        return cells[path[::-1]]
 
     def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
         """Of every cell from the nearest point [m]."""
@@ -72,15 +76,11 @@ class LocalMap:
         return cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(np.float64) * CELL_M
 
 
-def _trace(cost: Float64[np.ndarray, "cells"], goal: int) -> Int[np.ndarray, "j"]:
-    """The cheapest cells from the middle to the goal."""
-    a, b, length, indptr = _grid()
-    graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
-    before = dijkstra(graph, indices=_HALF * _N + _HALF, return_predecessors=True)[1]
-    path = [goal]
-    while before[path[-1]] >= 0:
-        path.append(int(before[path[-1]]))
-    return np.array(path[::-1])
+@cache
+def _cells() -> Int[np.ndarray, "cells 2"]:
+    """Of every cell, its place on the grid around the robot's."""
+    cell = np.arange(_N * _N)
+    return np.stack([cell % _N, cell // _N], axis=1) - _HALF
 
 
 @cache

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 _SAMPLE_M = 0.1
-_WINDOW_M = 1.5
+_WINDOW_M = 0.8
 """Progress is looked for this far ahead: a way may pass by itself, as on stairs."""
 
 
