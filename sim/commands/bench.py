@@ -4,13 +4,22 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
+from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from lexis.command_line import Commands, add_command, positive
-from sim.commands.arguments import ENCODER_HELP, SEED, folder
+from sim.commands.arguments import (
+    ENCODER_HELP,
+    FEATURE_MODEL_HELP,
+    FIDELITY_HELP,
+    SEED,
+    folder,
+)
+from sim.errors import SimError
+from sim.fidelity import FIDELITIES, ORACLE
 from worlds.presets import PRESETS
 
 
@@ -22,10 +31,14 @@ def add_to(commands: Commands) -> None:
     bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
     bench.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     bench.add_argument("--work", type=folder, help="of train-encoder; encoders: its frames teach the ceiling")
+    bench.add_argument("--fidelity", choices=FIDELITIES, default="render", help=f"segmentation; {FIDELITY_HELP}")
+    bench.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     SEED(bench)
 
 
 def _bench(arguments: argparse.Namespace) -> int:
+    if arguments.encoder == ORACLE:
+        raise SimError(f"encoder {ORACLE!r} is told the truth: no benchmark is of it; valid: mini, or a model of open_clip")
     # What is no terminal has no width, for which rich would take 80 columns and cut figures off.
     console = Console(width=None if sys.stdout.isatty() else 200)
     for table in _BENCHMARKS[arguments.benchmark](arguments):
@@ -38,13 +51,17 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.harness import RunConfig
     from sim.report.figures import shown
 
-    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}, {arguments.fidelity}")
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
     last = arguments.seed + arguments.houses - 1
     rows = []
-    for house, row in run_houses(
-        RunConfig(preset=arguments.preset, encoder=arguments.encoder), range(arguments.seed, last + 1)
-    ):
+    config = RunConfig(
+        preset=arguments.preset,
+        encoder=arguments.encoder,
+        fidelity=arguments.fidelity,
+        feature_model=arguments.feature_model,
+    )
+    for house, row in run_houses(config, range(arguments.seed, last + 1)):
         rows.append(row)
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
@@ -88,8 +105,30 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
+def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.encoder import load_encoder
+    from sim.bench.fidelity import FIGURES, compare, mixed_houses, summarised
+    from sim.report.figures import shown
+
+    table = Table("houses", "house", *(f"{name}, {side}" for name in FIGURES for side in ("render", "features")))
+    pairs = []
+    for pair in compare(
+        mixed_houses(arguments.houses, arguments.seed), load_encoder(arguments.encoder), arguments.feature_model
+    ):
+        pairs.append(pair)
+        table.add_row(pair.group, pair.name, *(f"{value:.2f}" for name in FIGURES for value in getattr(pair, name)))
+    yield table
+    headers = ("houses", "how many", "figure", "mean, render", "mean, features", "mean difference", "Spearman's rho")
+    summary = Table(*headers, title="how well features predict renders", title_justify="left")
+    for group, name, found in summarised(pairs):
+        means = (f"{value:.3f}" for value in (found.rendered, found.features, found.off))
+        summary.add_row(group, str(found.houses), name, *means, shown(found.rho, "{:.2f}"))
+    yield summary
+
+
 _BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {
     "speed": _speed,
     "segmentation": _segmentation,
     "encoders": _encoders,
+    "fidelity": _fidelity,
 }

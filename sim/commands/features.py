@@ -8,6 +8,7 @@ from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command, positive
 from sim.commands.arguments import ENCODER_HELP
+from sim.errors import SimError
 
 
 def add_to(commands: Commands) -> None:
@@ -26,9 +27,12 @@ def add_to(commands: Commands) -> None:
 
 def _fit(arguments: argparse.Namespace) -> int:
     from lexis.encoder import load_encoder
+    from lexis.model_source import MINI
     from sim.features.fit import fit_features
     from sim.features.model import MINI_FEATURES, save_features
 
+    if arguments.out is None and arguments.encoder != MINI:
+        raise SimError(f"--out is missing: only the model of {MINI!r} has its place; valid: --out FILE.npz")
     out: Path = arguments.out or MINI_FEATURES
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:

@@ -19,6 +19,7 @@ from sim.commands.arguments import (
     folder,
     walk_options,
 )
+from sim.fidelity import FIDELITIES
 
 if TYPE_CHECKING:
     from sim.harness import RunConfig
@@ -44,7 +45,7 @@ def add_to(commands: Commands) -> None:
     add_walk(run)
     _add_out(run, Path("lexis-run"))
     run.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
-    run.add_argument("--fidelity", choices=("render", "features"), default="render", help=FIDELITY_HELP)
+    run.add_argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP)
     run.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     run.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
     run.add_argument("--no-loops", action="store_true", help="close no loops")

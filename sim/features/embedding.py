@@ -41,11 +41,11 @@ class EmbeddingModel:
 
     def draw(self, views: Views, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
         """Embeddings of views from poses of the body, unit norm. A function of pose, house and seed alone."""
-        rows = self.expected(views) + _scores(views, T_W_B, self, seed) @ self.errors
+        rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 
 
-def _scores(views: Views, T_W_B: Poses, model: EmbeddingModel, seed: tuple[int, ...]) -> Float32[np.ndarray, "n k"]:
+def error_scores(model: EmbeddingModel, views: Views, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n k"]:
     """The field's value at every view, of unit variance in each of `k` independent dimensions."""
     rng, k = np.random.default_rng(seed), len(model.errors)
     parts = [bases @ rng.standard_normal((bases.shape[1], k), np.float32) for bases in _bases(views, T_W_B, rng)]

@@ -36,7 +36,7 @@ def fit_features(
     for i, choice in enumerate(choices(houses, FIRST_SEED)):
         samples.append(sample(choice, encoder, FRAMES))
         progress(_WALK_SHARE + (1.0 - _WALK_SHARE) * (i + 1) / houses)
-    return FeatureModel(fingerprint(encoder), fit_embedding(samples), _compact(fit_loops(joined(trials))))
+    return FeatureModel(fingerprint(encoder), fit_embedding(samples, encoder), _compact(fit_loops(joined(trials))))
 
 
 def _compact(model: LoopModel) -> LoopModel:

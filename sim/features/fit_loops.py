@@ -24,6 +24,7 @@ from sim.odometry import tour_odometry
 from sim.odometry_config import PRESETS
 from sim.session import Session
 from sim.tour import TourConfig, plan_tour
+from worlds.house import build_house
 from worlds.walkable import Walkable
 
 _FRAME_RATE_HZ = 3.5
@@ -69,7 +70,7 @@ def fit_loops(trials: Trials) -> LoopModel:
 def try_verification(choice: HouseChoice, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
     """Map a walk on renders; then verify what was proposed, and other pairs that are near each other."""
     camera, config = camera or wide_camera(), Config()
-    house = choice.build()
+    house = build_house(choice.spec())
     rng = np.random.default_rng((choice.seed, seed))
     tour = plan_tour(house, Walkable(house), rng, TourConfig(frame_rate_hz=_FRAME_RATE_HZ))
     session = Session(house, tour, tour_odometry(tour, PRESETS["multicam"], rng), camera)

@@ -13,6 +13,7 @@ from lexis.errors import EncoderError
 from lexis.types import Image, Poses
 from sim.features.surroundings import OBJECTS
 from sim.features.views import Views
+from sim.fidelity import ORACLE
 from worlds.labels import ROOM_LABELS
 
 _NOTHING = len(ROOM_LABELS)
@@ -26,7 +27,7 @@ class Oracle:
     @property
     def name(self) -> str:
         """As `RunConfig.encoder` names it."""
-        return "oracle"
+        return ORACLE
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         """Raise EncoderError: it sees no images."""

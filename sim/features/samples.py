@@ -1,10 +1,9 @@
 """What feature models are fitted to: walks through houses, what the cameras truly see, and what the encoder makes of it."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32, Float64
+from jaxtyping import Float32, Float64, Int
 
 from lexis.encoder import Encoder
 from lexis.types import Camera
@@ -15,6 +14,8 @@ from sim.scene import build_scene
 from sim.tour import Tour, TourConfig, plan_tour
 from worlds.house import House, build_house
 from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+from worlds.truth import room_at
 from worlds.walkable import Walkable
 
 
@@ -27,9 +28,9 @@ class HouseChoice:
     openness: float | None = None
     clutter: float = 1.0
 
-    def build(self) -> House:
-        """The house."""
-        return build_house(sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter))
+    def spec(self) -> HouseSpec:
+        """The house as data."""
+        return sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,13 @@ class Sample:
     views: Views
     embeddings: Float32[np.ndarray, "n d"]
     """Of the rendered images."""
+
+    @property
+    def true_labels(self) -> Int[np.ndarray, "n"]:
+        """Index into the house's room labels of the room that holds the camera."""
+        house = self.around.house
+        labels = house.spec.room_labels
+        return np.array([labels.index(house.rooms[i].label) for i in room_at(house, self.T_W_B[:, :3, 3])], int)
 
 
 def choices(houses: int, first_seed: int) -> tuple[HouseChoice, ...]:
@@ -56,7 +64,7 @@ def choices(houses: int, first_seed: int) -> tuple[HouseChoice, ...]:
 def sample(choice: HouseChoice, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
     """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
     camera = camera or wide_camera()
-    house = choice.build()
+    house = build_house(choice.spec())
     tour = tour_through(house, choice.seed)
     poses = tour.T_W_B[np.unique(np.linspace(0, len(tour.stamps) - 1, frames).astype(int))]
     around = survey(house)
@@ -70,13 +78,3 @@ def sample(choice: HouseChoice, encoder: Encoder, frames: int, camera: Camera | 
 def tour_through(house: House, seed: int, kind: str = "rooms") -> Tour:
     """The tour that samples and benchmarks of a house take."""
     return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))
-
-
-def samples(
-    houses: tuple[HouseChoice, ...], encoder: Encoder, frames: int, progress: Callable[[float], None] | None = None
-) -> Iterator[Sample]:
-    """`sample` of every house."""
-    for i, choice in enumerate(houses):
-        yield sample(choice, encoder, frames)
-        if progress is not None:
-            progress((i + 1) / len(houses))

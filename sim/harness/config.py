@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from sim.errors import SimError
 from sim.faults import Fault
 from sim.faults.images import ImageFault, Smear
 from sim.faults.world import ClosedDoors, Pedestrian
+from sim.fidelity import FIDELITIES, ORACLE, Fidelity
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import OdometryConfig
 from sim.rig import Rig, make_rig
@@ -19,9 +19,6 @@ from sim.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
-Fidelity: TypeAlias = Literal["render", "features"]
-ORACLE = "oracle"
-"""An encoder that is told the truth: for tests of what comes after the encoder, never for a figure of LEXIS."""
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor knows nothing of: it has no pixels, and sees nothing that moves by itself."""
 TOUR_LENGTH_M = {"home": 140.0}
@@ -42,6 +39,8 @@ class RunConfig:
     """Wished length of the walk [m]; at least once through every room. None: the preset's, or as the kind has it."""
     tour_kind: str = "rooms"
     """Where the walk goes: one of `sim.tours.config.TOUR_KINDS`."""
+    frame_rate_hz: float = 10.0
+    """Observations a second; less than two a keyframe leaves no landmarks."""
     odometry: str = "multicam"
     """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
     overconfidence: float = 1.0
@@ -72,8 +71,8 @@ class RunConfig:
             raise SimError(f"seed {self.seed} is not in 0 ... 2**63 - 1")
 
     def _check_fidelity(self) -> None:
-        if self.fidelity not in get_args(Fidelity):
-            raise SimError(f"unknown fidelity {self.fidelity!r}; valid: {', '.join(get_args(Fidelity))}")
+        if self.fidelity not in FIDELITIES:
+            raise SimError(f"unknown fidelity {self.fidelity!r}; valid: {', '.join(FIDELITIES)}")
         if self.fidelity == "render":
             if self.encoder == ORACLE:
                 raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
@@ -93,7 +92,8 @@ class RunConfig:
     def tour(self) -> TourConfig:
         """How the walk goes."""
         usual = TOUR_LENGTH_M.get(self.preset) if self.house is None and self.tour_kind == "rooms" else None
-        return TourConfig(self.tour_kind, self.length_m if self.length_m is not None else usual)
+        length_m = self.length_m if self.length_m is not None else usual
+        return TourConfig(self.tour_kind, length_m, frame_rate_hz=self.frame_rate_hz)
 
     def drift(self) -> OdometryConfig:
         """How the odometry drifts. Raises `SimError` for an overconfidence below 1."""

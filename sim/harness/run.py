@@ -15,7 +15,8 @@ from lexis.types import LexisMap
 from sim.features.model import MINI_FEATURES, load_features
 from sim.features.oracle import Oracle
 from sim.features.sensor import FeatureSensor
-from sim.harness.config import ORACLE, RunConfig
+from sim.fidelity import ORACLE
+from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.stream import Truth
