@@ -71,11 +71,14 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
 
 def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], way: Float64[np.ndarray, "n 3"]) -> Geometry:
     """Where the foot print of a piece may be."""
-    storey = house.storeys[piece.storey]
+    storey, room = house.storeys[piece.storey], house.room_by_id[piece.room].polygon
+    low, high = np.reshape(room.bounds, (2, 2)) + [[-_BODY_M], [_BODY_M]]
     here = way[(way[:, 2] > storey.floor_m) & (way[:, 2] < storey.ceiling_m), :2]
-    leaves = [leaf.swing for leaf in house.leaves if leaf.storey == piece.storey]
-    taken = shapely.union_all([*(other.footprint for other in others), *leaves, MultiPoint(here).buffer(_BODY_M, 4)])
-    return house.room_by_id[piece.room].polygon.buffer(-_WALL_M).difference(taken)
+    near = here[((here > low) & (here < high)).all(axis=1)]
+    shapes = [*(other.footprint for other in others), *(leaf.swing for leaf in house.leaves if leaf.storey == piece.storey)]
+    within = [shape for shape in shapes if shape.intersects(room)]
+    taken = shapely.union_all([*within, MultiPoint(near).buffer(_BODY_M, 4)])
+    return room.buffer(-_WALL_M).difference(taken)
 
 
 def _moved(piece: Furniture, about: Furniture, shift: tuple[float, float], turn: float) -> Furniture:
