@@ -34,7 +34,7 @@ from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
 CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom"), seed=51), seed=5, length_m=13.0, rig=make_rig("wide", 160, 120, 80.0)
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
 )
 """The shortest of walks with loops."""
 REST = 20
@@ -153,7 +153,7 @@ def test_euroc_is_laid_out_as_its_readers_expect(recordings):
     assert all(len(stamp) == 19 for stamp in stamps) and int(stamps[0]) == EPOCH_NS
     sensor = yaml.safe_load((folder / "mav0" / "cam1" / "sensor.yaml").read_text())
     assert sensor["distortion_model"] == "radial-tangential" and sensor["distortion_coefficients"] == [0.0] * 4
-    assert sensor["rate_hz"] == 10 and sensor["resolution"] == [160, 120]
+    assert sensor["rate_hz"] == 10 and sensor["resolution"] == [200, 150]
     noise = yaml.safe_load((folder / "mav0" / "imu0" / "sensor.yaml").read_text())
     assert noise["gyroscope_noise_density"] == 1.6968e-4 and noise["accelerometer_random_walk"] == 3.0e-3
 

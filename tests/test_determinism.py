@@ -1,0 +1,105 @@
+"""The same seed gives the same, to the last bit, in another process; on another processor the same house and way.
+
+Houses: bit by bit, because specs are rounded and what is built of them takes little more than sums and products. Ways and
+odometry: whatever LAPACK, BLAS or trigonometry give is rounded before anything is decided by it, so what is left are last
+bits. Images and maps: nothing is promised, since rasters and networks are free to round as they like.
+"""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from sim.harness import RunConfig, evaluate, run
+from sim.harness.walk import walk
+from sim.rig import make_rig
+from worlds.presets import sample_from_rooms
+
+GUARD_S = 120.0
+"""Only a process that hangs takes that long [s]."""
+OTHER_PROCESSOR = {
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR AVX2 FMA3 AVX512F AVX512_SKX",
+    "OPENBLAS_CORETYPE": "Nehalem",
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F",
+    "PYTHONWARNINGS": "ignore",
+}
+"""Of 2008: numpy, BLAS and libm take other ways there than on one of today."""
+CONFIG = RunConfig(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
+)
+LONG = RunConfig(preset="random", seed=602)
+"""A walk of 850 m, on which rounding has the time to grow."""
+
+
+def digest(*parts):
+    """Of arrays or text, to the last bit."""
+    sha = hashlib.sha256()
+    for part in parts:
+        sha.update(part.encode() if isinstance(part, str) else np.ascontiguousarray(part).tobytes())
+    return sha.hexdigest()
+
+
+def everything():
+    """Of a run: digests, and result.json without times."""
+    done = run(CONFIG)
+    tour, odometry = done.session.tour, done.session.odometry
+    result = evaluate(done, ())
+    del result["time"]
+    return {
+        "house": house(done),
+        "trajectory": digest(tour.stamps, tour.T_W_B),
+        "odometry": digest(odometry.T_O_B, odometry.increment_covariance),
+        "images": digest(*(observation.image for observation, _ in done.session)),
+        "map": digest(done.map.T_W_B, done.map.labels, *(keyframe.embedding for keyframe in done.map.keyframes)),
+        "result": json.loads(json.dumps(result)),
+    }
+
+
+def house(walked):
+    """The spec and what is built of it."""
+    rooms = [np.array(room.polygon.exterior.coords) for room in walked.house.rooms]
+    walls = [np.array([wall.start, wall.end]) for wall in walked.house.walls]
+    furniture = [np.array([*item.position, item.yaw, *item.size]) for item in walked.house.furniture]
+    return digest(walked.house.spec.to_json(), *rooms, *walls, *furniture)
+
+
+def way():
+    """The house's digest, and every 50th true and odometric pose of the long walk."""
+    walked = walk(LONG)
+    return [house(walked), walked.tour.T_W_B[::50].tolist(), walked.odometry.T_O_B[::50].tolist()]
+
+
+@pytest.fixture(scope="module")
+def elsewhere():
+    """What other processes find, by what they are asked; both work while this one does."""
+    environments = {"everything": {"PYTHONHASHSEED": "12345"}, "way": OTHER_PROCESSOR}
+    running = {
+        name: subprocess.Popen([sys.executable, __file__, name], env=os.environ | changed, stdout=subprocess.PIPE, text=True)
+        for name, changed in environments.items()
+    }
+    yield lambda name: json.loads(running[name].communicate(timeout=GUARD_S)[0])
+    for process in running.values():
+        process.kill()
+        process.wait()
+
+
+def test_another_process_gives_the_same_run_bit_by_bit(elsewhere):
+    here = everything()
+    assert here["result"]["loops"]["verified"] > 0
+    assert elsewhere("everything") == here
+
+
+def test_another_processor_gives_the_same_house_and_way(elsewhere):
+    spec, true, odometric = way()
+    spec_there, true_there, odometric_there = elsewhere("way")
+    assert spec == spec_there
+    np.testing.assert_allclose(true, true_there, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(odometric, odometric_there, rtol=0.0, atol=1e-9)
+
+
+if __name__ == "__main__":
+    print(json.dumps({"everything": everything, "way": way}[sys.argv[1]]()))
