@@ -120,7 +120,7 @@ def grown_mb(renderers):
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="reads Linux's /proc")
 def test_renderers_leave_no_memory_behind():
-    assert grown_mb(30) < 8.0
+    assert grown_mb(20) < 4.0
 
 
 @pytest.mark.slow

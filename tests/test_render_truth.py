@@ -34,7 +34,7 @@ def house():
 
 @pytest.fixture(scope="module")
 def poses(house):
-    return viewpoints(house, 24, tilt=0.2)
+    return viewpoints(house, 15, tilt=0.2)
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_a_camera_in_a_room_by_the_polygons_is_in_it_by_rays():
 def test_what_is_not_drawn_is_not_seen(preset, seed):
     house = build_house(sample_house(preset, seed))
     scene = build_scene(house, SIZE, FOVY)
-    poses = np.concatenate([viewpoints(house, 45, seed=1, tilt=0.4), viewpoints(house, 15, seed=2, tilt=np.pi / 2)])
+    poses = np.concatenate([viewpoints(house, 20, seed=1, tilt=0.4), viewpoints(house, 10, seed=2, tilt=np.pi / 2)])
     poses[::5, :3, 3] = [[*_middle_of_an_opening(house, i), T[2, 3]] for i, T in enumerate(poses[::5])]
     everything = replace(scene, visibility=_Everything(house))
     hidden = 0
