@@ -33,6 +33,7 @@ def add_to(commands: Commands) -> None:
     bench.add_argument("--work", type=folder, help="of train-encoder; encoders: its frames teach the ceiling")
     bench.add_argument("--fidelity", choices=FIDELITIES, default="render", help=f"segmentation; {FIDELITY_HELP}")
     bench.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
+    bench.add_argument("--pictures", type=folder, metavar="DIR", help="planning; draws the drives of LEXIS that failed")
     SEED(bench)
 
 
@@ -126,9 +127,33 @@ def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
     yield summary
 
 
+def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.planning import DRIVERS, drive_houses
+    from sim.harness import RunConfig
+    from sim.report.figures import shown
+
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
+    rows = []
+    for row in drive_houses(config, seeds, arguments.pictures):
+        rows.append(row)
+        figures = (shown(row.success, "{:.3f}"), shown(row.spl, "{:.3f}"), str(row.touched), f"{row.seconds:.1f}")
+        table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == list(DRIVERS)[-1])
+    for driver in DRIVERS:
+        mine = [row for row in rows if row.driver == driver and row.queries]
+        queries = sum(row.queries for row in mine)
+        means = (sum(getattr(row, name) * row.queries for row in mine) / max(queries, 1) for name in ("success", "spl"))
+        sums = str(sum(row.touched for row in mine)), f"{sum(row.seconds for row in mine):.1f}"
+        table.add_row("all", driver, str(queries), *(f"{mean:.3f}" for mean in means), *sums)
+    yield table
+
+
 _BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {
     "speed": _speed,
     "segmentation": _segmentation,
     "encoders": _encoders,
     "fidelity": _fidelity,
+    "planning": _planning,
 }

@@ -70,17 +70,16 @@ class _Belief:
         return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), run.config.drift())
 
 
-def try_plans(run: Run, steering: Steering = "lexis") -> list[Trial]:
+def try_plans(run: Run, steering: Steering = "lexis", blind: bool = False) -> list[Trial]:
     """Ask for a plan between every two room labels of the map, stairs left out, and drive it.
 
     The robot is set down at the first keyframe of each plan, its odometry as it was at the end of the map, and the odometry
-    goes on drifting from there.
+    goes on drifting from there. `blind`: it does not look where it goes.
     """
-    return list(_trials(run, steering))
+    return list(_trials(run, Robot(run.house, blind), _Belief.of(run, steering)))
 
 
-def _trials(run: Run, steering: Steering) -> Iterator[Trial]:
-    robot, belief = Robot(run.house), _Belief.of(run, steering)
+def _trials(run: Run, robot: Robot, belief: _Belief) -> Iterator[Trial]:
     labels = sorted({room.label for room in run.map.rooms} - {STAIRS})
     for query, (start, goal) in enumerate(permutations(labels, 2)):
         rng = np.random.default_rng(np.random.SeedSequence(run.config.seed, spawn_key=(_STREAM, query)))

@@ -17,13 +17,19 @@ _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
 _HORIZON_M = 1.7
 _KEEP_M = RADIUS_M + 0.05
+"""Kept from the straight line to the next place of a way, if it can be."""
+_LEAST_M = RADIUS_M + 0.03
+"""No way is nearer to anything."""
+_REACH = 6
+"""Cells of a way that are looked ahead."""
 _EASY_M = RADIUS_M + 0.15
 """With this much room the route itself is followed; with less, a way is sought that has the most room."""
 _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
-ARRIVED_M = 0.1
-"""The end counts as reached from this far [m]."""
-PATIENCE_S = 12.0
+_ENTER_M = 0.5
+"""Past its last waypoint the robot goes on so far, where there is room: many plans end just behind a door."""
+_ARRIVED_M = 0.1
+_PATIENCE_S = 12.0
 """Without progress, the robot gives up after this time."""
 
 
@@ -31,7 +37,7 @@ class Controller:
     """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 2"]) -> None:
-        self._route, self._map = Route(waypoints), LocalMap(_KEEP_M)
+        self._route, self._map = Route(waypoints, _ENTER_M), LocalMap(_LEAST_M)
         self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
@@ -44,7 +50,7 @@ class Controller:
         """The next `STEP_S`; None where the robot has arrived or has given up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
-        if np.linalg.norm(self._route.end - here) <= ARRIVED_M or self._has_lost_patience():
+        if np.linalg.norm(self._route.end - here) <= _ARRIVED_M or self._has_lost_patience():
             return None
         target = self._target(here)
         if target is None:
@@ -59,24 +65,25 @@ class Controller:
         self._since_s += STEP_S
         if self._route.progress_m > self._best_m + 0.1:
             self._best_m, self._since_s = self._route.progress_m, 0.0
-        return self._since_s > PATIENCE_S
+        return self._since_s > _PATIENCE_S
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
         """Where to steer to; None where no place is better than this one."""
         carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)
-            return carrot
+            return np.asarray(carrot)
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
             self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)[-1]), here
         if len(self._way) < 2:
             self._planned_at = np.full(2, np.inf)
             return None
         nearest = int(np.argmin(((self._way - here) ** 2).sum(axis=1)))
-        for target in self._way[nearest + 1 :][7::-1]:
+        following = self._way[nearest + 1 :] if nearest + 1 < len(self._way) else self._way[-1:]
+        for target in following[_REACH::-2]:
             if self._map.clearance(here, target) >= _KEEP_M:
-                return target
-        return self._way[min(nearest + 2, len(self._way) - 1)]
+                return np.asarray(target)
+        return np.asarray(following[0])
 
     def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:
         step = STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2

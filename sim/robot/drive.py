@@ -45,10 +45,13 @@ class Drive:
 
 
 class Robot:
-    """A body with a scanner in a house; drives any number of plans."""
+    """A body with a scanner in a house; drives any number of plans.
 
-    def __init__(self, house: House) -> None:
-        self._house = house
+    With `blind`, it follows its waypoints by its pose alone.
+    """
+
+    def __init__(self, house: House, blind: bool = False) -> None:
+        self._house, self._blind = house, blind
         self._body = Body(house)
         self._scanner = RangeScanner(self._body)
 
@@ -67,7 +70,7 @@ class Robot:
         for _ in range(_most_steps(waypoints)):
             if touched:
                 break
-            if unseen >= _SCAN_EVERY_M:
+            if not self._blind and unseen >= _SCAN_EVERY_M:
                 controller.see(self._scanner.scan(yaw), pose, float(path[-1][2] - path[0][2]))
                 unseen = 0.0
             step = controller.step(pose)

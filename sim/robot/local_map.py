@@ -10,17 +10,18 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 CELL_M = 0.08
+_FINE = 4
 _HALF = 22
 """Cells to either side of the robot's."""
 _N = 2 * _HALF + 1
 _SCANS = 12
 _SAME_M = 0.4
 """Scans from heights that differ by more show other things, on stairs [m]."""
-_PREFERRED_M = 0.2
+_PREFERRED_M = 0.25
 """Beyond the least distance, from which on more room is no better [m]."""
 _BLOCKED = 100.0
 """Cost of a metre that is too near to something: a way out is always found, and any other way is preferred."""
-_CROWDING = 2.0
+_CROWDING = 5.0
 """How much more a metre costs at the least distance."""
 _MISS_COST = 30.0
 """Of every metre that is missing to the target; more than a crowded metre costs."""
@@ -29,11 +30,11 @@ _MISS_COST = 30.0
 class LocalMap:
     """The ends of the beams of the last few scans, in the frame that the robot steers in.
 
-    `keep_m` is the least distance of the robot's centre from any of them.
+    `least_m` is the least distance of the robot's centre from any of them.
     """
 
-    def __init__(self, keep_m: float) -> None:
-        self._keep_m = keep_m
+    def __init__(self, least_m: float) -> None:
+        self._least_m = least_m
         self._scans: deque[tuple[float, Float64[np.ndarray, "_ 2"]]] = deque(maxlen=_SCANS)
         self._points = np.zeros((0, 2))
 
@@ -54,11 +55,11 @@ class LocalMap:
     def way(self, start: Float64[np.ndarray, "2"], target: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
         """A way that keeps clear, as near to the target as is worth its length."""
         distance = self._distances(start)
-        lack = np.clip(1.0 - (distance - self._keep_m) / _PREFERRED_M, 0.0, 1.0)
-        cost = np.where(distance < self._keep_m, _BLOCKED, 1.0 + _CROWDING * lack).ravel()
+        lack = np.clip(1.0 - (distance - self._least_m) / _PREFERRED_M, 0.0, 1.0)
+        cost = np.where(distance < self._least_m, _BLOCKED, 1.0 + _CROWDING * lack**2).ravel()
         a, b, length, indptr = _grid()
         graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
-        costs, before = dijkstra(graph, indices=_HALF * _N + _HALF, return_predecessors=True)
+        costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
         cells = start + _cells() * CELL_M
         path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - target, axis=1)))]
         while before[path[-1]] >= 0:
@@ -66,14 +67,16 @@ class LocalMap:
         return cells[path[::-1]]
 
     def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
-        """Of every cell from the nearest point [m]."""
-        cells = np.rint((self._points - centre) / CELL_M).astype(int) + _HALF
-        cells = cells[((cells >= 0) & (cells < _N)).all(axis=1)]
-        free = np.ones((_N, _N), np.uint8)
-        free[cells[:, 1], cells[:, 0]] = 0
-        if free.all():
+        """Of every cell from the nearest point [m]; measured on a finer grid than ways are sought on."""
+        size = _FINE * (_N - 1) + 1
+        pixels = np.rint((self._points - centre) * (_FINE / CELL_M)).astype(int) + _FINE * _HALF
+        pixels = pixels[((pixels >= 0) & (pixels < size)).all(axis=1)]
+        if not len(pixels):
             return np.full((_N, _N), np.inf)
-        return cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(np.float64) * CELL_M
+        free = np.ones((size, size), np.uint8)
+        free[pixels[:, 1], pixels[:, 0]] = 0
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[::_FINE, ::_FINE]
+        return distance.astype(np.float64) * (CELL_M / _FINE)
 
 
 @cache

@@ -9,9 +9,10 @@ _WINDOW_M = 0.8
 
 
 class Route:
-    """A polyline, sampled evenly; progress along it only grows."""
+    """A polyline, straight on `beyond_m` past its end, sampled evenly; progress along it only grows."""
 
-    def __init__(self, waypoints: Float64[np.ndarray, "k 2"]) -> None:
+    def __init__(self, waypoints: Float64[np.ndarray, "k 2"], beyond_m: float = 0.0) -> None:
+        waypoints = np.concatenate([waypoints, _beyond(waypoints, beyond_m)])
         along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1)))
         samples = np.append(np.arange(0.0, along[-1], _SAMPLE_M), along[-1])
         self.points = np.stack([np.interp(samples, along, waypoints[:, axis]) for axis in (0, 1)], axis=1)
@@ -21,7 +22,7 @@ class Route:
     @property
     def end(self) -> Float64[np.ndarray, "2"]:
         """The last waypoint."""
-        return self.points[-1]
+        return np.asarray(self.points[-1])
 
     @property
     def progress_m(self) -> float:
@@ -36,3 +37,13 @@ class Route:
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
         """The next stretch of the line, from where the robot is."""
         return self.points[self._at : self._at + round(metres / _SAMPLE_M) + 1]
+
+
+def _beyond(waypoints: Float64[np.ndarray, "k 2"], metres: float) -> Float64[np.ndarray, "_ 2"]:
+    """A place in the direction of the last leg; none where no leg has a length."""
+    legs = np.diff(waypoints, axis=0)
+    lengths = np.linalg.norm(legs, axis=1)
+    if not (lengths > 0.0).any():
+        return np.zeros((0, 2))
+    last = int(np.flatnonzero(lengths > 0.0)[-1])
+    return np.asarray(waypoints[-1:] + metres * legs[last] / lengths[last])

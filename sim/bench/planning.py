@@ -1,0 +1,72 @@
+"""`lexis-sim bench planning`: the same plans driven by LEXIS's estimate, by the truth, by odometry alone, and blindly."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from lexis.encoder import load_encoder
+from lexis.evaluation.planning import spl, success_rate
+from sim.harness import Run, RunConfig, run, try_plans
+from sim.harness.planning import Steering, Trial
+from sim.report.drive_picture import drive_png
+
+DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
+    {
+        "truth": ("truth", False),
+        "LEXIS": ("lexis", False),
+        "odometry": ("odometry", False),
+        "LEXIS, blind": ("lexis", True),
+        "odometry, blind": ("odometry", True),
+    }
+)
+"""What steers, and whether it does without the scan. The plans are LEXIS's throughout."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """How the plans of a house fared."""
+
+    seed: int
+    driver: str
+    queries: int
+    success: float | None
+    spl: float | None
+    touched: int
+    """Drives that ended at a contact."""
+    seconds: float
+    """For all queries together, on the machine's clock [s]."""
+
+
+def drive_houses(config: RunConfig, seeds: Sequence[int], pictures: Path | None = None) -> Iterator[Row]:
+    """One run per seed, all else as in `config`; every driver drives all its plans.
+
+    `pictures` is a folder for PNGs of the drives by LEXIS's estimate that failed.
+    """
+    encoder = load_encoder(config.encoder)
+    for seed in seeds:
+        finished = run(replace(config, seed=seed), encoder)
+        for driver, (steering, blind) in DRIVERS.items():
+            start = time.perf_counter()
+            trials = try_plans(finished, steering, blind)
+            yield _row(seed, driver, trials, time.perf_counter() - start)
+            if pictures is not None and driver == "LEXIS":
+                _draw(finished, trials, pictures)
+
+
+def _row(seed: int, driver: str, trials: Sequence[Trial], seconds: float) -> Row:
+    success = np.array([trial.success for trial in trials], bool)
+    shortest, travelled = np.array([(t.shortest_m, t.travelled_m) for t in trials], float).reshape(-1, 2).T
+    touched = sum(trial.collisions for trial in trials)
+    return Row(seed, driver, len(trials), success_rate(success), spl(success, shortest, travelled), touched, seconds)
+
+
+def _draw(finished: Run, trials: Sequence[Trial], folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for trial in trials:
+        if not trial.success and len(trial.path):
+            name = f"{finished.config.seed} {trial.start} to {trial.goal}.png".replace(" ", "-").replace("'", "")
+            (folder / name).write_bytes(drive_png(finished.house, trial.planned, trial.path, trial.touched))

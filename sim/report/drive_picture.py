@@ -1,0 +1,46 @@
+"""A drive on the plans of the storeys that it touches: what was planned, what was driven, where it ended."""
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from sim.report.drawing import Mark
+from sim.report.house_plan import floor_plans
+from sim.report.overlay import storey_of
+from sim.report.palette import label_colours
+from sim.report.plan import plan_drawing
+from sim.report.png import to_image
+from worlds.house import House
+
+_PIXELS_PER_METRE = 60
+_SAME_STOREY_M = 0.3
+"""Stairs are walked up to the next floor: this little below it, one is there."""
+
+
+def drive_png(
+    house: House, planned: Float64[np.ndarray, "j 3"], path: Float64[np.ndarray, "k 3"], touched: tuple[str, ...] = ()
+) -> bytes:
+    """The plan's line dashed, the drive's solid, its end ringed; all in W [m]. The end's ring names what was touched."""
+    plans = floor_plans(house)
+    floors = [plan.floor_m for plan in plans]
+    colours = label_colours(room.label for plan in plans for room in plan.rooms)
+    lines = {"odometry": planned, "path": path}
+    levels = {style: storey_of(line[:, 2] + _SAME_STOREY_M, floors) for style, line in lines.items()}
+    pictures = []
+    for plan in plans:
+        marks = [
+            Mark("line", style, line[levels[style] == plan.level, :2])
+            for style, line in lines.items()
+            if (levels[style] == plan.level).sum() > 1
+        ]
+        if levels["path"][-1] == plan.level:
+            end = path[-1:, :2]
+            marks += [
+                Mark("dot", "wrong", end),
+                Mark("text", "name", end + [0.3, 0.0], text=", ".join(touched[:1]), size=0.3),
+            ]
+        pictures.append(to_image(plan_drawing(plan, colours).with_marks(marks), pixels_per_metre=_PIXELS_PER_METRE))
+    height = max(map(len, pictures))
+    padded = [np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures]
+    _, png = cv2.imencode(".png", np.hstack(padded)[..., ::-1])
+    return png.tobytes()
