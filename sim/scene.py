@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from jaxtyping import Int32
 
 from sim.gl import mujoco
 from sim.merging import Merged, merge
@@ -32,6 +33,8 @@ class Light:
     sky: tuple[Colour, Colour]
     """At the zenith and at the horizon."""
 
+
+NO_ROOM = -1
 
 LIGHTS: Mapping[str, Light] = MappingProxyType(
     {
@@ -92,6 +95,17 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return Scene(model, data, tuple(visual.shows for visual in seen.parts), merged, visibility)
+
+
+def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
+    """Index into `house.rooms` of each geom, `NO_ROOM` for what is between rooms (doors, windows) and for flights of stairs.
+
+    With ids per pixel this segments rooms: `room_of_geom(house, scene)[frame.geom_ids]`, sky (-1) apart.
+    """
+    place = {room.id: i for i, room in enumerate(house.rooms)}
+    of = {piece.id: place[piece.room] for piece in house.furniture}
+    of |= {f"{room}/{kind}": i for room, i in place.items() for kind in ("wall", "floor", "ceiling")}
+    return np.array([of.get(name, NO_ROOM) for name in scene.object_of_geom], np.int32)
 
 
 def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":

@@ -15,7 +15,7 @@ from viewpoints import viewpoints
 from sim.bench.plain import PlainRenderer
 from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.gl import mujoco
-from sim.scene import build_scene
+from sim.scene import NO_ROOM, build_scene, room_of_geom
 from sim.visibility import Visibility
 from worlds.house import build_house
 from worlds.meshes import normals
@@ -121,6 +121,22 @@ def test_floors_and_ceilings_are_where_the_polygons_are(house, scene, poses, fra
                 # Grown by what is under the doors, half a wall.
                 assert shapely.contains_xy(rooms[name].polygon.buffer(0.051, join_style="mitre"), x, y).all()
                 assert np.abs(z - rooms[name].floor_m).max() < 1e-4
+
+
+def test_rooms_are_segmented_as_the_polygons_say(house, scene, poses, frames):
+    """A pixel of a floor, or of furniture, shows a place that is in the pixel's room."""
+    room_of = room_of_geom(house, scene)
+    standing = np.array([name.endswith("/floor") or "/" not in name for name in scene.object_of_geom])
+    checked = agreeing = 0
+    for T_W_B, frame in zip(poses, frames, strict=True):
+        start, directions = rays(T_W_B)
+        where = inner(frame.geom_ids) & (frame.geom_ids >= 0)
+        where &= standing[frame.geom_ids] & (room_of[frame.geom_ids] != NO_ROOM)
+        points = (start + directions * frame.depth[..., None])[where]
+        agreeing += np.sum(room_at(house, points + [0.0, 0.0, 1e-3]) == room_of[frame.geom_ids[where]])
+        checked += len(points)
+    # What hangs over an edge, as a rug in a door way, is in the room that it belongs to.
+    assert checked > 0.2 * len(poses) * SIZE[0] * SIZE[1] and agreeing > 0.99 * checked
 
 
 def test_a_camera_in_a_room_by_the_polygons_is_in_it_by_rays():
