@@ -140,3 +140,9 @@ def test_every_geom_says_what_it_shows():
     shown = set(scene.object_of_geom)
     assert {piece.id for piece in house.furniture} | {leaf.id for leaf in house.leaves} <= shown
     assert {f"{room.id}/floor" for room in house.rooms} <= shown
+
+
+def test_nothing_is_drawn_with_shadows_or_multi_sampling():
+    model = build_scene(build_house(sample_house("uh2-apt", 3)), SIZE, FOVY).model
+    assert model.vis.quality.offsamples == model.vis.quality.shadowsize == 0
+    assert not model.light_castshadow.any()

@@ -7,7 +7,7 @@ import pytest
 from shapely.geometry import LineString, Point
 
 from sim.camera import wide_camera
-from sim.faults import Stage, fault_rng
+from sim.faults import FAULTS, Stage, WorldFault, fault_rng
 from sim.faults.closing_doors import ClosingDoors, all_leaves
 from sim.faults.images import Blur
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
@@ -145,7 +145,14 @@ def test_a_changed_world_is_seen_from_its_time_on(flat, short, clean, fault):
         np.testing.assert_array_equal(a.T_O_B, b.T_O_B)
 
 
-@pytest.mark.parametrize("fault", [MovedFurniture(0.8), ClosedDoors(0.5), Pedestrian()], ids=lambda fault: fault.name)
+WORLD = (MovedFurniture(0.8), ClosedDoors(0.5), Pedestrian())
+
+
+def test_every_fault_of_the_world_is_tested():
+    assert {type(fault) for fault in WORLD} == {kind for kind in FAULTS.values() if issubclass(kind, WorldFault)}
+
+
+@pytest.mark.parametrize("fault", WORLD, ids=lambda fault: fault.name)
 def test_the_same_seed_changes_the_same(flat, flat_tour, fault):
     def things():
         stage = fault.change(Stage(flat), flat_tour, fault_rng(5, 0))
