@@ -15,6 +15,7 @@ from jaxtyping import Float, Float32, Int
 from scipy.special import softmax
 
 from lexis.encoder import OpenClipEncoder, load_encoder
+from lexis.query import BEST_VIEWS
 from sim.errors import SimError
 from sim.training.frames import THINGS, Frames, Views, frames_in, frames_of_house
 from sim.training.houses import HouseDraw
@@ -142,9 +143,12 @@ def _activities_found(
 def _ranked_first(
     images: Float32[np.ndarray, "n e"], own: Int[np.ndarray, "n"], questions: Float32[np.ndarray, "q e"]
 ) -> Int[np.ndarray, "q"]:
-    """For every question, the room label whose frames resemble it most in the mean."""
-    similarities = images @ questions.T
-    return np.argmax([similarities[own == room].mean(axis=0) for room in range(own.max() + 1)], axis=0)
+    """For every question, the room label whose frames resemble it most, as `lexis query` ranks rooms."""
+    return np.argmax([_best(images[own == room] @ questions.T) for room in range(own.max() + 1)], axis=0)
+
+
+def _best(similarities: Float32[np.ndarray, "n q"]) -> Float32[np.ndarray, "q"]:
+    return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))
 
 
 def ceiling_of(work: Path) -> Scores:
