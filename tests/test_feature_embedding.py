@@ -7,12 +7,13 @@ import pytest
 from viewpoints import viewpoints
 
 from sim.camera import wide_camera
-from sim.features.embedding import KERNELS, EmbeddingModel, kernel_values
+from sim.features.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 from sim.features.fit_embedding import fit_embedding
 from sim.features.samples import Sample
-from sim.features.surroundings import survey
+from sim.features.surroundings import KINDS, survey
 from sim.features.views import SIZE, look
 from worlds.house import build_house
+from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_house
 
 CAMERA = wide_camera()
@@ -36,13 +37,6 @@ def seen(seed, frames):
 @pytest.fixture(scope="module")
 def views():
     return seen(5, 20)
-
-
-def errors_of(model, views, poses, seed):
-    """Of draws without a mean, before they are normalised."""
-    centred = replace(model, weights=np.zeros_like(model.weights), offset=np.zeros(D, np.float32))
-    drawn = centred.draw(views, poses, seed)
-    return drawn
 
 
 def test_they_are_a_function_of_pose_house_and_seed(model, views):
@@ -76,24 +70,57 @@ def test_errors_are_alike_as_the_kernels_say(model, views):
     assert np.corrcoef(measured.ravel(), expected.ravel())[0, 1] > 0.95
 
 
-def test_fitting_finds_what_was_drawn_from():
-    rng = np.random.default_rng(1)
-    weights = np.zeros((SIZE, D), np.float32)
-    weights[: SIZE // 2] = rng.normal(0.0, 1.0, (SIZE // 2, D))
-    shares = np.array([0.0, 0.5, 0.0, 0.5, 0.0, 0.0])
-    truth = EmbeddingModel(weights, np.zeros(D, np.float32), 0.1 * np.eye(D, dtype=np.float32), shares)
-    samples = []
-    for seed in range(12):
-        views, poses = seen(seed, 50)
-        # Not normalised: the fit is of what is drawn before.
-        expected = truth.expected(views)
-        units = truth.draw(views, poses, (seed,))
-        lengths = np.linalg.norm(expected, axis=1, keepdims=True)
-        samples.append(Sample(views.around, poses, views, units * lengths))
-    fitted = fit_embedding(samples)
+class Labels:
+    """Room labels as dimensions."""
+
+    name = "labels"
+
+    def encode_image(self, image):
+        raise NotImplementedError
+
+    def encode_rooms(self, names):
+        return np.eye(len(ROOM_LABELS), dtype=np.float32)[[ROOM_LABELS.index(name) for name in names]]
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """An encoder that sees surfaces of rooms, and errs by whole rooms and from place to place."""
+    weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
+    for i, kind in enumerate(KINDS):
+        if "/" in kind:
+            weights[i, ROOM_LABELS.index(kind.partition("/")[0])] = 1.0
+    shares = np.array([0.0, 0.5, 0.0, 0.0, 0.5, 0.0])
+    offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
+    return EmbeddingModel(weights, offset, 0.3 * np.eye(len(ROOM_LABELS), dtype=np.float32), shares)
+
+
+def drawn_samples(model, seeds, frames):
+    """Not normalised: the fit is of what is drawn before."""
+    for seed in seeds:
+        views, poses = seen(seed, frames)
+        errors = error_scores(model, views, poses, (seed,)) @ model.errors
+        yield Sample(views.around, poses, views, model.expected(views) + errors)
+
+
+@pytest.fixture(scope="module")
+def fitted(truth):
+    return fit_embedding(list(drawn_samples(truth, range(10), 40)), Labels())
+
+
+def test_fitting_finds_what_was_drawn_from(truth, fitted):
     views, _ = seen(90, 40)
-    explained = np.corrcoef(fitted.expected(views).ravel(), truth.expected(views).ravel())[0, 1]
-    assert explained > 0.9
+    assert np.corrcoef(fitted.expected(views).ravel(), truth.expected(views).ravel())[0, 1] > 0.9
     found = dict(zip(KERNELS, fitted.kernels, strict=True))
     assert fitted.kernels.sum() == pytest.approx(1.0) and (fitted.kernels >= 0.0).all()
-    assert found["rooms"] > 0.2 and found["house"] < 0.2
+    assert found["rooms"] > 0.25 and found["1 m, 0.6 rad"] > 0.25 and found["house"] < 0.2
+
+
+def test_labels_are_right_as_often_as_those_that_were_fitted_to(truth, fitted):
+    def accuracy(model):
+        samples = list(drawn_samples(model, range(50, 58), 40))
+        texts = [Labels().encode_rooms(sample.around.house.spec.room_labels) for sample in samples]
+        said = [(sample.embeddings @ text.T).argmax(axis=1) for sample, text in zip(samples, texts, strict=True)]
+        return np.mean(np.concatenate(said) == np.concatenate([sample.true_labels for sample in samples]))
+
+    assert 0.5 < accuracy(truth) < 0.95
+    assert accuracy(fitted) == pytest.approx(accuracy(truth), abs=0.08)

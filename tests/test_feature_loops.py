@@ -77,8 +77,8 @@ def graph_of(count):
 
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Edges between equal views, by query."""
-    here = sight(house, 2.0, 2.5, 0.3)
-    verifier = CovisibilityVerifier(chosen, lambda index: here, GRID, seed)
+    here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32))
+    verifier = CovisibilityVerifier(chosen, lambda index: here, RayGrid(*np.float32([[-0.5, 0.5]] * 2)), seed)
     graph = graph_of(matches + queries)
     return [
         verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE)
@@ -134,7 +134,7 @@ def test_logistic_regression_finds_its_weights(rng):
     inputs = np.column_stack([np.ones(20000), rng.normal(size=(20000, 2))])
     weights = np.array([-0.5, 1.5, -2.0])
     outcome = rng.random(20000) < 1.0 / (1.0 + np.exp(-inputs @ weights))
-    np.testing.assert_allclose(fit_logistic(inputs, outcome), weights, atol=0.12)
+    np.testing.assert_allclose(fit_logistic(inputs, outcome.astype(float)), weights, atol=0.12)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.9])

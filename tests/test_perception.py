@@ -80,10 +80,6 @@ def test_loops_are_the_verifiers(observations):
             Percept(np.float32([0.0, 1.0, 0.0]), replace(NOTHING, keypoints=np.float32([[np.inf, 0.0]]), descriptors=BITS)),
             "finite",
         ),
-        (
-            Percept(np.float32([0.0, 1.0, 0.0]), Features(np.zeros((2, 2), np.float32), NOTHING.descriptors)),
-            "one descriptor",
-        ),
     ],
 )
 def test_bad_percepts_are_refused(observations, percept, message):

@@ -4,6 +4,8 @@ Both fidelities map the same walks of the same houses. Label accuracy is compare
 are small and few, since the encoder scales them down anyway.
 """
 
+import collections
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,9 +15,12 @@ from scipy.stats import spearmanr
 
 from lexis.config import Config, LandmarkConfig
 from lexis.encoder import Encoder
+from sim.features.model import MINI_FEATURES, load_features
 from sim.features.samples import choices
+from sim.features.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES
 from sim.harness import RunConfig, evaluate, run
+from sim.harness.walk import walk
 from sim.rig import make_rig
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
@@ -24,6 +29,7 @@ FIGURES = ("accuracy", "baseline", "pq")
 """Of `HousePair`."""
 _FRAME_RATE_HZ = 1.3
 """A frame every 0.54 m: every one is a keyframe, but in turns."""
+_SPEED_FRAMES, _WARM_UP = 2000, 100
 _IMAGE_PX = (160, 120)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
 """What the feature sensor knows nothing of."""
@@ -96,6 +102,18 @@ def compare(
             figures.append((result["labels"]["accuracy"], result["labels"]["accuracy_baseline"], result["rooms"]["pq"]))
         rendered, features = figures
         yield HousePair(group, config.house_spec().name, *zip(rendered, features, strict=True))
+
+
+def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
+    """How many views of a furnished home the sensor looks at and draws embeddings for, per second of one core."""
+    walked = walk(RunConfig(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
+    poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
+    sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), RunConfig().camera, first_seed)
+    houses = [walked.house] * _SPEED_FRAMES
+    collections.deque(sensor.percepts(houses[:_WARM_UP], poses), maxlen=0)
+    start = time.process_time()
+    collections.deque(sensor.percepts(houses, poses), maxlen=0)
+    return _SPEED_FRAMES / (time.process_time() - start)
 
 
 def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:

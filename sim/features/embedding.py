@@ -79,7 +79,7 @@ def _objects(views: Views) -> Float[np.ndarray, "n things"]:
     return np.where(views.around.kind < len(OBJECTS), views.shares, np.float32(0.0))
 
 
-def _units(rows: Float[np.ndarray, "n m"]) -> Float[np.ndarray, "n m"]:
+def _units(rows: Float[np.ndarray, "n m"]) -> Float[np.ndarray, "n m+1"]:
     """Rows of unit length; those that see nothing get a dimension of their own, which they share."""
     rows = np.column_stack([rows, ~rows.any(axis=1)])
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

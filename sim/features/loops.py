@@ -21,6 +21,8 @@ from sim.features.eyes import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
 """How far two depths of a shared point may differ: rays are coarse."""
+_QUERY, _PAIR = 1, 2
+"""Streams of luck. Zeros at its end leave a seed as it is: without these, a query's would be that of its pair with 0."""
 PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
 
 
@@ -102,8 +104,8 @@ class CovisibilityVerifier:
     def _edge(self, query: Keyframe, match: Keyframe) -> LoopEdge | None:
         seen, before = self._sight_of(query.observation_index), self._sight_of(match.observation_index)
         chance = float(self._model.probability(predictors(before, seen, self._grid)))
-        common = np.random.default_rng((self._seed, query.id)).standard_normal()
-        rng = np.random.default_rng((self._seed, query.id, match.id))
+        common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
+        rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
         share = self._model.query_share
         luck = np.sqrt(share) * common + np.sqrt(1.0 - share) * rng.standard_normal()
         if luck < ndtri(chance):

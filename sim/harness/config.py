@@ -11,7 +11,7 @@ from sim.errors import SimError
 from sim.faults import Fault
 from sim.faults.images import ImageFault, Smear
 from sim.faults.world import ClosedDoors, Pedestrian
-from sim.fidelity import FIDELITIES, ORACLE, Fidelity
+from sim.fidelity import FIDELITIES, ORACLE
 from sim.odometry import PRESETS as ODOMETRY_PRESETS
 from sim.odometry import OdometryConfig
 from sim.rig import Rig, make_rig
@@ -47,7 +47,7 @@ class RunConfig:
     """Factor by which the odometry's covariances are too small; 1 is honest."""
     encoder: str = "mini"
     """As `lexis.encoder.load_encoder` takes it; or, with features, `ORACLE`."""
-    fidelity: Fidelity = "render"
+    fidelity: str = "render"
     """render: LEXIS is given images. features: what a model of the encoder makes of what is truly in view."""
     feature_model: Path | None = None
     """Fitted to the encoder by `lexis-sim fit-features`; None: the one that ships for `mini`."""
