@@ -97,7 +97,7 @@ def _try(
     T_W_B = run.true_poses[keyframes[0]]
     planned = run.true_poses[keyframes][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
     pose = DeadReckoning(*_in_plan(belief.T_believed_true @ T_W_B), belief.drift, rng)
-    driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :2, 3])
+    driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
     shortest = _shortest(run, planned[0], goal)

@@ -29,14 +29,15 @@ _REPLAN_M = 0.16
 _ENTER_M = 0.5
 """Past its last waypoint the robot goes on so far, where there is room: many plans end just behind a door."""
 _ARRIVED_M = 0.1
-_PATIENCE_S = 12.0
-"""Without progress, the robot gives up after this time."""
+_HESITATION_S, _PATIENCE_S = 4.0, 12.0
+_SKIP_M = 0.5
+"""After some time without progress, so much of the route is left out; after more, the robot gives up."""
 
 
 class Controller:
     """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
 
-    def __init__(self, waypoints: Float64[np.ndarray, "k 2"]) -> None:
+    def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         self._route, self._map = Route(waypoints, _ENTER_M), LocalMap(_LEAST_M)
         self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
@@ -63,6 +64,8 @@ class Controller:
 
     def _has_lost_patience(self) -> bool:
         self._since_s += STEP_S
+        if self._since_s > _HESITATION_S:
+            self._route.skip(_SKIP_M)
         if self._route.progress_m > self._best_m + 0.1:
             self._best_m, self._since_s = self._route.progress_m, 0.0
         return self._since_s > _PATIENCE_S

@@ -56,7 +56,7 @@ class Robot:
         self._scanner = RangeScanner(self._body)
 
     def drive(self, start: Float64[np.ndarray, "3"], yaw: float, pose: DeadReckoning,
-              waypoints: Float64[np.ndarray, "k 2"]) -> Drive:  # fmt: skip
+              waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
         """Drive from where the robot truly is, `start` on the walked surface and `yaw` in W, through the waypoints.
 
         These, and the `pose` that it believes in and that this call moves on, are in a frame of its own. Raises `SimError`
@@ -96,6 +96,6 @@ class Robot:
         return Drive(path, None if room == NOWHERE else self._house.rooms[room].id, length, touched)
 
 
-def _most_steps(waypoints: Float64[np.ndarray, "k 2"]) -> int:
+def _most_steps(waypoints: Float64[np.ndarray, "k 3"]) -> int:
     length = float(np.linalg.norm(np.diff(waypoints, axis=0), axis=1).sum())
     return math.ceil((_LEAST_TIME_S + _TIME_FACTOR * length / SPEED_M_S) / STEP_S)

@@ -4,6 +4,8 @@ import numpy as np
 from jaxtyping import Float64
 
 _SAMPLE_M = 0.1
+_LEVEL_M = 0.3
+"""Heights that differ by no more are of one storey: maps are wrong by some of it."""
 _WINDOW_M = 0.8
 """Progress is looked for this far ahead: a way may pass by itself, as on stairs."""
 
@@ -11,11 +13,12 @@ _WINDOW_M = 0.8
 class Route:
     """A polyline, straight on `beyond_m` past its end, sampled evenly; progress along it only grows."""
 
-    def __init__(self, waypoints: Float64[np.ndarray, "k 2"], beyond_m: float = 0.0) -> None:
+    def __init__(self, waypoints: Float64[np.ndarray, "k 3"], beyond_m: float = 0.0) -> None:
         waypoints = np.concatenate([waypoints, _beyond(waypoints, beyond_m)])
-        along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1)))
+        along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1)))
         samples = np.append(np.arange(0.0, along[-1], _SAMPLE_M), along[-1])
-        self.points = np.stack([np.interp(samples, along, waypoints[:, axis]) for axis in (0, 1)], axis=1)
+        x, y, z = (np.interp(samples, along, column) for column in waypoints.T)
+        self.points, self._heights = np.stack([x, y], axis=1), z
         self.length_m = float(along[-1])
         self._at = 0
 
@@ -34,16 +37,22 @@ class Route:
         window = self.points[self._at : self._at + round(_WINDOW_M / _SAMPLE_M) + 1]
         self._at += int(np.argmin(((window - position) ** 2).sum(axis=1)))
 
+    def skip(self, metres: float) -> None:
+        """Leave out a stretch that cannot be followed, but no stairs."""
+        later = min(self._at + round(metres / _SAMPLE_M), len(self.points) - 1)
+        if np.ptp(self._heights[self._at : later + 1]) <= _LEVEL_M:
+            self._at = later
+
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
         """The next stretch of the line, from where the robot is."""
         return self.points[self._at : self._at + round(metres / _SAMPLE_M) + 1]
 
 
-def _beyond(waypoints: Float64[np.ndarray, "k 2"], metres: float) -> Float64[np.ndarray, "_ 2"]:
-    """A place in the direction of the last leg; none where no leg has a length."""
-    legs = np.diff(waypoints, axis=0)
+def _beyond(waypoints: Float64[np.ndarray, "k 3"], metres: float) -> Float64[np.ndarray, "_ 3"]:
+    """A place in the level direction of the last leg; none where no leg has a length."""
+    legs = np.diff(waypoints, axis=0) * [1.0, 1.0, 0.0]
     lengths = np.linalg.norm(legs, axis=1)
     if not (lengths > 0.0).any():
-        return np.zeros((0, 2))
+        return np.zeros((0, 3))
     last = int(np.flatnonzero(lengths > 0.0)[-1])
     return np.asarray(waypoints[-1:] + metres * legs[last] / lengths[last])
