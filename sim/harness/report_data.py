@@ -28,7 +28,8 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
         _keyframes(run),
         _loops(run),
         _samples(run),
-        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in trials),
+        # Those that failed first, since only the first ones are drawn.
+        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in sorted(trials, key=lambda t: t.success)),
     )
 
 
