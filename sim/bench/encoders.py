@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Bool, Float, Float32, Int
 from scipy.special import softmax
 
 from lexis.encoder import OpenClipEncoder, load_encoder
@@ -56,24 +56,39 @@ class EncoderRow:
     activities_found: float
     """Questions for what is done in a room that rank it first."""
     calibration_error: float
-    """Expected, of the probabilities that the model's own temperature makes."""
+    """Expected, of the probabilities that the model's own temperature makes; of one house, few frames make it larger."""
     image_ms: float
     """Median time of one image on one thread [ms]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A house's figures, and its answers one by one."""
+
+    seed: int
+    row: EncoderRow
+    confidence: Float[np.ndarray, "n"]
+    """Of every frame's label."""
+    right: Bool[np.ndarray, "n"]
 
 
 Scores = Callable[[Frames], Float[np.ndarray, "n labels"]]
 
 
-def measure(
-    encoder: OpenClipEncoder, preset: str, seeds: Sequence[int], ceiling: Scores | None
-) -> Iterator[tuple[int, EncoderRow]]:
-    """One row per house of the preset."""
+def measure(encoder: OpenClipEncoder, preset: str, seeds: Sequence[int], ceiling: Scores | None) -> Iterator[Measured]:
+    """The houses of the preset, one by one."""
     for seed in seeds:
-        frames = frames_of_house(HouseDraw(preset, seed), VIEWS)
-        yield seed, _row(encoder, frames, ceiling, np.random.default_rng(seed))
+        yield _measured(encoder, frames_of_house(HouseDraw(preset, seed), VIEWS), ceiling, seed)
 
 
-def _row(encoder: OpenClipEncoder, frames: Frames, ceiling: Scores | None, rng: np.random.Generator) -> EncoderRow:
+def overall_calibration_error(houses: Sequence[Measured]) -> float:
+    """Expected calibration error over the frames of all houses."""
+    confidence = np.concatenate([house.confidence for house in houses])
+    return calibration_error(confidence, np.concatenate([house.right for house in houses]))
+
+
+def _measured(encoder: OpenClipEncoder, frames: Frames, ceiling: Scores | None, seed: int) -> Measured:
+    rng = np.random.default_rng(seed)
     images, times = _embedded(encoder, frames)
     present, own = np.unique(frames.rooms, return_inverse=True)
     names = [ROOM_LABELS[i] for i in present]
@@ -81,7 +96,7 @@ def _row(encoder: OpenClipEncoder, frames: Frames, ceiling: Scores | None, rng: 
     right = similarities.argmax(axis=1) == own
     said = softmax(similarities / encoder.temperature, axis=1)
     best = None if ceiling is None else present[ceiling(frames)[:, present].argmax(axis=1)]
-    return EncoderRow(
+    row = EncoderRow(
         accuracy=float(right.mean()),
         ceiling=None if best is None else float((best == frames.rooms).mean()),
         trained_names=_renamed(encoder, images, names, own, ROOM_NAMES, rng),
@@ -91,6 +106,7 @@ def _row(encoder: OpenClipEncoder, frames: Frames, ceiling: Scores | None, rng: 
         calibration_error=calibration_error(said.max(axis=1), right),
         image_ms=float(np.median(times) * 1e3),
     )
+    return Measured(seed, row, said.max(axis=1), right)
 
 
 def _embedded(encoder: OpenClipEncoder, frames: Frames) -> tuple[Float32[np.ndarray, "n e"], Float[np.ndarray, "n"]]:
@@ -144,7 +160,8 @@ def _ranked_first(
     images: Float32[np.ndarray, "n e"], own: Int[np.ndarray, "n"], questions: Float32[np.ndarray, "q e"]
 ) -> Int[np.ndarray, "q"]:
     """For every question, the room label whose frames resemble it most, as `lexis query` ranks rooms."""
-    return np.argmax([_best(images[own == room] @ questions.T) for room in range(own.max() + 1)], axis=0)
+    best = np.array([_best(images[own == room] @ questions.T) for room in range(own.max() + 1)])
+    return np.asarray(best.argmax(axis=0))
 
 
 def _best(similarities: Float32[np.ndarray, "n q"]) -> Float32[np.ndarray, "q"]:

@@ -72,7 +72,7 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _encoders(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.encoder import load_encoder
-    from sim.bench.encoders import EncoderRow, ceiling_of, loading_seconds, measure
+    from sim.bench.encoders import EncoderRow, ceiling_of, loading_seconds, measure, overall_calibration_error
     from sim.bench.segmentation import mean_and_spread
     from sim.report.figures import shown
     from sim.training.houses import TEST_SEEDS
@@ -83,12 +83,14 @@ def _encoders(arguments: argparse.Namespace) -> Iterator[Table]:
     names = [field.name for field in fields(EncoderRow)]
     title = f"{arguments.preset}, encoder {arguments.encoder}, loaded in {loading_seconds(arguments.encoder):.2f} s"
     table = Table("seed", *names, title=escape(title))
-    rows = []
-    for house, row in measure(encoder, arguments.preset, seeds, ceiling):
-        rows.append(row)
-        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == seeds[-1])
-    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
-        table.add_row(name, *(shown(value, "{:.3g}") for value in values))
+    houses = []
+    for house in measure(encoder, arguments.preset, seeds, ceiling):
+        houses.append(house)
+        values = (shown(value, "{:.3g}") for value in astuple(house.row))
+        table.add_row(str(house.seed), *values, end_section=house.seed == seeds[-1])
+    for name, figures in zip(("mean", "std"), mean_and_spread([house.row for house in houses]), strict=True):
+        table.add_row(name, *(shown(value, "{:.3g}") for value in figures))
+    table.caption = f"calibration error over all frames: {overall_calibration_error(houses):.3f}"
     yield table
 
 
