@@ -27,7 +27,8 @@ _EASY_M = RADIUS_M + 0.15
 _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
 _ENTER_M = 0.5
-"""Past its last waypoint the robot goes on so far, where there is room: many plans end just behind a door."""
+_ROOMY_M = 0.6
+"""With less room at its last waypoint, the robot goes on a bit: many plans end just behind a door."""
 _ARRIVED_M = 0.1
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
@@ -51,7 +52,7 @@ class Controller:
         """The next `STEP_S`; None where the robot has arrived or has given up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
-        if np.linalg.norm(self._route.end - here) <= _ARRIVED_M or self._has_lost_patience():
+        if self._has_arrived(here) or self._has_lost_patience():
             return None
         target = self._target(here)
         if target is None:
@@ -61,6 +62,11 @@ class Controller:
         most = _TURN_RATE_RAD_S * STEP_S
         turn = min(max(_TURN_GAIN_HZ * STEP_S * error, -most), most)
         return self._forward(here, pose.yaw + turn / 2, error), turn
+
+    def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
+        if np.linalg.norm(self._route.end - here) <= _ARRIVED_M:
+            return True
+        return self._route.progress_m >= self._route.planned_m and self._map.clearance(here, here) >= _ROOMY_M
 
     def _has_lost_patience(self) -> bool:
         self._since_s += STEP_S

@@ -14,6 +14,7 @@ class Route:
     """A polyline, straight on `beyond_m` past its end, sampled evenly; progress along it only grows."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"], beyond_m: float = 0.0) -> None:
+        self.planned_m = float(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1).sum())
         waypoints = np.concatenate([waypoints, _beyond(waypoints, beyond_m)])
         along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1)))
         samples = np.append(np.arange(0.0, along[-1], _SAMPLE_M), along[-1])
@@ -24,7 +25,7 @@ class Route:
 
     @property
     def end(self) -> Float64[np.ndarray, "2"]:
-        """The last waypoint."""
+        """Where it ends."""
         return np.asarray(self.points[-1])
 
     @property
