@@ -21,7 +21,7 @@ def add_to(commands: Commands) -> None:
         "lexis-sim fit-features --encoder mini --out mini.npz\n  lexis-sim run --fidelity features --feature-model mini.npz",
     )
     fit.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    fit.add_argument("--houses", type=positive, default=40, help="rendered for the embeddings (default: %(default)s)")
+    fit.add_argument("--houses", type=positive, default=72, help="rendered for the embeddings (default: %(default)s)")
     fit.add_argument("-o", "--out", type=Path, metavar="FILE.npz", help="default: the model of mini in the package")
 
 

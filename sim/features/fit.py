@@ -13,7 +13,7 @@ from sim.features.samples import HouseChoice, choices, sample
 
 FIRST_SEED = 600
 """Of the houses that are fitted to: development seeds."""
-HOUSES, FRAMES = 40, 64
+HOUSES, FRAMES = 72, 40
 WALKS = (
     HouseChoice("apartment", 690), HouseChoice("uh2-apt", 691), HouseChoice("apartment", 692, openness=0.4),
 )  # fmt: skip
