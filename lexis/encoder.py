@@ -7,7 +7,7 @@ import logging
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import cv2
 import numpy as np
@@ -34,24 +34,6 @@ _LOAD_ERRORS = (
 )  # fmt: skip
 
 Preprocess = Callable[[Image], Float[Tensor, "3 h w"]]
-
-
-@runtime_checkable
-class Encoder(Protocol):
-    """What LEXIS needs of a vision-language model."""
-
-    @property
-    def name(self) -> str:
-        """What to ask `load_encoder` for to get this one again."""
-        ...
-
-    def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
-        """f_CLIP of an RGB image, unit norm."""
-        ...
-
-    def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """f_TEXT of every room name, unit norm."""
-        ...
 
 
 class OpenClipEncoder:
@@ -170,4 +152,4 @@ def _first_line(error: Exception) -> str:
     return " ".join(lines[:2])[:300] if lines else type(error).__name__
 
 
-__all__ = ["MINI_CONFIG", "MINI_MEAN", "MINI_STD", "Encoder", "OpenClipEncoder", "load_encoder", "squash"]
+__all__ = ["MINI_CONFIG", "MINI_MEAN", "MINI_STD", "OpenClipEncoder", "load_encoder", "squash"]

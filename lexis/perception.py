@@ -1,11 +1,31 @@
 """What LEXIS makes of one observation: an embedding and key points, its own or those that came instead of the image."""
 
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
+
 import numpy as np
 from jaxtyping import Float32
 
-from lexis.encoder import Encoder
 from lexis.features import FeatureExtractor
-from lexis.types import Features, Observation, Percept
+from lexis.types import Features, Image, Observation, Percept
+
+
+@runtime_checkable
+class Encoder(Protocol):
+    """What LEXIS needs of a vision-language model."""
+
+    @property
+    def name(self) -> str:
+        """What to ask `load_encoder` for to get this one again."""
+        ...
+
+    def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
+        """f_CLIP of an RGB image, unit norm."""
+        ...
+
+    def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
+        """f_TEXT of every room name, unit norm."""
+        ...
 
 
 def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:

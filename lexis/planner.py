@@ -18,6 +18,8 @@ MAX_STEP_M = 3.0
 """Consecutive keyframes farther apart than this are a break in the record: nobody saw what lies between [m]."""
 MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
+DOUBTFUL = 0.5
+"""A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
 EVIDENCE_NEIGHBOURS = 5
 """Keyframes whose images tell together how deep inside its room a keyframe is."""
 
@@ -40,7 +42,7 @@ class Inside(NamedTuple):
     room: RoomInstance
     keyframe: int
     evidence: float
-    """How much more its images look like the room than like any other; not above zero where the room is doubtful."""
+    """How much more its images look like the room than like any other."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
@@ -98,7 +100,8 @@ def _ends(map: LexisMap, name: str) -> list[Inside]:
     ends = [innermost(map, room) for room in find_rooms(map.rooms, name)]
     if not ends:
         raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
-    return [end for end in ends if end.evidence > 0.0] or ends
+    clear = DOUBTFUL * max(end.evidence for end in ends)
+    return [end for end in ends if end.evidence > 0.0 and end.evidence >= clear] or ends
 
 
 def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:

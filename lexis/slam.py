@@ -7,13 +7,12 @@ select keyframe → encode + extract features → add to graph → label → ref
 from collections.abc import Sequence
 
 from lexis.config import Config
-from lexis.encoder import Encoder
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
 from lexis.inputs import check_camera, check_observation, check_room_names
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
-from lexis.perception import embedding_of, features_of
+from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import propose
 from lexis.pose_graph import PoseGraph
 from lexis.room_labels import image_label

@@ -73,9 +73,7 @@ def _add_parts(
     return geoms
 
 
-def _add(
-    spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float
-) -> "mujoco.MjsGeom":
+def _add(spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float) -> "mujoco.MjsGeom":
     half = np.maximum(size / 2, _LEAST_M)
     if _TYPES[shape] == mujoco.mjtGeom.mjGEOM_CYLINDER:
         half = np.array([half[:2].max(), half[2], 0.0])

@@ -107,6 +107,20 @@ def test_a_doubtful_room_stands_for_its_label_only_where_there_is_no_other(rng):
     assert plan(misread, "corridor", "office").goal is nearest
 
 
+@pytest.mark.parametrize(("share", "chosen"), [(0.4, "other"), (0.6, "nearest")])
+def test_a_room_is_doubtful_beside_a_clearer_one_of_its_label(share, chosen, rng):
+    lexis_map = corridor_with_offices(rng)
+    nearest = plan(lexis_map, "corridor", "office").goal
+    other = lexis_map.rooms[3 - nearest.id]
+    similarities = np.zeros_like(lexis_map.similarities)
+    similarities[np.arange(len(lexis_map.labels)), lexis_map.labels] = 0.5
+    similarities[list(nearest.keyframes)] *= share
+    dimmed = replace(lexis_map, similarities=similarities)
+    clear = innermost(dimmed, other).evidence
+    assert innermost(dimmed, nearest).evidence == pytest.approx(share * clear)
+    assert plan(dimmed, "corridor", "office").goal is {"other": other, "nearest": nearest}[chosen]
+
+
 def test_rooms_go_by_label_or_number(rng):
     lexis_map = corridor_with_offices(rng)
     assert instance_names(lexis_map.rooms) == ("corridor", "office 1", "office 2")

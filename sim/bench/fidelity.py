@@ -14,7 +14,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from lexis.config import Config, LandmarkConfig
-from lexis.encoder import Encoder
+from lexis.perception import Encoder
 from sim.features.model import MINI_FEATURES, load_features
 from sim.features.samples import choices
 from sim.features.sensor import FeatureSensor

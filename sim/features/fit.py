@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lexis.encoder import Encoder
+from lexis.perception import Encoder
 from sim.features.fit_embedding import fit_embedding
 from sim.features.fit_loops import fit_loops, joined, try_verification
 from sim.features.loops import LoopModel, Measured

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Float64
 from scipy.optimize import nnls
 
-from lexis.encoder import Encoder
+from lexis.perception import Encoder
 from lexis.room_labels import similarities
 from sim.features.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 from sim.features.samples import Sample

@@ -8,8 +8,8 @@ from jaxtyping import Bool, Float64, Int
 from scipy.special import ndtr, ndtri
 
 from lexis.config import Config
-from lexis.encoder import Encoder
 from lexis.evaluation.loops import true_edges
+from lexis.perception import Encoder
 from lexis.se3 import between, log
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopEdge

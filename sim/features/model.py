@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32
 
-from lexis.encoder import Encoder
 from lexis.files import replaced_file
+from lexis.perception import Encoder
 from sim.errors import SimError
 from sim.features.embedding import KERNELS, EmbeddingModel
 from sim.features.loops import PREDICTORS, LoopModel, Measured

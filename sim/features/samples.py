@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Float64, Int
 
-from lexis.encoder import Encoder
+from lexis.perception import Encoder
 from lexis.types import Camera
 from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.features.surroundings import Surroundings, survey

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
-from lexis.encoder import Encoder, load_encoder
+from lexis.encoder import load_encoder
 from lexis.errors import ObservationError
+from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import LexisMap
 from sim.features.model import MINI_FEATURES, load_features
