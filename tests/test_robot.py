@@ -63,6 +63,13 @@ def test_the_robot_goes_round_what_the_map_does_not_know():
     assert (result.room, result.touched) == ("kitchen", ())
 
 
+def test_passing_the_end_of_a_plan_is_not_arriving():
+    """As below a room upstairs that is the plan's goal."""
+    driven = go(two_rooms(), (1.0, 1.5), (6.0, 1.5), (1.1, 1.5), (1.1, 0.8), (2.0, 0.8), (2.0, 1.0))
+    assert driven.length_m > 10.0
+    assert not driven.touched
+
+
 def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan():
     house, way, off = two_rooms(), [(1.0, 1.5), (7.0, 1.5)], (0.0, 0.35, 0.0)
     blind, seeing = (go(house, *way, off=off, blind=blind) for blind in (True, False))

@@ -64,7 +64,8 @@ class Controller:
         return self._forward(here, pose.yaw + turn / 2, error), turn
 
     def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
-        if np.linalg.norm(self._route.end - here) <= _ARRIVED_M:
+        # Near the end alone is not enough: a plan may pass below its end, or above.
+        if self._route.length_m - self._route.progress_m <= _SKIP_M and np.linalg.norm(self._route.end - here) <= _ARRIVED_M:
             return True
         return self._route.progress_m >= self._route.planned_m and self._map.clearance(here, here) >= _ROOMY_M
 
