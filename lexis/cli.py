@@ -31,7 +31,7 @@ TO_HELP = (
 DATASET_HELP = "folder of a recording: TUM RGB-D (rgb.txt), EuRoC ASL (mav0) or ROS 2 bag; lexis.datasets says what is read"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
-QUERY_NOTE = "mini knows names of rooms and little else; questions in free words want a map made with real CLIP weights."
+QUERY_NOTE = "mini was trained on renders of generated houses; maps of photographs want real CLIP weights."
 
 
 def main(argv: Sequence[str] | None = None) -> int:
