@@ -78,6 +78,7 @@ class StoreyProgramme:
     seed: int | None = None
     """Of the spine, on floors that repeat."""
 
+
 @dataclass(frozen=True)
 class Habits:
     """How the buildings of a kind are laid out."""

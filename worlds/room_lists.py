@@ -43,9 +43,7 @@ def programmes_of(
     return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
 
 
-def by_storey(
-    labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator
-) -> list[list[str]]:
+def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
     """Share rooms among storeys: what has to be below, below, the rest evenly; no storey stays without a room.
 
     There are at least as many rooms as storeys, the outdoor ones not counted, and at most as many balconies.

@@ -210,9 +210,7 @@ def distribute(runs: Sequence[Run], room: dict[Band, int], depths: Depths, kept:
         run = runs[i]
 
         width = {band: run_width(run, depths.of(band)) for band in left}
-        free = {
-            band: left[band] - 2.0 * (_misfit(run, depths.of(band)) + max(0, width[band] - left[band])) for band in left
-        }
+        free = {band: left[band] - 2.0 * (_misfit(run, depths.of(band)) + max(0, width[band] - left[band])) for band in left}
         roomiest: Band = max(free, key=free.__getitem__)
         band = kept.get(i, roomiest)
         bands[band].append(run)

@@ -1,13 +1,10 @@
 """How much memory a whole run takes, in a process of its own: `python -m sim.bench.memory SEED` prints bytes."""
 
-import resource
 import subprocess
 import sys
+from pathlib import Path
 
 from sim.errors import SimError
-
-_KIB_PER_UNIT = 1024 if sys.platform == "linux" else 1
-"""Of `ru_maxrss`."""
 
 
 def measure_memory(seed: int) -> int:
@@ -19,18 +16,23 @@ def measure_memory(seed: int) -> int:
     return int(done.stdout.split()[-1])
 
 
-def _peak() -> int:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KIB_PER_UNIT
+def peak_memory() -> int:
+    """Most that was ever resident of this program [bytes].
+
+    Not `ru_maxrss`, which begins with what was resident of the process that started this one.
+    """
+    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
+    return int(line.split()[1]) * 1024
 
 
 def _run(seed: int) -> int:
     import open_clip  # noqa: F401 - torch and what comes with it, which do not count
 
-    torch_alone = _peak()
+    torch_alone = peak_memory()
     from sim.harness import RunConfig, run
 
     run(RunConfig(preset="home", seed=seed))
-    return _peak() - torch_alone
+    return peak_memory() - torch_alone
 
 
 if __name__ == "__main__":
