@@ -180,11 +180,13 @@ def _polygons(spec: HouseSpec) -> dict[str, Polygon]:
     points = np.array([point for room in rooms for point in (*room.polygon_m, room.polygon_m[0])])
     rings = shapely.linearrings(points, indices=np.repeat(np.arange(len(rooms)), [len(r.polygon_m) + 1 for r in rooms]))
     polygons = np.asarray(shapely.polygons(rings))
-    simple = shapely.is_valid(polygons) & shapely.is_ccw(rings)
+    simple, turns_left = shapely.is_valid(polygons), shapely.is_ccw(rings)
     rectangular = np.isclose(shapely.area(polygons), shapely.area(shapely.envelope(polygons)))
-    for room, is_simple, is_rectangle in zip(rooms, simple.tolist(), rectangular.tolist(), strict=True):
+    for room, is_simple, is_left, is_rectangle in zip(rooms, simple, np.atleast_1d(turns_left), rectangular, strict=True):
         if not is_simple:
-            raise HouseError(f"room {room.id!r}: its polygon must be simple (no self-crossing) and counter-clockwise")
+            raise HouseError(f"room {room.id!r}: its polygon crosses or touches itself; valid: a simple one")
+        if not is_left:
+            raise HouseError(f"room {room.id!r}: its polygon turns clockwise; valid: counter-clockwise (reverse it)")
         if room.label == STAIRS and not is_rectangle:
             raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
     return {room.id: polygon for room, polygon in zip(rooms, polygons, strict=True)}

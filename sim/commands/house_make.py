@@ -18,12 +18,16 @@ _OUT = out_file("FILE.json")
 
 def _generate(arguments: argparse.Namespace) -> int:
     rooms, options = arguments.rooms, {"openness": arguments.openness}
-    if rooms is not None and not rooms.strip().isdecimal():
+    if rooms is not None and not rooms.strip().lstrip("-").isdecimal():
         if arguments.preset is not None:
             raise SimError(f"--preset {arguments.preset} goes with a number of --rooms, not with a list")
         labels = [label.strip() for label in rooms.split(",")]
         spec = sample_from_rooms(
-            labels, arguments.seed, clutter=arguments.clutter, storeys=arguments.storeys or 1, **options
+            labels,
+            arguments.seed,
+            clutter=arguments.clutter,
+            storeys=1 if arguments.storeys is None else arguments.storeys,
+            **options,
         )
     else:
         spec = sample_house(
