@@ -1,24 +1,12 @@
 """What `bench speed` says of rendering and LEXIS at once."""
 
-import numpy as np
 import pytest
+from blind_encoder import BlindEncoder
 
 from sim.bench.overlap import Overlap, Seconds, measure_overlap
 from sim.harness import RunConfig
 from sim.rig import make_rig
 from worlds.presets import sample_from_rooms
-
-
-class Encoder:
-    """Tells nothing apart."""
-
-    name = "blind"
-
-    def encode_image(self, image):
-        return np.eye(1, 2, dtype=np.float32)[0]
-
-    def encode_rooms(self, names):
-        return np.eye(len(names), 2, dtype=np.float32)
 
 
 def test_shares_are_of_the_longer_and_of_the_sum():
@@ -28,7 +16,7 @@ def test_shares_are_of_the_longer_and_of_the_sum():
 
 
 def test_each_alone_and_both_at_once_are_measured(monkeypatch):
-    monkeypatch.setattr("sim.bench.overlap.load_encoder", lambda name: Encoder())
+    monkeypatch.setattr("sim.bench.overlap.load_encoder", lambda name: BlindEncoder())
     config = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), rig=make_rig("wide", 96, 72))
     (overlap,) = measure_overlap(config, frames=12, repetitions=1)
     assert min(overlap.rendering.processor, overlap.lexis.processor) > 0.0

@@ -1,6 +1,7 @@
 """Faults of delivery: frames that are lost, repeated, stuck, or arrive in the wrong order."""
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,26 +24,27 @@ class Dropped(StreamFault):
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """The stream without the lost frames."""
-        last: Observation | None = None
         lost: list[Observation] = []
-        left = 0
-        for observation, truth in stream:
-            if last is not None and left == 0 and rng.random() < _rate(self.share, self.burst):
-                left = self.burst
-            if left > 0:
-                left -= 1
+        for (observation, truth), is_lost in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
+            if is_lost:
                 lost.append(observation)
                 continue
             if lost:
                 observation, truth = _bridging(lost, observation), self.mark(truth)
                 lost = []
-            last = observation
             yield observation, truth
 
 
-def _rate(share: float, burst: int) -> float:
-    """Chance that a burst begins at a frame that is in none, so that bursts hold that share of all frames."""
-    return share / (share + burst * (1.0 - share)) if share < 1.0 else 1.0
+def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool]:
+    """Of one frame after the other, whether it is in a burst, so that bursts hold that share of them; the first never is."""
+    rate = share / (share + burst * (1.0 - share)) if share < 1.0 else 1.0
+    yield False
+    left = 0
+    while True:
+        if left == 0 and rng.random() < rate:
+            left = burst
+        yield left > 0
+        left = max(left - 1, 0)
 
 
 def _bridging(lost: list[Observation], after: Observation) -> Observation:
@@ -67,12 +69,8 @@ class Frozen(StreamFault):
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """The stream with images that stay."""
         shown: Observation | None = None
-        left = 0
-        for observation, truth in stream:
-            if shown is not None and left == 0 and rng.random() < _rate(self.share, self.burst):
-                left = self.burst
-            if shown is not None and left > 0:
-                left -= 1
+        for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
+            if is_stuck and shown is not None:
                 yield replace(observation, image=shown.image), self.mark(truth)
             else:
                 shown = observation

@@ -49,7 +49,7 @@ class Eyes:
     @property
     def right(self) -> Float32[np.ndarray, "k 2"]:
         """Unit vectors in the plan, square to `ahead`."""
-        return np.stack([self.ahead[:, 1], -self.ahead[:, 0]], axis=1)
+        return _right_of(self.ahead)
 
 
 def eyes_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> Eyes:
@@ -57,10 +57,13 @@ def eyes_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> Eyes:
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
     ahead = (axis[:, :2] / np.maximum(level, 1e-9)).astype(np.float32)
-    right = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
-    lines = ahead[:, None] + grid.x[:, None] * right[:, None]
+    lines = ahead[:, None] + grid.x[:, None] * _right_of(ahead)[:, None]
     rise = (axis[:, 2] / np.maximum(level[:, 0], 1e-9)).astype(np.float32)
     slope = rise[:, None] - grid.y
     slope[slope == 0.0] = 1e-6
     place = T_W_C[:, :3, 3].astype(np.float32)
     return Eyes(place[:, :2], place[:, 2], ahead, lines, slope, storeys)
+
+
+def _right_of(ahead: Float32[np.ndarray, "k 2"]) -> Float32[np.ndarray, "k 2"]:
+    return np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
