@@ -3,10 +3,12 @@
 Any open_clip model works. `lexis-mini`, a small one trained on renders, ships with the package and needs no network.
 """
 
+import hashlib
 import logging
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 import cv2
@@ -53,6 +55,15 @@ class OpenClipEncoder:
     def name(self) -> str:
         """What `load_encoder` was asked for."""
         return self._name
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Hex digest over the weights: two encoders with equal ones give embeddings that can be compared."""
+        digest = hashlib.sha256()
+        for name, weights in sorted(self._model.state_dict().items()):
+            digest.update(f"{name} {weights.dtype} {tuple(weights.shape)}\n".encode())
+            digest.update(weights.detach().cpu().contiguous().reshape(-1).view(torch.uint8).numpy().data)
+        return digest.hexdigest()
 
     @property
     def temperature(self) -> float:

@@ -79,6 +79,16 @@ def test_the_image_is_normalised_as_the_checkpoint_says(encoder, rng):
     np.testing.assert_allclose(encoder.encode_image(image), expected.numpy()[0], atol=1e-5)
 
 
+def test_the_fingerprint_is_that_of_the_weights_not_of_the_file(tiny, encoder, tmp_path):
+    weights = _weights(tiny)
+    (tmp_path / "open_clip_config.json").write_bytes((tiny / "open_clip_config.json").read_bytes())
+    for name, changed in (("same", 0.0), ("other", 0.5)):
+        torch.save(weights | {"logit_scale": weights["logit_scale"] + changed}, tmp_path / f"{name}.pt")
+    same, other = (load_encoder(f"tiny-test:{tmp_path / name}.pt").fingerprint for name in ("same", "other"))
+    assert same == encoder.fingerprint != other
+    assert len(same) == 64
+
+
 def test_squash_averages_pixels_without_keeping_the_aspect():
     image = np.arange(4 * 8 * 3, dtype=np.uint8).reshape(4, 8, 3)
     means = image.reshape(2, 2, 2, 4, 3).mean(axis=(1, 3))
