@@ -19,6 +19,11 @@ class Encoder(Protocol):
         """What to ask `load_encoder` for to get this one again."""
         ...
 
+    @property
+    def fingerprint(self) -> str:
+        """Equal for two encoders if and only if the embeddings of one can be compared with those of the other."""
+        ...
+
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         """f_CLIP of an RGB image, unit norm."""
         ...

@@ -6,7 +6,7 @@ import numpy as np
 class BlindEncoder:
     """Tells nothing apart."""
 
-    name = "blind"
+    name = fingerprint = "blind"
 
     def encode_image(self, image):
         return np.eye(1, 2, dtype=np.float32)[0]

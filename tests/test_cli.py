@@ -16,7 +16,7 @@ from lexis.types import Camera, Intrinsics, Observation
 class ColourEncoder:
     """Sees the mean colour; rooms are colours of their own."""
 
-    name = "colour"
+    name = fingerprint = "colour"
 
     def encode_image(self, image):
         mean = image.reshape(-1, 3).mean(axis=0)

@@ -23,7 +23,7 @@ CONFIG = Config(landmarks=LandmarkConfig(max_features=300))  # of the texture's 
 class ThumbnailEncoder:
     """Every image is an office; beyond that its embedding is what it looks like from afar."""
 
-    name = "thumbnail"
+    name = fingerprint = "thumbnail"
 
     def encode_image(self, image):
         small = cv2.resize(image, (8, 6), interpolation=cv2.INTER_AREA).astype(np.float32).ravel()

@@ -29,6 +29,11 @@ class Oracle:
         """As `RunConfig.encoder` names it."""
         return ORACLE
 
+    @property
+    def fingerprint(self) -> str:
+        """There is but one."""
+        return ORACLE
+
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         """Raise EncoderError: it sees no images."""
         raise EncoderError("the oracle sees no images; valid: percepts of the feature sensor")
