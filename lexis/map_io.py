@@ -15,7 +15,7 @@ from lexis.errors import MapError
 from lexis.files import replaced_folder
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
 from lexis.map_arrays import LAYOUT, Arrays, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
-from lexis.types import LexisMap, RoomInstance
+from lexis.types import EncoderId, LexisMap, RoomInstance
 
 JSON_FILE = "map.json"
 ARRAY_FILE = "arrays.npz"
@@ -24,6 +24,8 @@ MAX_ARRAY_BYTES = 8_000_000_000
 
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
+_EncoderName = Annotated[str, Field(max_length=10_000)]
+"""It may hold the path of a checkpoint."""
 
 
 class _Room(BaseModel):
@@ -33,11 +35,19 @@ class _Room(BaseModel):
     floor: int | None
 
 
+class _Encoder(BaseModel):
+    model_config = _STRICT
+
+    name: _EncoderName
+    fingerprint: _EncoderName
+
+
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[1] = Field(alias="schema")
+    schema_version: Literal[2] = Field(alias="schema")
     camera: CameraData
+    encoder: _Encoder
     room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
     rooms: tuple[_Room, ...] = Field(max_length=100_000)
     stage_seconds: dict[str, float] = Field(max_length=100)
@@ -50,8 +60,9 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     Raises LexisError where the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
-        schema=1,
+        schema=2,
         camera=CameraData.of(map.camera),
+        encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
         room_names=map.room_names,
         rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
         stage_seconds=map.stage_seconds,
@@ -75,6 +86,7 @@ def load_map(directory: Path) -> LexisMap:
         raise MapError(f"{directory}: {error}") from None
     return LexisMap(
         camera=camera,
+        encoder=EncoderId(header.encoder.name, header.encoder.fingerprint),
         room_names=header.room_names,
         keyframes=unpack_keyframes(arrays),
         T_W_B=arrays["T_W_B"],

@@ -18,7 +18,7 @@ from lexis.pose_graph import PoseGraph
 from lexis.room_labels import image_label
 from lexis.semantics import Semantics, derive
 from lexis.timing import StageTimer
-from lexis.types import Camera, Keyframe, LexisMap, Observation, RoomInstance
+from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance
 from lexis.verification import Verifier, verify
 
 
@@ -128,6 +128,7 @@ class Slam:
     def _map(self, semantics: Semantics) -> LexisMap:
         return LexisMap(
             camera=self._camera,
+            encoder=EncoderId(self._encoder.name, self._encoder.fingerprint),
             room_names=self._room_names,
             keyframes=tuple(self._graph.keyframes),
             T_W_B=self._graph.T_W_B,

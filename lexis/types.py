@@ -133,11 +133,22 @@ class RoomInstance:
     """0 is the lowest; None for stairs."""
 
 
+@dataclass(frozen=True)
+class EncoderId:
+    """The model that made embeddings: only those of equal fingerprints can be compared."""
+
+    name: str
+    """What to ask `load_encoder` for."""
+    fingerprint: str
+
+
 @dataclass(frozen=True, eq=False)
 class LexisMap:
     """The output: a semantically segmented pose graph (paper, Fig. 2). Arrays are indexed by keyframe id."""
 
     camera: Camera
+    encoder: EncoderId
+    """Of the keyframes' embeddings."""
     room_names: tuple[str, ...]
     """The vocabulary that labels index into."""
     keyframes: tuple[Keyframe, ...]

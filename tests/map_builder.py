@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from lexis.types import Camera, Features, Intrinsics, Keyframe, Landmarks, LexisMap, LoopEdge, RoomInstance
+from lexis.types import Camera, EncoderId, Features, Intrinsics, Keyframe, Landmarks, LexisMap, LoopEdge, RoomInstance
 
 CAMERA = Camera(Intrinsics(480, 360, 200.0, 200.0, 239.5, 179.5), np.eye(4))
+
+ENCODER = EncoderId("test", "0" * 64)
 
 
 def random_pose(rng, position):
@@ -45,6 +47,7 @@ def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=()):
     )
     return LexisMap(
         camera=CAMERA,
+        encoder=ENCODER,
         room_names=tuple(room_names),
         keyframes=tuple(keyframe(rng, i, pose) for i, pose in enumerate(poses)),
         T_W_B=poses,
