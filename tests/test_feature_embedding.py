@@ -75,7 +75,7 @@ def test_errors_are_alike_as_the_kernels_say(model, views):
 class Labels:
     """Room labels as dimensions."""
 
-    name = "labels"
+    name = fingerprint = "labels"
 
     def encode_image(self, image):
         raise NotImplementedError

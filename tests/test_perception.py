@@ -20,7 +20,7 @@ BITS = np.zeros((1, 61), np.uint8)
 
 
 class MeanColour:
-    name = "mean colour"
+    name = fingerprint = "mean colour"
 
     def encode_image(self, image):
         mean = image.reshape(-1, 3).mean(axis=0)
