@@ -111,9 +111,12 @@ def frames_in(folder: Path) -> Frames:
 
 def frames_of_house(draw: HouseDraw, views: Views = Views()) -> Frames:
     """Frames along a tour through one house; none where there is no way."""
-    rng = np.random.default_rng([draw.seed, 2])
     house = build_house(draw.spec())
-    poses = _poses(house, views, rng)
+    return frames_at(house, _poses(house, views, np.random.default_rng([draw.seed, 2])), views)
+
+
+def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = Views()) -> Frames:
+    """Frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
     size = views.size[0] * views.supersampling, views.size[1] * views.supersampling
     camera, plain = wide_camera(*size), wide_camera(*_IDS_SIZE)
     scene = build_scene(house, size, fovy_deg(camera.intrinsics))
