@@ -129,6 +129,46 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
     assert plan.notes == ("1 shapes that say neither a label nor a kind were passed over",)
 
 
+def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tmp_path):
+    body = """
+      <rect id="kitchen" width="400" height="300"/><rect class="gym" x="400" width="400" height="300"/>
+      <rect class="wall Kitchn" x="900" width="9" height="9"/><rect class="kitchn" x="950" width="9" height="9"/>
+      <rect class="door" x="395" y="100" width="9" height="90"/><line id="Office_2" x2="9"/>
+      <rect class="wall" width="9" height="9"/><path id="path371" d="M0 0 h9"/>"""
+    notes = import_plan(svg(tmp_path, body)).notes
+    assert notes[:4] == (
+        "<rect> 'number 2': 'kitchn' means nothing (did you mean 'kitchen'?); passed over",
+        "<rect> 'number 4': 'door' is an opening: a line, polyline or path, not a rect; passed over",
+        "<line> 'Office_2': 'office' is a room: a rect, polygon, polyline or path, not a line; passed over",
+        "6 shapes that say neither a label nor a kind were passed over",
+    )
+    assert not any("wall" in note or "path371" in note for note in notes)
+
+
+def test_misspelt_properties_of_geojson_are_named(tmp_path):
+    hall = room("hall", [[0, 3], [8, 3], [8, 5], [0, 5]], storry=0, width_m=3, name_de="Flur")
+    other = {**room("gym", LEFT), "properties": {"lable": "gym", "colour": "red"}}
+    plan = import_plan(written(tmp_path, hall, room("office", RIGHT), other))
+    assert plan.notes[:3] == (
+        "features[0]: 'storry' means nothing (did you mean 'storey'?); passed over",
+        "features[2]: 'lable' means nothing (did you mean 'label'?); passed over",
+        "1 features without a label or a kind were passed over",
+    )
+
+
+def test_what_was_passed_over_is_said_where_the_rest_is_no_house(tmp_path):
+    lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
+    assert "has 0 rooms with a label" in lost and "<rect> 'number 0': 'kitchn' means nothing (did you mean" in lost
+    far = '<rect id="gym" width="400" height="300"/><rect id="office" x="900" width="400" height="300"/>'
+    lost = refusal(svg(tmp_path, far + '<rect id="corrider" x="400" width="500" height="300"/>'))
+    assert "not reachable" in lost and "(did you mean 'corridor'?)" in lost
+
+
+def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
+    shapes = "".join(f'<line class="kitche{a}{b}"/>' for a in "abcdefg" for b in "abcdefg")
+    assert len(import_plan(svg(tmp_path, '<rect id="gym" width="400" height="300"/>' + shapes)).notes) == 20 + 1 + 1
+
+
 @pytest.mark.parametrize(
     ("features", "message"),
     [
@@ -145,6 +185,10 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
         ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is no pair of coordinates"),
         ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
         ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
+        (
+            [room("gym", LEFT), {**DOOR, "properties": {"kind": "dor"}}],
+            "kind of opening 'dor' (did you mean 'door'?); valid:",
+        ),
         ([room("gym", LEFT)] * 201, "has 201 rooms"),
         (
             [room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "door", "height_m": "2"}}],

@@ -57,15 +57,17 @@ def import_plan(
         raise SpecError(f"metres_per_unit is {metres_per_unit}; valid: above 0")
     if not 0.001 <= snap_m <= 0.3:
         raise SpecError(f"snap_m is {snap_m}; valid: 0.001 to 0.3")
+    doubt = ""
     try:
         drawing = _read(path, metres_per_unit)
+        doubt = drawing.doubt
         try:
             spec, notes = _proved(drawing, _EXACT_M, (name or path.stem)[:200], seed)
         except WorldsError:
             spec, notes = _proved(drawing, snap_m, (name or path.stem)[:200], seed)
             notes.append(f"corners less than {snap_m:g} m off were moved to common lines")
     except WorldsError as error:
-        raise type(error)(f"{path}: {error}") from None
+        raise type(error)(f"{path}: {error}{doubt}") from None
     return ImportedPlan(spec, (*drawing.notes, *notes))
 
 

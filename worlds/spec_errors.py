@@ -8,7 +8,7 @@ import json
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -95,9 +95,9 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> str
     return f"{_place(path, data)}is {_shown(value)}; valid: {valid_here}"
 
 
-def near(word: str, valid: Sequence[str]) -> str:
-    """A guess at what was meant, as part of a sentence."""
-    guess = difflib.get_close_matches(word, valid, n=1)
+def near(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
+    """A guess at what was meant, as part of a sentence; `likeness` is 1 for equal words only."""
+    guess = difflib.get_close_matches(word, list(valid), n=1, cutoff=likeness)
     return f" (did you mean {guess[0]!r}?)" if guess else ""
 
 

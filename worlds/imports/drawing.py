@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -15,14 +17,20 @@ from worlds.spec_errors import MAX_JSON_BYTES, explain, near
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
+_SURE = 0.8
+"""Likeness of words from which a guess is made unasked: below it, `wall` is a `half wall`."""
+_MAX_WORDS, _MAX_NOTES = 1000, 20
 _Model = TypeVar("_Model", bound=BaseModel)
-_SYNONYMS = {
+_LABELS = {label.replace("-", " "): label for label in ROOM_LABELS} | {
     "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
     "foyer": "entrance hall", "entrance": "entrance hall", "lounge": "living room", "living": "living room",
     "dining": "dining room", "study": "office", "staircase": "stairs", "stairwell": "stairs", "laundry": "laundry room",
     "storage": "storage room", "terrace": "balcony", "nursery": "children's room", "lab": "laboratory", "yard": "garden",
 }  # fmt: skip
-_KIND_SYNONYMS: dict[str, OpeningKind] = {"doorway": "door", "passage": "cased", "opening": "cased", "hatch": "counter"}
+KINDS: tuple[OpeningKind, ...] = get_args(OpeningKind)
+_KINDS: dict[str, OpeningKind] = {kind: kind for kind in KINDS} | {
+    "doorway": "door", "passage": "cased", "opening": "cased", "hatch": "counter",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -62,6 +70,11 @@ class Drawing:
     """Storeys whose height is given."""
     notes: tuple[str, ...] = ()
 
+    @property
+    def doubt(self) -> str:
+        """The first note, to end a message with: what was passed over may be what is missing."""
+        return f" (note: {self.notes[0]})" if self.notes else ""
+
 
 def read_text(path: Path) -> str:
     """A file of at most 16 MB. Raises `SpecError`."""
@@ -77,6 +90,7 @@ def read_text(path: Path) -> str:
         raise SpecError("is not text in UTF-8") from None
 
 
+@lru_cache(maxsize=256)
 def words(text: str) -> str:
     """A name without case, underscores and the number at its end: "Office_2" is an office."""
     return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
@@ -84,9 +98,7 @@ def words(text: str) -> str:
 
 def find_label(text: str) -> str | None:
     """The room label that a text means, if any."""
-    plain = words(text)
-    known = {label.replace("-", " "): label for label in ROOM_LABELS}
-    return known.get(plain.replace("-", " ")) or _SYNONYMS.get(plain)
+    return _LABELS.get(words(text).replace("-", " "))
 
 
 def label_of(where: str, text: str) -> str:
@@ -99,16 +111,26 @@ def label_of(where: str, text: str) -> str:
 
 def find_kind(text: str) -> OpeningKind | None:
     """The kind of opening that a text means, if any."""
-    plain = words(text).replace("-", " ")
-    kinds: dict[str, OpeningKind] = {kind: kind for kind in get_args(OpeningKind)}
-    return kinds.get(plain) or _KIND_SYNONYMS.get(plain)
+    return _KINDS.get(words(text).replace("-", " "))
 
 
 def kind_of(where: str, text: str) -> OpeningKind:
     """The kind of opening that a text means. Raises `SpecError`."""
     if (kind := find_kind(text)) is None:
-        raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}; valid: {', '.join(get_args(OpeningKind))}")
+        guess = near(words(text), KINDS)
+        raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}{guess}; valid: {', '.join(KINDS)}")
     return kind
+
+
+def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
+    """Notes on words that are nearly one of the `meaningful`; of (place, word) pairs, each word where it is first said."""
+    places: dict[str, str] = {}
+    for where, word in spoken:
+        places.setdefault(word, where)
+    valid = tuple(meaningful)
+    found = ((where, word[:60], near(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
+    notes = (f"{where}: {word!r} means nothing{guess}; passed over" for where, word, guess in found if guess)
+    return tuple(islice(notes, _MAX_NOTES))
 
 
 def storey_of(where: str, value: object) -> int:
@@ -133,7 +155,7 @@ def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) 
     """A drawing of bounded size. Raises `SpecError`."""
     drawing = Drawing(tuple(rooms), tuple(strokes), **more)
     if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
-        raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}")
+        raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}{drawing.doubt}")
     if len(drawing.strokes) > MAX_STROKES:
         raise SpecError(f"has {len(drawing.strokes)} openings; valid: at most {MAX_STROKES}")
     return drawing

@@ -6,7 +6,8 @@
       {"type": "Feature", "properties": {"kind": "door"},
        "geometry": {"type": "LineString", "coordinates": [[4, 1], [4, 1.9]]}}]}
 
-Without `storey` a feature is on the ground floor. Features with neither `label` nor `kind` are passed over.
+Without `storey` a feature is on the ground floor. Features with neither `label` nor `kind` are passed over, and so are
+other properties.
 """
 
 import json
@@ -14,10 +15,11 @@ import math
 from typing import Any
 
 from worlds.errors import SpecError
-from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, kind_of, label_of, storey_of
+from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, storey_of
 from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
+_PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> Drawing:
@@ -30,10 +32,12 @@ def read_geojson(text: str, metres_per_unit: float) -> Drawing:
         raise SpecError('is not GeoJSON; valid: a "FeatureCollection" with "features"')
     rooms: list[DrawnRoom] = []
     strokes: list[Stroke] = []
+    spoken: list[tuple[str, str]] = []
     passed_over = 0
     for i, feature in enumerate(data["features"]):
         properties, geometry = _parts(feature)
         where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _text(properties, "name")) else "")
+        spoken += [(where, key) for key in properties if key not in _PROPERTIES]
         storey = storey_of(where, properties.get("storey", 0))
         if "label" in properties:
             corners = _ring(where, geometry, metres_per_unit)
@@ -45,7 +49,7 @@ def read_geojson(text: str, metres_per_unit: float) -> Drawing:
         else:
             passed_over += 1
     notes = (f"{passed_over} features without a label or a kind were passed over",) if passed_over else ()
-    return checked(rooms, strokes, heights_m=_heights(data), notes=notes)
+    return checked(rooms, strokes, heights_m=_heights(data), notes=guesses(spoken, _PROPERTIES) + notes)
 
 
 def to_geojson(spec: HouseSpec) -> str:

@@ -13,12 +13,27 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from worlds.errors import SpecError
-from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, find_kind, find_label, kind_of, label_of, storey_of
+from worlds.imports.drawing import (
+    KINDS,
+    Drawing,
+    DrawnRoom,
+    Stroke,
+    checked,
+    find_kind,
+    find_label,
+    guesses,
+    kind_of,
+    label_of,
+    storey_of,
+    words,
+)
 from worlds.imports.svg_shapes import IDENTITY, Affine, Shape, affine, compose, outline
+from worlds.labels import ROOM_LABELS
 from worlds.spec import OpeningKind
 
 _SHAPES = ("rect", "polygon", "polyline", "path", "line")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
+_ROOM_SHAPES, _OPENING_SHAPES = _SHAPES[:-1], ("line", "polyline", "path")
 _MAX_DEPTH, _MAX_ELEMENTS = 100, 100_000
 
 
@@ -80,12 +95,12 @@ def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
         raise SpecError(f"has a scale of {scale} metres per unit; valid: above 0")
     rooms: list[DrawnRoom] = []
     strokes: list[Stroke] = []
-    passed_over = 0
+    passed_over: list[tuple[str, str, dict[str, str]]] = []
     for i, (tag, attributes, group) in enumerate(reader.shapes):
         where = f"<{tag}> {attributes.get('id', f'number {i}')[:60]!r}"
         label, kind = _meaning(where, tag, attributes)
         if label is None and kind is None:
-            passed_over += 1
+            passed_over.append((where, tag, attributes))
             continue
         shape = outline(where, tag, attributes)
         points = tuple((scale * x, -scale * y) for x, y in map(group.transform, shape.points))
@@ -98,8 +113,7 @@ def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
             )
         elif kind is not None:
             strokes.append(Stroke(where, kind, storey, (points[0], points[-1])))
-    notes = (f"{passed_over} shapes that say neither a label nor a kind were passed over",) if passed_over else ()
-    return checked(rooms, strokes, notes=notes)
+    return checked(rooms, strokes, notes=_notes(passed_over))
 
 
 def _read(text: str) -> _Reader:
@@ -127,6 +141,27 @@ def _meaning(where: str, tag: str, attributes: dict[str, str]) -> tuple[str | No
         if label is not None and tag != "line":
             return label, None
     return None, None
+
+
+def _notes(passed_over: list[tuple[str, str, dict[str, str]]]) -> tuple[str, ...]:
+    """On shapes (place, tag, attributes) that came to nothing: what they may have been meant as, and how many they are."""
+    if not passed_over:
+        return ()
+    spoken: list[tuple[str, str]] = []
+    misfits: dict[tuple[str, str], str] = {}
+    for where, tag, attributes in passed_over:
+        for word in map(words, _names(attributes)):
+            if find_kind(word) or find_label(word):
+                misfits.setdefault((tag, word), f"{where}: {word!r} is {_fitting(word)}, not a {tag}; passed over")
+            elif word:
+                spoken.append((where, word))
+    count = f"{len(passed_over)} shapes that say neither a label nor a kind were passed over"
+    return (*guesses(spoken, (*ROOM_LABELS, *KINDS)), *misfits.values(), count)
+
+
+def _fitting(word: str) -> str:
+    thing, shapes = ("an opening", _OPENING_SHAPES) if find_kind(word) else ("a room", _ROOM_SHAPES)
+    return f"{thing}: a {', '.join(shapes[:-1])} or {shapes[-1]}"
 
 
 def _names(attributes: dict[str, str]) -> Iterator[str]:
