@@ -4,52 +4,50 @@ Any open_clip model works. `lexis-mini`, a small one trained on renders, ships w
 """
 
 import hashlib
-import logging
-import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
-import cv2
 import numpy as np
-import open_clip
 import torch
 from jaxtyping import Float, Float32
-from open_clip.transform import PreprocessCfg, image_transform_v2, merge_preprocess_dict
-from PIL import Image as PILImage
-from safetensors import SafetensorError
 from torch import Tensor
 
+from lexis.encoder_options import EncoderOptions
 from lexis.errors import EncoderError
-from lexis.model_source import MINI, MINI_CONFIG, ModelSource, parse_model
+from lexis.image_cache import ImageCache, image_key
+from lexis.model_loading import load_network
+from lexis.model_source import MINI, parse_model
+from lexis.preprocessing import Preprocessing
 from lexis.prompts import prompts
 from lexis.types import Image
 
-MINI_MEAN = (0.5, 0.5, 0.5)
-"""Subtracted from RGB in [0, 1] before `lexis-mini` sees it."""
-MINI_STD = (0.25, 0.25, 0.25)
-"""Divides what is left."""
-
-_LOAD_ERRORS = (
-    RuntimeError, OSError, ValueError, KeyError, EOFError, AttributeError, pickle.UnpicklingError, SafetensorError
-)  # fmt: skip
-
-Preprocess = Callable[[Image], Float[Tensor, "3 h w"]]
+_DTYPES = {"fp32": torch.float32, "bf16": torch.bfloat16, "fp16": torch.float16}
+_TEXT_LISTS = 1024
+"""Lists of texts whose embeddings are kept."""
 
 
 class OpenClipEncoder:
-    """An open_clip model on the CPU; the same input gives the same output, whatever was encoded before."""
+    """An open_clip model; the same input gives the same output, whatever was encoded before."""
 
-    def __init__(self, name: str, model: Any, tokenizer: Any, preprocess: Preprocess, threads: int = 1) -> None:
-        """Wrap a loaded model. `threads` bounds torch's threads while encoding; the process keeps its own setting."""
-        if threads < 1:
-            raise EncoderError(f"encoder threads is {threads}; valid: >= 1")
+    def __init__(
+        self, name: str, model: Any, tokenizer: Any, preprocessing: Preprocessing, options: EncoderOptions | None = None
+    ) -> None:
+        """Wrap a loaded model. Raises EncoderError where the options' device is absent or their cache unusable."""
+        self._options = options or EncoderOptions()
         self._name = name
-        self._model = model.eval()
+        self._device = _device(self._options)
+        self._model = model.eval().to(self._device)
         self._tokenizer = tokenizer
-        self._preprocess = preprocess
-        self._threads = threads
+        self._preprocessing = preprocessing
+        self._image_tower: Callable[[Tensor], Tensor] = lambda images: self._model.encode_image(images)
+        self._text_tower: Callable[[Tensor], Tensor] = lambda tokens: self._model.encode_text(tokens)
+        if self._options.compiled:
+            self._image_tower, self._text_tower = torch.compile(self._image_tower), torch.compile(self._text_tower)
+        self._texts = lru_cache(_TEXT_LISTS)(self._embedded_texts)
+        folder = self._options.cache
+        self._cache = None if folder is None else ImageCache(folder, f"{self.fingerprint[:32]}-{self._options.precision}")
 
     @property
     def name(self) -> str:
@@ -58,8 +56,9 @@ class OpenClipEncoder:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Hex digest over the weights: two encoders with equal ones give embeddings that can be compared."""
-        digest = hashlib.sha256()
+        """Hex digest over weights, activation and preprocessing, whatever file they came from and however they compute."""
+        digest = hashlib.sha256(self._preprocessing.description.encode())
+        digest.update(str(any(type(module).__name__ == "QuickGELU" for module in self._model.modules())).encode())
         for name, weights in sorted(self._model.state_dict().items()):
             digest.update(f"{name} {weights.dtype} {tuple(weights.shape)}\n".encode())
             digest.update(weights.detach().cpu().contiguous().reshape(-1).view(torch.uint8).numpy().data)
@@ -72,95 +71,97 @@ class OpenClipEncoder:
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
         """f_CLIP of an RGB image of any size, unit norm."""
-        with _inference(self._threads):
-            return _units(self._model.encode_image(self._preprocess(image)[None])).reshape(-1)
+        return np.asarray(self.encode_images([image])[0])
+
+    def encode_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
+        """f_CLIP of RGB images of any sizes, unit norm: in batches, less what the cache knows. At least one image."""
+        if self._cache is None:
+            return self._embedded_images(images)
+        keys = [image_key(image) for image in images]
+        known = self._cache.find(keys)
+        if new := {key: image for key, image in zip(keys, images, strict=True) if key not in known}:
+            found = dict(zip(new, self._embedded_images(list(new.values())), strict=True))
+            self._cache.add(found)
+            known |= found
+        return np.stack([known[key] for key in keys])
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
         """f_TEXT of every room name: the unit mean over an ensemble of prompts. Raises EncoderError for a blank name."""
         if not names or not all(name.strip() for name in names):
             raise EncoderError(f"room names are {list(names)}; valid: at least one, none blank")
-        means = np.stack([self.encode_texts(prompts(name)).mean(axis=0) for name in names])
+        means = np.stack([self.encode_texts(prompts(name, self._options.templates)).mean(axis=0) for name in names])
         return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """f_TEXT of every text as it stands, unit norm; for questions in free words."""
-        with _inference(self._threads):
-            return _units(self._model.encode_text(self._tokenizer(list(texts))))
+        """f_TEXT of every text as it stands, unit norm; for questions in free words. The same list twice costs nothing."""
+        return self._texts(tuple(texts)).copy()
+
+    def _embedded_texts(self, texts: tuple[str, ...]) -> Float32[np.ndarray, "texts d"]:
+        return self._in_batches(texts, lambda batch: self._text_tower(self._tokenizer(list(batch)).to(self._device)))
+
+    def _embedded_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
+        prepare = self._preprocessing.apply
+        return self._in_batches(
+            images, lambda batch: self._image_tower(torch.stack([prepare(image) for image in batch]).to(self._device))
+        )
+
+    def _in_batches(self, items: Sequence[Any], tower: Callable[[Sequence[Any]], Tensor]) -> Float32[np.ndarray, "n d"]:
+        if not len(items):
+            raise EncoderError("nothing to encode; valid: at least one image or text")
+        size = self._options.batch
+        with _inference(self._options, self._device):
+            return np.concatenate([_units(tower(items[i : i + size])) for i in range(0, len(items), size)])
 
 
-def load_encoder(model: str = MINI, threads: int = 1) -> OpenClipEncoder:
+def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> OpenClipEncoder:
     """Load `mini`, MODEL (with its OpenAI weights), MODEL:PRETRAINED, MODEL:PATH, hf-hub:OWNER/NAME or local-dir:PATH.
 
     Args:
         model: MODEL is an open_clip architecture, PRETRAINED one of its tags, PATH a checkpoint (.safetensors, or .pt and
             .bin holding nothing but tensors). Where open_clip lists no tag of MODEL, or its tags disagree on the image's
-            mean and deviation, PATH needs an `open_clip_config.json` beside it that states them.
-        threads: of torch, while encoding.
+            mean and deviation or on the activation, PATH needs an `open_clip_config.json` beside it that states them.
+        options: device, precision, batches, prompts, cache.
 
     Raises:
-        EncoderError: the model is unknown, cannot be fetched, or its checkpoint is damaged or of another architecture.
+        EncoderError: the model is unknown, cannot be fetched, or its checkpoint is damaged or of another architecture; or
+            there is no such device.
     """
-    source = parse_model(model)
-    with _open_clip_quiet():
-        try:
-            network = open_clip.create_model(
-                source.architecture,
-                pretrained=source.pretrained,
-                force_quick_gelu=source.quick_gelu,
-                require_pretrained=True,
-                weights_only=True,
-            )
-            tokenizer = open_clip.get_tokenizer(source.architecture)
-        except _LOAD_ERRORS as error:
-            raise EncoderError(f"encoder {model}: {source.kind} cannot be loaded: {_first_line(error)}") from None
-    return OpenClipEncoder(model, network, tokenizer, _preprocess_of(source, network), threads)
+    options = options or EncoderOptions()
+    _device(options)
+    network, tokenizer, preprocessing = load_network(model, parse_model(model))
+    return OpenClipEncoder(model, network, tokenizer, preprocessing, options)
 
 
-def _preprocess_of(source: ModelSource, network: Any) -> Preprocess:
-    if source.architecture == MINI_CONFIG.stem:
-        height, width = network.visual.image_size
-        return lambda image: squash(image, height, width)
-    settings = merge_preprocess_dict(network.visual.preprocess_cfg, source.preprocess or {})
-    transform = image_transform_v2(PreprocessCfg(**settings), is_train=False)
-    return lambda image: transform(PILImage.fromarray(image))
-
-
-def squash(image: Image, height: int, width: int) -> Float[Tensor, "3 {height} {width}"]:
-    """The image as `lexis-mini` wants it: area-averaged to height x width [px] without keeping its aspect, normalised."""
-    small = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
-    pixels = (small / np.float32(255.0) - np.array(MINI_MEAN, np.float32)) / np.array(MINI_STD, np.float32)
-    return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1)))
+def _device(options: EncoderOptions) -> torch.device:
+    """The device, if it is there and can do what the options ask of it. Raises EncoderError."""
+    device = torch.device(options.device)
+    if device.type == "cuda" and (device.index or 0) >= torch.cuda.device_count():
+        raise EncoderError(
+            f"encoder device {options.device} is absent: torch sees {torch.cuda.device_count()} GPUs; valid: cpu"
+        )
+    if device.type == "cuda" and options.precision == "bf16" and not torch.cuda.is_bf16_supported():
+        raise EncoderError(f"encoder precision is bf16, which {options.device} cannot do; valid: fp32, fp16")
+    return device
 
 
 @contextmanager
-def _inference(threads: int) -> Iterator[None]:
+def _inference(options: EncoderOptions, device: torch.device) -> Iterator[None]:
     before = torch.get_num_threads()
-    torch.set_num_threads(threads)
+    torch.set_num_threads(options.threads)
     try:
-        with torch.inference_mode():
+        lower = options.precision != "fp32"
+        with torch.inference_mode(), torch.autocast(device.type, _DTYPES[options.precision], enabled=lower):
             yield
     finally:
         torch.set_num_threads(before)
 
 
-@contextmanager
-def _open_clip_quiet() -> Iterator[None]:
-    """Drop open_clip's and the hub's log lines (retries, fallbacks): what matters of them is in the error."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        logging.disable(before)
-
-
 def _units(rows: Float[Tensor, "n d"]) -> Float32[np.ndarray, "n d"]:
-    return torch.nn.functional.normalize(rows.float(), dim=-1).numpy()
+    """Rows of unit norm. Raises EncoderError where a row has none."""
+    units = torch.nn.functional.normalize(rows.float(), dim=-1).cpu().numpy()
+    if not np.isfinite(units).all():
+        raise EncoderError("the encoder's output is not finite: its weights are damaged; valid: another checkpoint, or fp32")
+    return np.asarray(units)
 
 
-def _first_line(error: Exception) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return " ".join(lines[:2])[:300] if lines else type(error).__name__
-
-
-__all__ = ["MINI_CONFIG", "MINI_MEAN", "MINI_STD", "OpenClipEncoder", "load_encoder", "squash"]
+__all__ = ["OpenClipEncoder", "load_encoder"]

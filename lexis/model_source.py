@@ -1,8 +1,9 @@
-"""Where an encoder's weights come from: one string, resolved and checked before anything is loaded."""
+"""Where an encoder's weights come from: one string, resolved and checked before anything is fetched or loaded."""
 
 import difflib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -11,16 +12,21 @@ from typing import Any
 import open_clip
 
 from lexis.errors import EncoderError
+from lexis.hub import fetch
 
 MINI = "mini"
 """The model that ships with the package."""
 MINI_CONFIG = Path(__file__).parent / "models" / "lexis-mini.json"
 """Its architecture; the weights lie beside it."""
 
-_SCHEMAS = ("hf-hub:", "local-dir:")
+CONFIG_FILE = "open_clip_config.json"
+"""Written by open_clip beside weights."""
+_HUB, _FOLDER = "hf-hub:", "local-dir:"
 _DEFAULT_TAG = "openai"
 _CHECKPOINTS = (".safetensors", ".pt", ".pth", ".bin")
+_HUB_WEIGHTS = "open_clip_pytorch_model.bin"
 _SETTINGS = ("mean", "std", "interpolation", "resize_mode")
+_CHOICES = {"interpolation": ("bicubic", "bilinear", "random"), "resize_mode": ("shortest", "longest", "squash")}
 _MAX_CONFIG_BYTES = 1_000_000
 
 
@@ -29,14 +35,20 @@ class ModelSource:
     """What open_clip is asked for."""
 
     architecture: str
-    pretrained: str | None
-    """A tag or a checkpoint; None where the architecture's name carries its weights."""
     kind: str
-    """What `pretrained` is, for messages."""
+    """What the weights are, for messages."""
+    preprocess: Mapping[str, Any]
+    """Mean and deviation of the image and, where stated, size [px] and resizing; empty for the mini."""
+    checkpoint: Path | None = None
+    """None where the weights come from the hub, or the architecture's name carries them."""
+    hub: tuple[str, tuple[str, ...]] | None = None
+    """Repository, and the names that the weights may have there."""
     quick_gelu: bool = False
     """Whether these weights were trained with OpenAI's activation; open_clip would only warn."""
-    preprocess: dict[str, Any] | None = None
-    """Mean, deviation and resizing of the image; None: as open_clip knows them for these weights."""
+
+    def weights(self) -> Path | None:
+        """The checkpoint, fetched if need be; None where the architecture's name carries it. Raises EncoderError."""
+        return fetch(*self.hub) if self.hub else self.checkpoint
 
 
 def parse_model(model: str) -> ModelSource:
@@ -44,8 +56,11 @@ def parse_model(model: str) -> ModelSource:
     _register_mini()
     if model == MINI:
         return _checkpoint(MINI_CONFIG.stem, MINI_CONFIG.with_suffix(".safetensors"), "mini")
-    if model.startswith(_SCHEMAS):
-        return ModelSource(model, None, "the model")
+    if model.startswith(_FOLDER):
+        return ModelSource(model, "the folder", _stated(Path(model.removeprefix(_FOLDER)) / CONFIG_FILE)["preprocess_cfg"])
+    if model.startswith(_HUB):
+        config = fetch(model.removeprefix(_HUB), (CONFIG_FILE,))
+        return ModelSource(model, "the hub's model", _stated(config)["preprocess_cfg"])
     architecture, _, rest = model.partition(":")
     if architecture not in open_clip.list_models():
         raise EncoderError(
@@ -55,8 +70,7 @@ def parse_model(model: str) -> ModelSource:
     tags = open_clip.list_pretrained_tags_by_model(architecture)
     wanted = rest or _DEFAULT_TAG
     if wanted in tags:
-        known = open_clip.get_pretrained_cfg(architecture, wanted)
-        return ModelSource(architecture, wanted, "the pretrained weights", bool(known.get("quick_gelu")))
+        return _published(architecture, wanted)
     if rest and Path(rest).suffix in _CHECKPOINTS:
         return _checkpoint(architecture, Path(rest), model)
     raise EncoderError(
@@ -65,34 +79,65 @@ def parse_model(model: str) -> ModelSource:
     )
 
 
+def _published(architecture: str, tag: str) -> ModelSource:
+    known = open_clip.get_pretrained_cfg(architecture, tag)
+    repo, _, name = known["hf_hub"].rpartition("/")
+    name = name or _HUB_WEIGHTS
+    safe = "open_clip_model.safetensors" if name == _HUB_WEIGHTS else str(Path(name).with_suffix(".safetensors"))
+    preprocess = {key: known[key] for key in _SETTINGS}
+    return ModelSource(
+        architecture, f"its weights {tag}", preprocess, hub=(repo, (safe, name)), quick_gelu=bool(known.get("quick_gelu"))
+    )
+
+
 def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
     if not os.path.isfile(path):
         raise EncoderError(f"encoder {model}: no checkpoint at {path}; valid: an existing file, or another model")
     if architecture == MINI_CONFIG.stem:
-        return ModelSource(architecture, str(path), "the checkpoint")
-    beside = path.parent / "open_clip_config.json"
-    stated = _read_config(beside) if os.path.isfile(beside) else {}
+        return ModelSource(architecture, "the checkpoint", {}, path)
+    beside = path.parent / CONFIG_FILE
+    stated = _stated(beside) if os.path.isfile(beside) else {}
     preprocess = stated.get("preprocess_cfg") or _agreed(architecture)
     if preprocess is None:
         raise EncoderError(
             f"encoder {model}: nothing tells the image's mean and deviation that {path.name} was trained with; "
-            f"put the open_clip_config.json that belongs to it into {path.parent}"
+            f"put the {CONFIG_FILE} that belongs to it into {path.parent}"
         )
-    quick_gelu = bool(stated.get("model_cfg", {}).get("quick_gelu"))
-    return ModelSource(architecture, str(path), "the checkpoint", quick_gelu, preprocess)
+    return ModelSource(architecture, "the checkpoint", preprocess, path, quick_gelu=_activation(architecture, stated, path))
 
 
-def _read_config(path: Path) -> dict[str, dict[str, Any]]:
-    """The configuration that open_clip writes beside weights; its `preprocess_cfg` states mean and std."""
+def _activation(architecture: str, stated: Mapping[str, Any], path: Path) -> bool:
+    """Whether OpenAI's: as stated beside the weights, else by the architecture's name, else as all published weights."""
+    if "model_cfg" in stated:
+        return bool(stated["model_cfg"].get("quick_gelu"))
+    tags = open_clip.list_pretrained_tags_by_model(architecture)
+    if open_clip.get_model_config(architecture).get("quick_gelu") or not tags:
+        return False  # that is: no other than the architecture has
+    known = {bool(open_clip.get_pretrained_cfg(architecture, tag).get("quick_gelu")) for tag in tags}
+    if len(known) > 1:
+        raise EncoderError(
+            f"encoder {architecture}:{path}: weights of this architecture come with two activations, and nothing tells "
+            f"which is meant; valid: {architecture}-quickgelu:{path}, or the {CONFIG_FILE} that belongs to it beside it"
+        )
+    return known.pop()
+
+
+def _stated(path: Path) -> dict[str, dict[str, Any]]:
+    """The configuration that belongs to weights; its `preprocess_cfg` states mean and std. Raises EncoderError."""
     try:
         config = json.loads(path.read_bytes()[: _MAX_CONFIG_BYTES + 1])
         preprocess = config["preprocess_cfg"]
         numbers = [float(value) for key in ("mean", "std") for value in preprocess[key]]
         if len(numbers) != 6 or min(numbers[3:]) <= 0:
             raise ValueError("mean and std are three numbers each, std positive")
-        known = {key: preprocess[key] for key in _SETTINGS if key in preprocess}
-        return {"model_cfg": dict(config.get("model_cfg", {})), "preprocess_cfg": known}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        for key, valid in _CHOICES.items():
+            if preprocess.get(key, valid[0]) not in valid:
+                raise ValueError(f"{key} is {preprocess[key]!r}, not one of {', '.join(valid)}")
+        known = {key: preprocess[key] for key in (*_SETTINGS, "size") if key in preprocess}
+        return {"preprocess_cfg": known} | ({"model_cfg": dict(config["model_cfg"])} if "model_cfg" in config else {})
+    except OSError as error:
+        raise EncoderError(f"{path}: cannot be read: {error.strerror}; valid: the file that open_clip writes") from None
+    except (ValueError, KeyError, TypeError) as error:
         raise EncoderError(f"{path}: unusable preprocess_cfg: {error}; valid: mean and std of three numbers each") from None
 
 

@@ -1,5 +1,9 @@
 """Room names as sentences: CLIP reads captions better than bare nouns."""
 
+from collections.abc import Sequence
+
+from lexis.errors import EncoderError
+
 TEMPLATES = ("a photo of {}", "a picture of {}", "{} in a house", "a view of {}", "inside {}")
 """Averaged over, so that no single wording decides."""
 
@@ -7,9 +11,16 @@ _CONSONANT_SOUND = ("uni", "use", "uti", "eu", "one ")
 _VOWEL_SOUND = ("hour", "honour", "honor")
 
 
-def prompts(name: str) -> tuple[str, ...]:
+def prompts(name: str, templates: Sequence[str] = TEMPLATES) -> tuple[str, ...]:
     """The captions of a room: `prompts("office")` begins with "a photo of an office"."""
-    return tuple(template.format(with_article(name)) for template in TEMPLATES)
+    return tuple(template.format(with_article(name)) for template in templates)
+
+
+def check_template(template: str) -> None:
+    """Raise EncoderError unless the template has one {} and no other braces."""
+    before, hole, after = template.partition("{}")
+    if not hole or set("{}") & set(before + after):
+        raise EncoderError(f'prompt template {template!r} is unusable; valid: one {{}} in it, as in "a photo of {{}}"')
 
 
 def with_article(name: str) -> str:

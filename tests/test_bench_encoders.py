@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from lexis.encoder import OpenClipEncoder
+from lexis.preprocessing import squashing
 from lexis.prompts import prompts
 from sim.bench import encoders
 from sim.bench.encoders import ceiling_of, measure, overall_calibration_error
@@ -34,7 +35,7 @@ class Knowing(OpenClipEncoder):
     def __init__(self, temperature):
         model = torch.nn.Module()
         model.logit_scale = torch.nn.Parameter(torch.tensor(-np.log(temperature)))
-        super().__init__("knowing", model, None, lambda image: torch.zeros(3, 1, 1))
+        super().__init__("knowing", model, None, squashing(1, 1))
         self._known = {name: i for i, label in enumerate(ROOM_LABELS) for name in ROOM_NAMES[label]}
         self._known |= {done: i for i, label in enumerate(ROOM_LABELS) for done in ROOM_ACTIVITIES[label]}
         self._known |= {name: i for i in set(ROOMS) for name in OBJECT_NAMES.get(THINGS[i], (THINGS[i],))}

@@ -9,8 +9,11 @@ import pytest
 import torch
 from safetensors.torch import save_file
 
-from lexis.encoder import MINI_CONFIG, MINI_MEAN, MINI_STD, load_encoder, squash
+from lexis.encoder import load_encoder
+from lexis.encoder_options import EncoderOptions
 from lexis.errors import EncoderError, LexisError
+from lexis.model_source import MINI_CONFIG
+from lexis.preprocessing import MINI_MEAN, MINI_STD, squash
 
 TINY = {
     "embed_dim": 16,
@@ -61,7 +64,7 @@ def test_what_was_encoded_before_changes_nothing(encoder, image):
 
 def test_the_process_keeps_its_own_number_of_threads(tiny, image):
     before = torch.get_num_threads()
-    load_encoder(f"local-dir:{tiny}", threads=2).encode_image(image)
+    load_encoder(f"local-dir:{tiny}", EncoderOptions(threads=2)).encode_image(image)
     assert torch.get_num_threads() == before
 
 
@@ -114,7 +117,7 @@ def test_another_checkpoint_of_the_mini_needs_no_config(tmp_path, image):
         ("RN50x16:laion9b", "openai"),
         ("ViT-L-14:/nowhere/model.safetensors", "no checkpoint at /nowhere"),
         ("tiny-test", "no weights 'openai'"),
-        ("local-dir:/nowhere", "not found"),
+        ("local-dir:/nowhere", "open_clip_config.json: cannot be read"),
     ],
 )
 def test_what_cannot_be_had_is_refused_in_one_line_that_says_what_is_valid(tiny, model, says):

@@ -11,7 +11,8 @@ from open_clip.transformer import TextTransformer
 from rich.console import Console
 from safetensors.torch import load_file
 
-from lexis.encoder import OpenClipEncoder, squash
+from lexis.encoder import OpenClipEncoder
+from lexis.preprocessing import squashing
 from sim.errors import SimError
 from sim.training.align import AlignLearner, room_embeddings
 from sim.training.batches import batches
@@ -148,7 +149,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     weights = {name: value.float() for name, value in load_file(run.out).items()}
     model = open_clip.CLIP(**model_config())
     model.load_state_dict(weights)
-    encoder = OpenClipEncoder("mini", model, open_clip.tokenizer.SimpleTokenizer(context_length=24), _squash)
+    encoder = OpenClipEncoder("mini", model, open_clip.tokenizer.SimpleTokenizer(context_length=24), squashing(96, 128))
     said = encoder.encode_rooms(["kitchen", "place to cook"])
     np.testing.assert_allclose(said, room_embeddings(text, ["kitchen", "place to cook"]), atol=0.02)
     dense = DenseLearner(frames_of_house(HOUSE, Views(most=2))).module
@@ -156,10 +157,6 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     torch.testing.assert_close(dense.trunk.state_dict()["stem.conv.weight"], weights["visual.trunk.stem.conv.weight"])
     with pytest.raises(SimError, match="no image tower"):
         start_trunk_from(work / "text-tower.safetensors", dense)
-
-
-def _squash(image):
-    return squash(image, 96, 128)
 
 
 def test_the_fitted_temperature_is_the_one_that_answers_were_drawn_with():

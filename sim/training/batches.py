@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Int, UInt8
 from torch import Tensor, nn
 
-from lexis.encoder import MINI_MEAN, MINI_STD
+from lexis.preprocessing import MINI_MEAN, MINI_STD
 from sim.training.frames import Frames
 
 PRESENT = 0.004

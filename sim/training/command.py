@@ -10,7 +10,7 @@ from open_clip.transformer import TextTransformer
 from rich.console import Console
 from safetensors.torch import load_file
 
-from lexis.encoder import MINI_CONFIG
+from lexis.model_source import MINI_CONFIG
 from sim.errors import SimError
 from sim.training.align import WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner

@@ -1,0 +1,85 @@
+"""open_clip's networks with weights, tokenizer and preprocessing that belong to each other; one clear line where not."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import open_clip
+from open_clip.factory import load_state_dict
+from open_clip.transform import PreprocessCfg, merge_preprocess_dict
+from safetensors import safe_open
+
+from lexis.errors import EncoderError
+from lexis.hub import first_line
+from lexis.model_source import MINI_CONFIG, ModelSource
+from lexis.preprocessing import Preprocessing, as_open_clip, squashing
+
+_POSITIONS = ("visual.positional_embedding", "positional_embedding")
+
+
+def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
+    """A network, its tokenizer and its preprocessing. `model` is its name in messages. Raises EncoderError."""
+    weights = source.weights()
+    with _open_clip_quiet():
+        try:
+            network = open_clip.create_model(
+                source.architecture,
+                pretrained=None if weights is None else str(weights),
+                force_quick_gelu=source.quick_gelu,
+                require_pretrained=True,
+                weights_only=True,
+            )
+            tokenizer = open_clip.get_tokenizer(source.architecture)
+            if weights is not None and source.hub is None:
+                _check_positions(network, weights)
+            return network, tokenizer, _preprocessing(source, network)
+        except Exception as error:  # a damaged or foreign file makes torch, timm and open_clip raise nearly everything
+            raise EncoderError(f"encoder {model}: {source.kind} cannot be loaded: {first_line(error)}") from None
+
+
+def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
+    """As stated, resized to what the network takes. Raises ValueError where the two contradict each other."""
+    height, width = _pair(network.visual.image_size)
+    if source.architecture == MINI_CONFIG.stem:
+        return squashing(height, width)
+    stated = source.preprocess.get("size")
+    if stated is not None and _pair(stated) != (height, width):
+        raise ValueError(f"its configuration states images of {stated} px, its architecture {(height, width)}")
+    settings = merge_preprocess_dict(asdict(PreprocessCfg()), {**source.preprocess, "size": (height, width)})
+    return as_open_clip(settings)
+
+
+def _check_positions(network: Any, checkpoint: Path) -> None:
+    """Raise ValueError where open_clip has resized embeddings of positions: it would only log that."""
+    stored, own = _shapes(checkpoint), network.state_dict()
+    for name in _POSITIONS:
+        if name in stored and name in own and stored[name] != tuple(own[name].shape):
+            raise ValueError(
+                f"of another architecture: its {name} is {stored[name]}, that of the model {tuple(own[name].shape)}"
+            )
+
+
+def _shapes(checkpoint: Path) -> dict[str, tuple[int, ...]]:
+    if checkpoint.suffix == ".safetensors":
+        with safe_open(checkpoint, "pt") as file:
+            return {name: tuple(file.get_slice(name).get_shape()) for name in _POSITIONS if name in file.keys()}  # noqa: SIM118
+    return {name: tuple(values.shape) for name, values in load_state_dict(str(checkpoint)).items() if name in _POSITIONS}
+
+
+def _pair(size: Any) -> tuple[int, int]:
+    height, width = size if isinstance(size, list | tuple) else (size, size)
+    return int(height), int(width)
+
+
+@contextmanager
+def _open_clip_quiet() -> Iterator[None]:
+    """Drop open_clip's and the hub's log lines (retries, fallbacks): what matters of them is in the error."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
