@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.command_line import Parser, add_command, positive, run_command
+from lexis.encoder_options import PRECISIONS, EncoderOptions
 from lexis.errors import LexisError
 from lexis.export import FORMATS, export_map
 from lexis.map_io import JSON_FILE, load_map, save_map
@@ -31,6 +32,7 @@ TO_HELP = (
 DATASET_HELP = "folder of a recording: TUM RGB-D (rgb.txt), EuRoC ASL (mav0) or ROS 2 bag; lexis.datasets says what is read"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
+CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
 QUERY_NOTE = "mini was trained on renders of generated houses; maps of photographs want real CLIP weights."
 
 
@@ -51,6 +53,9 @@ def _parser() -> Parser:
     run.add_argument("--rooms", type=_rooms, required=True, help=ROOMS_HELP)
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
+    run.add_argument("--device", default="cpu", help="cpu, cuda or cuda:N, for the encoder (default: %(default)s)")
+    run.add_argument("--precision", choices=PRECISIONS, default="fp32", help="of the encoder (default: %(default)s)")
     run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
     run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
     path = add_command(
@@ -84,8 +89,9 @@ def _run(arguments: argparse.Namespace) -> int:
     from lexis.slam import Slam
 
     check_replaceable(arguments.out, JSON_FILE)
+    options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
-    slam = Slam(dataset.camera, _encoder(arguments.encoder), arguments.rooms)
+    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), arguments.rooms)
     for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
         slam.process(observation)
     lexis_map = slam.finish()
@@ -130,10 +136,10 @@ def _export(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _encoder(model: str) -> "OpenClipEncoder":
+def _encoder(model: str, options: EncoderOptions | None = None) -> "OpenClipEncoder":
     from lexis.encoder import load_encoder
 
-    return load_encoder(model)
+    return load_encoder(model, options)
 
 
 def _rooms(text: str) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from torch import Tensor
 
 from lexis.encoder_options import EncoderOptions
 from lexis.errors import EncoderError
+from lexis.hub import one_line
 from lexis.image_cache import ImageCache, image_key
 from lexis.model_loading import load_network
 from lexis.model_source import MINI, parse_model
@@ -45,6 +46,7 @@ class OpenClipEncoder:
         self._text_tower: Callable[[Tensor], Tensor] = lambda tokens: self._model.encode_text(tokens)
         if self._options.compiled:
             self._image_tower, self._text_tower = torch.compile(self._image_tower), torch.compile(self._text_tower)
+            self._compile()
         self._texts = lru_cache(_TEXT_LISTS)(self._embedded_texts)
         folder = self._options.cache
         self._cache = None if folder is None else ImageCache(folder, f"{self.fingerprint[:32]}-{self._options.precision}")
@@ -95,6 +97,14 @@ class OpenClipEncoder:
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
         """f_TEXT of every text as it stands, unit norm; for questions in free words. The same list twice costs nothing."""
         return self._texts(tuple(texts)).copy()
+
+    def _compile(self) -> None:
+        """By a first use, so that what fails does so here. Raises EncoderError."""
+        try:
+            self._embedded_images([np.zeros((64, 64, 3), np.uint8)])
+            self._embedded_texts(("room",))
+        except RuntimeError as error:
+            raise EncoderError(f"encoder {self._name} cannot be compiled: {one_line(error)}") from None
 
     def _embedded_texts(self, texts: tuple[str, ...]) -> Float32[np.ndarray, "texts d"]:
         return self._in_batches(texts, lambda batch: self._text_tower(self._tokenizer(list(batch)).to(self._device)))

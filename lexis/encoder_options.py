@@ -9,6 +9,7 @@ from lexis.errors import EncoderError
 from lexis.prompts import TEMPLATES, check_template
 
 Precision = Literal["fp32", "bf16", "fp16"]
+PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 _DEVICES = re.compile(r"cpu|cuda(:\d+)?")
 
 
@@ -35,8 +36,8 @@ class EncoderOptions:
         """Raise EncoderError for a setting outside its range. Whether the device is there, only loading tells."""
         if not _DEVICES.fullmatch(self.device):
             raise EncoderError(f"encoder device is {self.device!r}; valid: cpu, cuda, cuda:N")
-        if self.precision not in get_args(Precision):
-            raise EncoderError(f"encoder precision is {self.precision!r}; valid: {', '.join(get_args(Precision))}")
+        if self.precision not in PRECISIONS:
+            raise EncoderError(f"encoder precision is {self.precision!r}; valid: {', '.join(PRECISIONS)}")
         if self.precision == "fp16" and self.device == "cpu":
             raise EncoderError("encoder precision is fp16 on cpu; valid there: fp32, bf16; fp16 with device cuda")
         for name in ("threads", "batch"):

@@ -1,12 +1,15 @@
 """Files of the Hugging Face hub: from the local cache where they are, else fetched whole or not at all."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from huggingface_hub import constants, get_hf_file_metadata, hf_hub_download, hf_hub_url, try_to_load_from_cache
-from huggingface_hub.errors import EntryNotFoundError, HfHubHTTPError
+from huggingface_hub.errors import EntryNotFoundError, HfHubHTTPError, HFValidationError, LocalEntryNotFoundError
 
 from lexis.errors import EncoderError
+
+_LONGEST = 240
 
 
 def fetch(repo: str, names: Sequence[str]) -> Path:
@@ -14,26 +17,44 @@ def fetch(repo: str, names: Sequence[str]) -> Path:
 
     Raises EncoderError, at once where nothing answers: the hub's own client retries for the better part of a minute.
     """
-    for name in names:
-        if isinstance(cached := try_to_load_from_cache(repo, name), str):
-            return Path(cached)
-    for name in names:
-        try:
-            get_hf_file_metadata(hf_hub_url(repo, name), timeout=constants.HF_HUB_ETAG_TIMEOUT)
-            return Path(hf_hub_download(repo, name))
-        except EntryNotFoundError:
-            continue
-        except HfHubHTTPError as error:
-            raise EncoderError(f"{constants.ENDPOINT} refuses {repo}/{name}: {first_line(error)}") from None
-        except Exception as error:  # of the client's HTTP library, which has changed with its versions
-            raise EncoderError(
-                f"{repo}/{name} is not in the local cache and {constants.ENDPOINT} gives none of it: {first_line(error)}; "
-                "valid: mini, which needs no network; MODEL:PATH with a checkpoint; HF_ENDPOINT=URL of a mirror"
-            ) from None
-    raise EncoderError(f"{constants.ENDPOINT}/{repo} has none of {', '.join(names)}; valid: a repository of open_clip")
+    try:
+        for name in names:
+            if isinstance(cached := try_to_load_from_cache(repo, name), str):
+                return Path(cached)
+        return _fetched(repo, names)
+    except Exception as error:  # the client lets through those of its HTTP library, which has changed with its versions
+        raise EncoderError(_said(repo, names, error)) from None
 
 
-def first_line(error: Exception) -> str:
+def _fetched(repo: str, names: Sequence[str]) -> Path:
+    """Raise what the hub's client raises; EntryNotFoundError where the repository has none."""
+    *others, last = names
+    for name in others:
+        with suppress(EntryNotFoundError):
+            return _whole(repo, name)
+    return _whole(repo, last)
+
+
+def _whole(repo: str, name: str) -> Path:
+    get_hf_file_metadata(hf_hub_url(repo, name), timeout=constants.HF_HUB_ETAG_TIMEOUT)  # asks once, and does not try again
+    return Path(hf_hub_download(repo, name))
+
+
+def _said(repo: str, names: Sequence[str], error: Exception) -> str:
+    line, hub = one_line(error), constants.ENDPOINT
+    if isinstance(error, HFValidationError):
+        return f"{repo!r} is no repository: {line}; valid: OWNER/NAME"
+    if isinstance(error, EntryNotFoundError) and not isinstance(error, LocalEntryNotFoundError):
+        return f"{hub}/{repo} has none of {', '.join(names)}; valid: a repository of open_clip's"
+    if isinstance(error, HfHubHTTPError):
+        return f"{hub} refuses {repo}: {line}; valid: a public repository, or HF_TOKEN of one who may"
+    return (
+        f"{repo} is not in the local cache and cannot be had from {hub}: {line}; "
+        "valid: mini, which needs no network; MODEL:PATH of a checkpoint; HF_ENDPOINT=URL of a mirror"
+    )
+
+
+def one_line(error: Exception) -> str:
     """What an error says, on one line, shortened."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return " ".join(lines[:2])[:300] if lines else type(error).__name__
+    line = " ".join(str(error).split()) or type(error).__name__
+    return line if len(line) <= _LONGEST else f"{line[:_LONGEST]}..."

@@ -13,7 +13,7 @@ from open_clip.transform import PreprocessCfg, merge_preprocess_dict
 from safetensors import safe_open
 
 from lexis.errors import EncoderError
-from lexis.hub import first_line
+from lexis.hub import one_line
 from lexis.model_source import MINI_CONFIG, ModelSource
 from lexis.preprocessing import Preprocessing, as_open_clip, squashing
 
@@ -22,9 +22,9 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding")
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
     """A network, its tokenizer and its preprocessing. `model` is its name in messages. Raises EncoderError."""
-    weights = source.weights()
     with _open_clip_quiet():
         try:
+            weights = source.weights()
             network = open_clip.create_model(
                 source.architecture,
                 pretrained=None if weights is None else str(weights),
@@ -36,8 +36,13 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
             if weights is not None and source.hub is None:
                 _check_positions(network, weights)
             return network, tokenizer, _preprocessing(source, network)
+        except EncoderError as error:
+            raise EncoderError(f"encoder {model}: {error}") from None
         except Exception as error:  # a damaged or foreign file makes torch, timm and open_clip raise nearly everything
-            raise EncoderError(f"encoder {model}: {source.kind} cannot be loaded: {first_line(error)}") from None
+            raise EncoderError(
+                f"encoder {model}: {source.kind} cannot be loaded: {one_line(error)}; "
+                "valid: whole weights of this very architecture, in safetensors or as torch.save writes tensors"
+            ) from None
 
 
 def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:

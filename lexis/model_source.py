@@ -24,7 +24,7 @@ CONFIG_FILE = "open_clip_config.json"
 _HUB, _FOLDER = "hf-hub:", "local-dir:"
 _DEFAULT_TAG = "openai"
 _CHECKPOINTS = (".safetensors", ".pt", ".pth", ".bin")
-_HUB_WEIGHTS = "open_clip_pytorch_model.bin"
+_HUB_WEIGHTS = ("open_clip_model.safetensors", "open_clip_pytorch_model.bin")
 _SETTINGS = ("mean", "std", "interpolation", "resize_mode")
 _CHOICES = {"interpolation": ("bicubic", "bilinear", "random"), "resize_mode": ("shortest", "longest", "squash")}
 _MAX_CONFIG_BYTES = 1_000_000
@@ -40,14 +40,14 @@ class ModelSource:
     preprocess: Mapping[str, Any]
     """Mean and deviation of the image and, where stated, size [px] and resizing; empty for the mini."""
     checkpoint: Path | None = None
-    """None where the weights come from the hub, or the architecture's name carries them."""
+    """None where the weights come from the hub, or the architecture's name says from where."""
     hub: tuple[str, tuple[str, ...]] | None = None
     """Repository, and the names that the weights may have there."""
     quick_gelu: bool = False
     """Whether these weights were trained with OpenAI's activation; open_clip would only warn."""
 
     def weights(self) -> Path | None:
-        """The checkpoint, fetched if need be; None where the architecture's name carries it. Raises EncoderError."""
+        """The checkpoint, fetched if need be; None where the architecture's name says where it is. Raises EncoderError."""
         return fetch(*self.hub) if self.hub else self.checkpoint
 
 
@@ -59,8 +59,9 @@ def parse_model(model: str) -> ModelSource:
     if model.startswith(_FOLDER):
         return ModelSource(model, "the folder", _stated(Path(model.removeprefix(_FOLDER)) / CONFIG_FILE)["preprocess_cfg"])
     if model.startswith(_HUB):
-        config = fetch(model.removeprefix(_HUB), (CONFIG_FILE,))
-        return ModelSource(model, "the hub's model", _stated(config)["preprocess_cfg"])
+        repo = model.removeprefix(_HUB)
+        stated = _stated(fetch(repo, (CONFIG_FILE,)))
+        return ModelSource(model, "the hub's model", stated["preprocess_cfg"], hub=(repo, _HUB_WEIGHTS))
     architecture, _, rest = model.partition(":")
     if architecture not in open_clip.list_models():
         raise EncoderError(
@@ -82,11 +83,10 @@ def parse_model(model: str) -> ModelSource:
 def _published(architecture: str, tag: str) -> ModelSource:
     known = open_clip.get_pretrained_cfg(architecture, tag)
     repo, _, name = known["hf_hub"].rpartition("/")
-    name = name or _HUB_WEIGHTS
-    safe = "open_clip_model.safetensors" if name == _HUB_WEIGHTS else str(Path(name).with_suffix(".safetensors"))
+    names = (str(Path(name).with_suffix(".safetensors")), name) if name else _HUB_WEIGHTS
     preprocess = {key: known[key] for key in _SETTINGS}
     return ModelSource(
-        architecture, f"its weights {tag}", preprocess, hub=(repo, (safe, name)), quick_gelu=bool(known.get("quick_gelu"))
+        architecture, f"weights {tag!r}", preprocess, hub=(repo, names), quick_gelu=bool(known.get("quick_gelu"))
     )
 
 

@@ -31,7 +31,7 @@ class ColourEncoder:
 
 @pytest.fixture(autouse=True)
 def encoder(monkeypatch):
-    monkeypatch.setattr(cli, "_encoder", lambda model: ColourEncoder())
+    monkeypatch.setattr(cli, "_encoder", lambda model, options=None: ColourEncoder())
 
 
 @pytest.fixture
