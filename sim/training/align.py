@@ -1,7 +1,8 @@
 """Stage 2 of the image tower: alignment with the frozen text tower, through text similarity alone.
 
 Every image is compared with captions, never with class weights: its room over one freshly worded caption per label, the
-presence of every thing over a caption that names it. Noise on the text embeddings keeps the image tower from using what
+presence of every thing over a caption that names it. And every caption is compared with all images of a batch, since that is
+how questions are answered: by the images that fit best. Noise on the text embeddings keeps the image tower from using what
 only the trained wordings share. The dense losses stay on, so that nothing that was learned is lost.
 """
 
@@ -10,12 +11,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 from open_clip.transformer import TextTransformer
 from torch import Tensor, nn
 
 from lexis.prompts import prompts
-from sim.training.batches import Batch, normalised
+from sim.training.batches import PRESENT, Batch, normalised
 from sim.training.dense import DenseTower, Seen, dense_loss, room_weights, told_right
 from sim.training.fit import PROCESSOR
 from sim.training.frames import THINGS, Frames
@@ -23,12 +24,17 @@ from sim.training.phrases import object_caption, room_caption
 from sim.training.text_tower import encode_texts
 from worlds.labels import ROOM_LABELS
 
-TEXT_NOISE = 1.5
+TEXT_NOISE = 1.25
 """Length of the noise added to unit text embeddings."""
 WORDINGS = (200, 32)
 """Captions drawn of every room label and of every thing, once; of these, every step draws one each."""
+SETTLING_STEPS = 2000
+"""Of the projection alone, at the end."""
+_SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
+_ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
+"""Of images found by captions of rooms and of things."""
 _BATCH = 256
 
 
@@ -44,11 +50,16 @@ class AlignedTower(nn.Module):
         self.room_scale = nn.Parameter(torch.tensor(math.log(20.0)))
         self.thing_scale = nn.Parameter(torch.tensor(math.log(15.0)))
         self.thing_bias = nn.Parameter(torch.tensor(-5.0))
+        self.search_scale = nn.Parameter(torch.tensor(math.log(15.0)))
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b e"], Seen]:
         """Unit embeddings, and what the dense heads see."""
         seen = self.dense(images)
-        return nn.functional.normalize(self.projection(seen.pooled), dim=-1), seen
+        return self.embedded(seen.pooled), seen
+
+    def embedded(self, pooled: Float[Tensor, "b f"]) -> Float[Tensor, "b e"]:
+        """The unit embeddings of features."""
+        return nn.functional.normalize(self.projection(pooled), dim=-1)
 
 
 class AlignLearner:
@@ -71,16 +82,47 @@ class AlignLearner:
         self._things = _wordings(text, THINGS, object_caption, wordings[1], rng)
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """The losses of rooms and things by captions, and the dense one."""
+        """Of rooms and things by captions, and the dense one."""
         embedding, seen = self.module(batch.images)
-        rooms, things = _drawn(self._rooms, rng), _drawn(self._things, rng)
+        captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
+        return captions + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
+
+    def settle(self, frames: Frames, seed: int = 0, steps: int = SETTLING_STEPS) -> None:
+        """Fit the projection alone, to all frames as they are."""
+        rng = np.random.default_rng([seed, 4])
+        features = self._pooled(frames)
+        rooms = torch.from_numpy(frames.rooms).to(PROCESSOR)
+        things = torch.from_numpy((frames.shares > PRESENT).astype(np.float32)).to(PROCESSOR)
+        parameters = [value for name, value in self.module.named_parameters() if not name.startswith("dense.")]
+        optimiser = torch.optim.AdamW(parameters, lr=_SETTLING_RATE, weight_decay=0.02)
+        rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _SETTLING_RATE, total_steps=steps, pct_start=0.15)
+        for _ in range(steps):
+            chosen = torch.from_numpy(rng.integers(len(features), size=_SETTLING_BATCH)).to(PROCESSOR)
+            embedding = self.module.embedded(features[chosen])
+            loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
+            optimiser.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            optimiser.step()
+            rate.step()
+
+    def _caption_loss(
+        self,
+        embedding: Float[Tensor, "b e"],
+        own: Int[Tensor, "b"],
+        shown: Float[Tensor, "b things"],
+        rng: np.random.Generator,
+    ) -> Tensor:
+        """Of rooms and things told by captions, and of images found by them."""
         tower = self.module
-        by_room = tower.room_scale.exp() * embedding @ rooms.T
-        by_thing = tower.thing_scale.exp() * embedding @ things.T + tower.thing_bias
+        to_room, to_thing = embedding @ _drawn(self._rooms, rng).T, embedding @ _drawn(self._things, rng).T
+        room, search = tower.room_scale.exp() * to_room, tower.search_scale.exp()
+        present = tower.thing_scale.exp() * to_thing + tower.thing_bias
+        in_room = nn.functional.one_hot(own, len(ROOM_LABELS)).float()
         return (
-            nn.functional.cross_entropy(by_room, batch.rooms, self._weights, label_smoothing=_SMOOTHING)
-            + _THINGS_WEIGHT * nn.functional.binary_cross_entropy_with_logits(by_thing, batch.things)
-            + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
+            nn.functional.cross_entropy(room, own, self._weights, label_smoothing=_SMOOTHING)
+            + _THINGS_WEIGHT * nn.functional.binary_cross_entropy_with_logits(present, shown)
+            + _ROOM_SEARCH_WEIGHT * _search_loss(search * to_room, in_room)
+            + _THING_SEARCH_WEIGHT * _search_loss(search * to_thing, shown)
         )
 
     def accuracy(self, frames: Frames) -> float:
@@ -90,9 +132,15 @@ class AlignLearner:
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:
         """Of images as they are, unit norm."""
         with torch.inference_mode():
+            return np.asarray(self.module.embedded(self._pooled(frames)).cpu().numpy())
+
+    def _pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
+        """The trunk's features of images as they are."""
+        with torch.no_grad():
             parts = range(0, len(frames.rooms), _BATCH)
-            found = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR))[0] for i in parts]
-        return np.asarray(torch.cat(found).cpu().numpy())
+            return torch.cat(
+                [self.module.dense(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).pooled for i in parts]
+            )
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
@@ -100,6 +148,16 @@ def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.nda
     said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
     means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))
+
+
+def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:
+    """How far every caption is from finding, among the images, those that show it (1).
+
+    All captions that some image shows count alike, so that rare things are found as well as common ones.
+    """
+    counts = shown.sum(dim=0)
+    found = (shown * nn.functional.log_softmax(logits, dim=0)).sum(dim=0)
+    return -(found[counts > 0] / counts[counts > 0]).mean()
 
 
 def _wordings(

@@ -30,7 +30,7 @@ _SETTINGS = "settings.json"
 class TrainingRun:
     """What `train_encoder` is asked for."""
 
-    houses: int = 430
+    houses: int = 520
     """To train on."""
     tuning_houses: int = 24
     epochs: tuple[int, int] = (9, 4)
@@ -86,6 +86,8 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(dense, training, tuning, first, report, run.work / "dense.pt")
     align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
     fit(align, training, tuning, second, report, run.work / "align.pt")
+    align.settle(training, run.seed)
+    console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
     export(align.module, text, temperature, run.out)
