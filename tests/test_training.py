@@ -133,12 +133,24 @@ def test_a_stage_learns_and_resumes_to_the_same_weights(frames, text, stage, tmp
         assert torch.equal(value, resumed.module.state_dict()[name]), name
 
 
+def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):
+    align = AlignLearner(DenseLearner(frames).module, text, frames, wordings=(2, 1))
+    align.module.eval()
+    dense = {name: value.clone() for name, value in align.module.dense.state_dict().items()}
+    before = align.accuracy(frames)
+    align.settle(frames, seed=0, steps=40)
+    assert align.accuracy(frames) > before + 0.2
+    for name, value in align.module.dense.state_dict().items():
+        assert torch.equal(value, dense[name]), name
+
+
 def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_path):
     work = tmp_path / "work"
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    run = TrainingRun(1, 1, (1, 1), work=work, out=tmp_path / "mini.safetensors", workers=1, batch=16, wordings=(2, 1))
+    tiny = {"epochs": (1, 1), "settling_steps": 20, "batch": 16, "wordings": (2, 1)}
+    run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
     before = run.out.read_bytes()

@@ -87,7 +87,7 @@ class AlignLearner:
         captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
         return captions + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
 
-    def settle(self, frames: Frames, seed: int = 0, steps: int = SETTLING_STEPS) -> None:
+    def settle(self, frames: Frames, seed: int, steps: int) -> None:
         """Fit the projection alone, to all frames as they are."""
         rng = np.random.default_rng([seed, 4])
         features = self._pooled(frames)

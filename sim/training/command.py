@@ -12,7 +12,7 @@ from safetensors.torch import load_file
 
 from lexis.model_source import MINI_CONFIG
 from sim.errors import SimError
-from sim.training.align import WORDINGS, AlignLearner
+from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner
 from sim.training.export import export, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
@@ -35,6 +35,8 @@ class TrainingRun:
     tuning_houses: int = 24
     epochs: tuple[int, int] = (9, 4)
     """Of dense supervision and of alignment."""
+    settling_steps: int = SETTLING_STEPS
+    """Of the projection alone, at the end."""
     seed: int = 0
     work: Path = Path("encoder-training")
     """Folder for frames, text tower and checkpoints; a run that was stopped goes on from there."""
@@ -86,7 +88,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     fit(dense, training, tuning, first, report, run.work / "dense.pt")
     align = AlignLearner(dense.module, text, training, run.seed, run.wordings)
     fit(align, training, tuning, second, report, run.work / "align.pt")
-    align.settle(training, run.seed)
+    align.settle(training, run.seed, run.settling_steps)
     console.print(f"projection settled: tuning accuracy {align.accuracy(tuning):.3f}")
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
