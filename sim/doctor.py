@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lexis.encoder import load_encoder
 from lexis.errors import LexisError
 from sim.errors import GraphicsError, SimError
 
@@ -103,5 +102,7 @@ def _render() -> str:
 
 
 def _encode() -> str:
+    from lexis.encoder import load_encoder  # torch takes seconds, and `versions` does without
+
     encoder = load_encoder("mini")
     return f"{encoder.encode_image(np.zeros((96, 128, 3), np.uint8)).shape[0]} dimensions"

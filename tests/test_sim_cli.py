@@ -80,9 +80,12 @@ def test_help_has_an_example(words, capsys):
     assert f"  lexis-sim {' '.join(words)}" in re.split("examples?:\n", capsys.readouterr().out)[1]
 
 
-def test_help_waits_for_nothing_heavy():
+@pytest.mark.parametrize(
+    ("module", "heavy"), [("sim.cli", {"torch", "open_clip", "mujoco", "gtsam"}), ("sim.harness", {"torch", "open_clip"})]
+)
+def test_help_and_runs_without_pixels_wait_for_nothing_heavy(module, heavy):
     """In a process of its own: here everything is imported already."""
-    code = "import sys, sim.cli; print(*{'torch', 'open_clip', 'mujoco', 'gtsam'} & set(sys.modules))"
+    code = f"import sys, {module}; print(*{heavy} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() == []
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
-from lexis.encoder import load_encoder
 from lexis.errors import ObservationError
 from lexis.perception import Encoder
 from lexis.slam import Slam
@@ -84,7 +83,7 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     that LEXIS refuses are left out, as a driver would that logs the error and goes on. Raises `WorldsError`,
     `SimError` or `LexisError` where the config asks for what cannot be.
     """
-    encoder = encoder or (Oracle() if config.encoder == ORACLE else load_encoder(config.encoder))
+    encoder = encoder or _encoder(config.encoder)
     sensor = _sensor(config, encoder)
     seconds: dict[str, float] = {}
     with _timed(seconds, "house_s"):
@@ -109,13 +108,21 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     return Run(config, walked.house, walked.walkable, session, lexis_map, seconds, tuple(delivered), tuple(refused))
 
 
+def _encoder(name: str) -> Encoder:
+    if name == ORACLE:
+        return Oracle()
+    from lexis.encoder import load_encoder  # torch takes seconds, and the oracle does without
+
+    return load_encoder(name)
+
+
 def _sensor(config: RunConfig, encoder: Encoder) -> FeatureSensor | None:
     """What takes the place of images; None where there are images."""
     if config.fidelity == "render":
         return None
     source = config.feature_model or MINI_FEATURES
     model = load_features(source)
-    oracle = config.encoder == ORACLE
+    oracle = isinstance(encoder, Oracle)
     if not oracle:
         model.check(encoder, str(source))
     return FeatureSensor(model, config.camera, config.seed, oracle)
