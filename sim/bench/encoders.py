@@ -1,47 +1,30 @@
-"""`lexis-sim bench encoders`: what an encoder tells of single frames of test houses, beside what can be known from them.
+"""`lexis-sim bench encoders`: what an encoder tells of the keyframes of test houses, before LEXIS refines anything."""
 
-Every figure is of images alone, before LEXIS refines anything. The ceiling is a classifier on the true visible share of
-every thing, trained on the frames that `train-encoder` left in its work folder.
-"""
-
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int
+from jaxtyping import Bool, Float, Float32, Int, UInt8
 from scipy.special import softmax
 
-from lexis.encoder import OpenClipEncoder, load_encoder
-from lexis.query import BEST_VIEWS
-from sim.errors import SimError
-from sim.training.frames import THINGS, Frames, Views, frames_in, frames_of_house
-from sim.training.houses import HouseDraw
-from sim.training.phrases import (
-    HELD_OUT_NAMES,
-    PLACE_FRAMES,
-    ROOM_ACTIVITIES,
-    ROOM_NAMES,
-    Table,
-    framed,
-    object_caption,
-)
+from lexis.encoder import OpenClipEncoder
+from sim.baselines.orb_words import OrbWords
+from sim.bench.encoder_ceiling import Ceiling, own_room
+from sim.bench.encoder_questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
+from sim.bench.encoder_runs import EncoderRun
+from sim.bench.encoder_texts import EmbeddedTexts
+from sim.bench.retrieval import recall_at_1
+from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
 from sim.training.temperature import calibration_error
 from worlds.labels import ROOM_LABELS
 
-VIEWS = Views(size=(480, 360), supersampling=1, spacing_m=1.0, most=150, glances=False)
-"""As LEXIS sees houses in runs."""
-_NAME_SETS = 6
-_SEEN = 0.01
-"""Share of an image from which on a thing is seen well enough to be looked for."""
-_TREES = 100
+_NAME_SETS = 12
 
 
 @dataclass(frozen=True)
 class EncoderRow:
-    """The figures of one house; shares unless a unit is given."""
+    """The figures of one house; shares. None where a house has no such question, or nothing was asked for."""
 
     accuracy: float
     """Zero-shot, over the labels of the house."""
@@ -51,14 +34,26 @@ class EncoderRow:
     """Mean accuracy with other trained names of the rooms."""
     held_out_names: float
     """And with names that were never trained on."""
-    things_found: float | None
-    """Questions for a thing that rank a room with it first; None where no thing is in one kind of room alone."""
-    activities_found: float
-    """Questions for what is done in a room that rank it first."""
+    things: float | None
+    """Questions for a thing that stands in rooms of one label alone which rank such a room first."""
+    characteristic: float | None
+    """Questions for things that are said to stand in a room."""
+    activities: float | None
+    """Questions for what is done in a room."""
+    held_out_questions: float | None
+    """Questions of these three topics in words that were never trained on: the mean of the three."""
+    trained_looks: float
+    """Accuracy in textures and lights that met in training."""
+    held_out_looks: float
+    """The same keyframes in the same textures and lights, paired as they never met."""
+    recall: float | None
+    """Recall@1 of revisits, by cosine of embeddings."""
+    recall_in_room: float | None
+    """As LEXIS does it: among keyframes of the query's label."""
+    recall_orb: float | None
+    """Of ORB bag-of-words."""
     calibration_error: float
     """Expected, of the probabilities that the model's own temperature makes; of one house, few frames make it larger."""
-    image_ms: float
-    """Median time of one image on one thread [ms]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +65,76 @@ class Measured:
     confidence: Float[np.ndarray, "n"]
     """Of every frame's label."""
     right: Bool[np.ndarray, "n"]
+    ceiling_right: Bool[np.ndarray, "n"] | None
+    own_room: Float[np.ndarray, "n"]
+    """The share of the image that shows rooms of the camera's own label."""
+    asked: Sequence[Asked]
 
 
-Scores = Callable[[Frames], Float[np.ndarray, "n labels"]]
+@dataclass(frozen=True, eq=False)
+class References:
+    """What encoders are compared with."""
+
+    ceiling: Ceiling | None = None
+    orb: OrbWords | None = None
+
+    def of(self, run: EncoderRun) -> "Beside":
+        """Their answers, once for all encoders."""
+        right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
+        if self.orb is None:
+            return Beside(right, None)
+        words = np.array([self.orb.described(image) for image in run.frames.images])
+        return Beside(right, recall_at_1(words, run.T_W_B, run.stamps))
 
 
-def measure(encoder: OpenClipEncoder, preset: str, seeds: Sequence[int], ceiling: Scores | None) -> Iterator[Measured]:
-    """The houses of the preset, one by one."""
-    for seed in seeds:
-        yield _measured(encoder, frames_of_house(HouseDraw(preset, seed), VIEWS), ceiling, seed)
+class Beside(NamedTuple):
+    """The references' answers on one run."""
+
+    ceiling_right: Bool[np.ndarray, "n"] | None
+    recall_orb: float | None
+
+
+def measure(
+    encoders: Sequence[OpenClipEncoder], runs: Iterable[EncoderRun], references: References
+) -> Iterator[list[Measured]]:
+    """Run by run, the figures of every encoder."""
+    texts = [EmbeddedTexts(encoder) for encoder in encoders]
+    for run in runs:
+        beside = references.of(run)
+        yield [_measured(run, encoder, known, beside) for encoder, known in zip(encoders, texts, strict=True)]
+
+
+def _measured(run: EncoderRun, encoder: OpenClipEncoder, texts: EmbeddedTexts, beside: Beside) -> Measured:
+    frames, images = run.frames, embedded(encoder, run.frames.images)
+    present, own = np.unique(frames.rooms, return_inverse=True)
+    names = [ROOM_LABELS[i] for i in present]
+    rooms = texts.rooms(names)
+    similarities = images @ rooms.T
+    said = similarities.argmax(axis=1)
+    right = said == own
+    confidence = softmax(similarities / encoder.temperature, axis=1).max(axis=1)
+    asked = ask(run, images, texts)
+    trained_names, held_out_names = (
+        _renamed(images, texts, names, own, table, run.draw.seed) for table in (ROOM_NAMES, HELD_OUT_NAMES)
+    )
+    things, characteristic, activities = (share_right(asked, topic, TRAINED)[0] for topic in TOPICS)
+    row = EncoderRow(
+        accuracy=float(right.mean()),
+        ceiling=None if beside.ceiling_right is None else float(beside.ceiling_right.mean()),
+        trained_names=trained_names,
+        held_out_names=held_out_names,
+        things=things,
+        characteristic=characteristic,
+        activities=activities,
+        held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
+        trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
+        held_out_looks=_in_looks(encoder, run.held_out_looks, rooms, own[run.looked_at]),
+        recall=recall_at_1(images, run.T_W_B, run.stamps),
+        recall_in_room=recall_at_1(images, run.T_W_B, run.stamps, said),
+        recall_orb=beside.recall_orb,
+        calibration_error=calibration_error(confidence, right),
+    )
+    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, own_room(frames), asked)
 
 
 def overall_calibration_error(houses: Sequence[Measured]) -> float:
@@ -87,109 +143,34 @@ def overall_calibration_error(houses: Sequence[Measured]) -> float:
     return calibration_error(confidence, np.concatenate([house.right for house in houses]))
 
 
-def _measured(encoder: OpenClipEncoder, frames: Frames, ceiling: Scores | None, seed: int) -> Measured:
-    rng = np.random.default_rng(seed)
-    images, times = _embedded(encoder, frames)
-    present, own = np.unique(frames.rooms, return_inverse=True)
-    names = [ROOM_LABELS[i] for i in present]
-    similarities = images @ encoder.encode_rooms(names).T
-    right = similarities.argmax(axis=1) == own
-    said = softmax(similarities / encoder.temperature, axis=1)
-    best = None if ceiling is None else present[ceiling(frames)[:, present].argmax(axis=1)]
-    row = EncoderRow(
-        accuracy=float(right.mean()),
-        ceiling=None if best is None else float((best == frames.rooms).mean()),
-        trained_names=_renamed(encoder, images, names, own, ROOM_NAMES, rng),
-        held_out_names=_renamed(encoder, images, names, own, HELD_OUT_NAMES, rng),
-        things_found=_things_found(encoder, images, frames, own, rng),
-        activities_found=_activities_found(encoder, images, names, own),
-        calibration_error=calibration_error(said.max(axis=1), right),
-        image_ms=float(np.median(times) * 1e3),
-    )
-    return Measured(seed, row, said.max(axis=1), right)
+def embedded(encoder: OpenClipEncoder, images: UInt8[np.ndarray, "n h w 3"]) -> Float32[np.ndarray, "n d"]:
+    """All images, one at a time as a robot has them."""
+    return np.array([encoder.encode_image(image) for image in images], np.float32)
 
 
-def _embedded(encoder: OpenClipEncoder, frames: Frames) -> tuple[Float32[np.ndarray, "n e"], Float[np.ndarray, "n"]]:
-    embeddings, times = [], []
-    for image in frames.images:
-        start = time.perf_counter()
-        embeddings.append(encoder.encode_image(image))
-        times.append(time.perf_counter() - start)
-    return np.array(embeddings), np.array(times)
+def _in_looks(
+    encoder: OpenClipEncoder,
+    looks: UInt8[np.ndarray, "looks k h w 3"],
+    rooms: Float32[np.ndarray, "rooms d"],
+    own: Int[np.ndarray, "k"],
+) -> float:
+    return float(np.mean([(embedded(encoder, images) @ rooms.T).argmax(axis=1) == own for images in looks]))
 
 
 def _renamed(
-    encoder: OpenClipEncoder,
-    images: Float32[np.ndarray, "n e"],
+    images: Float32[np.ndarray, "n d"],
+    texts: EmbeddedTexts,
     names: Sequence[str],
     own: Int[np.ndarray, "n"],
     table: Table,
-    rng: np.random.Generator,
+    seed: int,
 ) -> float:
     """Mean accuracy over lists in which every room goes by a random name of the table."""
+    rng = np.random.default_rng(seed)
     lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
-    return float(np.mean([((images @ encoder.encode_rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
+    return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
 
 
-def _things_found(
-    encoder: OpenClipEncoder,
-    images: Float32[np.ndarray, "n e"],
-    frames: Frames,
-    own: Int[np.ndarray, "n"],
-    rng: np.random.Generator,
-) -> float | None:
-    """Over things that are seen in frames of one kind of room alone."""
-    seen = frames.shares > _SEEN
-    rooms = np.array([np.bincount(own, seen[:, k], minlength=own.max() + 1) for k in range(len(THINGS))])
-    wanted = np.flatnonzero(((rooms > 0).sum(axis=1) == 1) & (rooms.max(axis=1) >= 3))
-    if not len(wanted):
-        return None
-    questions = encoder.encode_texts([object_caption(THINGS[k], rng) for k in wanted])
-    return float((_ranked_first(images, own, questions) == rooms[wanted].argmax(axis=1)).mean())
-
-
-def _activities_found(
-    encoder: OpenClipEncoder, images: Float32[np.ndarray, "n e"], names: Sequence[str], own: Int[np.ndarray, "n"]
-) -> float:
-    asked = [(question, i) for i, name in enumerate(names) for question in framed(PLACE_FRAMES[1:2], ROOM_ACTIVITIES[name])]
-    questions = encoder.encode_texts([question for question, _ in asked])
-    return float((_ranked_first(images, own, questions) == [i for _, i in asked]).mean())
-
-
-def _ranked_first(
-    images: Float32[np.ndarray, "n e"], own: Int[np.ndarray, "n"], questions: Float32[np.ndarray, "q e"]
-) -> Int[np.ndarray, "q"]:
-    """For every question, the room label whose frames resemble it most, as `lexis query` ranks rooms."""
-    best = np.array([_best(images[own == room] @ questions.T) for room in range(own.max() + 1)])
-    return np.asarray(best.argmax(axis=0))
-
-
-def _best(similarities: Float32[np.ndarray, "n q"]) -> Float32[np.ndarray, "q"]:
-    return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))
-
-
-def ceiling_of(work: Path) -> Scores:
-    """A random forest on true visible shares, trained on the frames in a work folder. Raises `SimError` without any."""
-    frames = frames_in(work / "frames")  # of training and tuning houses, never of test houses
-    try:
-        from sklearn.ensemble import RandomForestClassifier
-    except ImportError:
-        raise SimError(
-            "the ceiling needs scikit-learn; valid: an environment with the group 'tests', or no --work"
-        ) from None
-    forest: Any = RandomForestClassifier(_TREES, min_samples_leaf=2, random_state=0)
-    forest.fit(frames.shares, frames.rooms)
-
-    def scores(seen: Frames) -> Float[np.ndarray, "n labels"]:
-        found = np.zeros((len(seen.rooms), len(ROOM_LABELS)))
-        found[:, forest.classes_] = forest.predict_proba(seen.shares)
-        return found
-
-    return scores
-
-
-def loading_seconds(model: str) -> float:
-    """Time to load the encoder in a process that has imported everything [s]."""
-    start = time.perf_counter()
-    load_encoder(model)
-    return time.perf_counter() - start
+def _mean(shares: Sequence[float | None]) -> float | None:
+    known = [share for share in shares if share is not None]
+    return float(np.mean(known)) if known else None

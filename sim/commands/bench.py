@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from lexis.command_line import Commands, add_command, positive
+from sim.commands import bench_encoders
 from sim.commands.arguments import (
     ENCODER_HELP,
     FEATURE_MODEL_HELP,
@@ -30,11 +31,16 @@ def add_to(commands: Commands) -> None:
     bench.add_argument("--preset", choices=PRESETS, default="home")
     bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
     bench.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    bench.add_argument("--work", type=folder, help="of train-encoder; encoders: its frames teach the ceiling")
+    bench.add_argument(
+        "--work",
+        type=folder,
+        help="encoders: folder of train-encoder, whose frames teach the ceiling; test frames stay in it",
+    )
     bench.add_argument("--fidelity", choices=FIDELITIES, default="render", help=f"segmentation; {FIDELITY_HELP}")
     bench.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     bench.add_argument("--pictures", type=folder, metavar="DIR", help="planning; draws the drives of LEXIS that failed")
     SEED(bench)
+    bench_encoders.add_arguments(bench)
 
 
 def _bench(arguments: argparse.Namespace) -> int:
@@ -67,30 +73,6 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
         table.add_row(name, *(shown(value, "{:.3g}") for value in values))
-    yield table
-
-
-def _encoders(arguments: argparse.Namespace) -> Iterator[Table]:
-    from lexis.encoder import load_encoder
-    from sim.bench.encoders import EncoderRow, ceiling_of, loading_seconds, measure, overall_calibration_error
-    from sim.bench.segmentation import mean_and_spread
-    from sim.report.figures import shown
-    from sim.training.houses import TEST_SEEDS
-
-    encoder = load_encoder(arguments.encoder)
-    ceiling = None if arguments.work is None else ceiling_of(arguments.work)
-    seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
-    names = [field.name for field in fields(EncoderRow)]
-    title = f"{arguments.preset}, encoder {arguments.encoder}, loaded in {loading_seconds(arguments.encoder):.2f} s"
-    table = Table("seed", *names, title=escape(title))
-    houses = []
-    for house in measure(encoder, arguments.preset, seeds, ceiling):
-        houses.append(house)
-        values = (shown(value, "{:.3g}") for value in astuple(house.row))
-        table.add_row(str(house.seed), *values, end_section=house.seed == seeds[-1])
-    for name, figures in zip(("mean", "std"), mean_and_spread([house.row for house in houses]), strict=True):
-        table.add_row(name, *(shown(value, "{:.3g}") for value in figures))
-    table.caption = f"calibration error over all frames: {overall_calibration_error(houses):.3f}"
     yield table
 
 
@@ -157,7 +139,7 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 _BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {
     "speed": _speed,
     "segmentation": _segmentation,
-    "encoders": _encoders,
+    "encoders": bench_encoders.tables,
     "fidelity": _fidelity,
     "planning": _planning,
 }

@@ -1,0 +1,78 @@
+"""ORB bag-of-words: what place recognition was before learned embeddings (Gálvez-López and Tardós 2012).
+
+Binary descriptors are replaced by their nearest visual words; an image is the tf-idf histogram of its words, images are
+compared by cosine. The words are medians of training descriptors, bit by bit, found by Lloyd's iteration.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, Int, UInt8
+
+from lexis.types import Image
+from sim.errors import SimError
+
+WORDS, FEATURES = 4096, 500
+"""Size of the vocabulary; key points of an image, as ORB itself has it."""
+_PASSES = 8
+_MOST_DESCRIPTORS = 60_000
+_BYTES = 32
+
+Descriptors = UInt8[np.ndarray, "n 32"]
+
+
+@dataclass(frozen=True, eq=False)
+class OrbWords:
+    """A vocabulary."""
+
+    words: UInt8[np.ndarray, "words 32"]
+    """Binary descriptors, packed."""
+    weights: Float32[np.ndarray, "words"]
+    """Inverse document frequency: log(images / images with the word)."""
+
+    @staticmethod
+    def learned(images: Iterable[Image], rng: np.random.Generator, words: int = WORDS) -> "OrbWords":
+        """A vocabulary of so many words. Raises `SimError` for images with fewer different descriptors."""
+        found = [orb_descriptors(image) for image in images]
+        every = np.concatenate(found) if found else np.zeros((0, _BYTES), np.uint8)
+        sample = np.unique(every[rng.permutation(len(every))[:_MOST_DESCRIPTORS]], axis=0)
+        if len(sample) < words:
+            raise SimError(f"{len(sample)} different ORB descriptors for {words} words; valid: more images, or fewer words")
+        centres = _medians(sample, rng, words)
+        having = sum((np.bincount(nearest(d, centres), minlength=words) > 0).astype(int) for d in found)
+        return OrbWords(centres, np.log(len(found) / np.maximum(having, 1)).astype(np.float32))
+
+    def described(self, image: Image) -> Float32[np.ndarray, "words"]:
+        """The image's tf-idf histogram, of unit norm; zero where nothing is found in it."""
+        counts = np.bincount(nearest(orb_descriptors(image), self.words), minlength=len(self.words))
+        histogram = (counts * self.weights).astype(np.float32)
+        norm = np.linalg.norm(histogram)
+        return np.asarray(histogram / norm if norm else histogram)
+
+
+def orb_descriptors(image: Image) -> Descriptors:
+    """ORB descriptors of an RGB image, packed bits; of a blank one, none."""
+    orb = cv2.ORB.create(nfeatures=FEATURES)  # one a call: it costs nothing beside detection, and keeps no state
+    _, descriptors = orb.detectAndCompute(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), None)
+    return np.zeros((0, _BYTES), np.uint8) if descriptors is None else np.asarray(descriptors)
+
+
+def nearest(descriptors: Descriptors, words: UInt8[np.ndarray, "words 32"]) -> Int[np.ndarray, "n"]:
+    """The word at the least Hamming distance from every descriptor."""
+    matches = cv2.BFMatcher(cv2.NORM_HAMMING).match(descriptors, words) if len(descriptors) else ()
+    return np.array([match.trainIdx for match in matches], np.intp)
+
+
+def _medians(descriptors: Descriptors, rng: np.random.Generator, words: int) -> UInt8[np.ndarray, "words 32"]:
+    centres = descriptors[rng.choice(len(descriptors), words, replace=False)]
+    bits = np.unpackbits(descriptors, axis=1).astype(np.float32)
+    for _ in range(_PASSES):
+        own = nearest(descriptors, centres)
+        order = np.argsort(own, kind="stable")
+        present, first, count = np.unique(own[order], return_index=True, return_counts=True)
+        share = np.add.reduceat(bits[order], first, axis=0) / count[:, None]
+        centres = centres.copy()
+        centres[present] = np.packbits(share > 0.5, axis=1)  # an empty word stays what it was
+    return centres

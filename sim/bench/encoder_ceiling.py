@@ -1,0 +1,79 @@
+"""How much of the room one frame can tell: a random forest on the true visible share of every thing.
+
+A camera that looks through an opening shows the next room, and by the paper's definition only the room that holds the camera
+is right. So the report tells frames that their own room fills from those that it does not.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from sim.errors import SimError
+from sim.training.frames import Frames, frames_in
+from worlds.labels import ROOM_LABELS
+
+Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
+"""Index into `ROOM_LABELS` of every frame's room, out of those that occur among the frames."""
+OWN_ROOM = (0.25, 0.5, 0.75)
+"""Bounds of the share of the image that shows rooms of the camera's own label."""
+_TREES = 100
+
+
+@dataclass(frozen=True)
+class Band:
+    """Frames whose own room fills so much of the image."""
+
+    low: float
+    high: float
+    share: float
+    """Of all frames."""
+    accuracy: float | None
+    ceiling: float | None
+
+
+def ceiling_of(work: Path) -> Ceiling:
+    """A classifier trained on all frames in a work folder of `train-encoder`. Raises `SimError` without any."""
+    frames = frames_in(work / "frames")  # of training and tuning houses, never of test houses
+    try:
+        from sklearn.ensemble import RandomForestClassifier
+    except ImportError:
+        raise SimError(
+            "the ceiling needs scikit-learn; valid: an environment with the group 'tests', or no --work"
+        ) from None
+    forest: Any = RandomForestClassifier(_TREES, min_samples_leaf=2, random_state=0)
+    forest.fit(frames.shares, frames.rooms)
+
+    def best(seen: Frames) -> Int[np.ndarray, "n"]:
+        scores = np.zeros((len(seen.rooms), len(ROOM_LABELS)))
+        scores[:, forest.classes_] = forest.predict_proba(seen.shares)
+        present = np.unique(seen.rooms)
+        return np.asarray(present[scores[:, present].argmax(axis=1)])
+
+    return best
+
+
+def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
+    """The share of the image that shows rooms of the camera's own label, and what stands in them."""
+    return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
+
+
+def by_own_room(
+    own: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], ceiling_right: Bool[np.ndarray, "n"] | None
+) -> list[Band]:
+    """Accuracy by how much of the image the camera's own room fills."""
+    edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
+    bands = []
+    for i, (low, high) in enumerate(pairwise(edges)):
+        inside = np.digitize(own, OWN_ROOM) == i
+        ceiling = None if ceiling_right is None else _mean(ceiling_right[inside])
+        bands.append(Band(low, high, float(inside.mean()), _mean(right[inside]), ceiling))
+    return bands
+
+
+def _mean(right: Bool[np.ndarray, "n"]) -> float | None:
+    return float(right.mean()) if len(right) else None

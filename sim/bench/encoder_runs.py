@@ -1,0 +1,118 @@
+"""The runs that encoders are measured on: walks through test houses, keyframe by keyframe, with what is true of them."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from jaxtyping import Float64, Int, UInt8
+
+from lexis.config import KeyframeConfig
+from lexis.files import replaced_file
+from lexis.types import Poses
+from sim.errors import SimError
+from sim.harness.config import RunConfig
+from sim.harness.walk import walk
+from sim.training.frames import PATCHES, THINGS, Frames, Views, frames_at
+from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
+from worlds.house import House, build_house
+from worlds.truth import room_at
+
+VIEWS = Views(size=(480, 360), supersampling=1)
+"""As LEXIS sees houses."""
+TRAINED_LOOKS = tuple((HELD_OUT_LOOKS[i][0], HELD_OUT_LOOKS[1 - i][1]) for i in (0, 1))
+"""The same textures and lights as in `HELD_OUT_LOOKS`, but in pairs that do meet in training."""
+_MOST = 400
+_LOOKED_AT = 60
+"""Keyframes that are rendered once more in every look."""
+
+
+@dataclass(frozen=True, eq=False)
+class EncoderRun:
+    """One walk through one house."""
+
+    draw: HouseDraw
+    stamps: Float64[np.ndarray, "n"]
+    """Of the keyframes [s]."""
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    room: Int[np.ndarray, "n"]
+    """Index into the house's rooms of the one that holds the camera."""
+    frames: Frames
+    looked_at: Int[np.ndarray, "k"]
+    """Keyframes that there are other looks of."""
+    held_out_looks: UInt8[np.ndarray, "looks k h w 3"]
+    """Their images where texture and light meet as they never do in training."""
+    trained_looks: UInt8[np.ndarray, "looks k h w 3"]
+    """And in pairs of the same textures and lights that do."""
+
+    @property
+    def house(self) -> House:
+        """Built anew: the walk does not keep it."""
+        return build_house(self.draw.spec())
+
+
+def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) -> Iterator[EncoderRun]:
+    """Walks as `lexis-sim run` takes them, one by one.
+
+    Keyframes are as far apart as LEXIS's, or as evenly as 400 can be on longer walks. With a `folder`, frames that lie there
+    are taken from it and others are left in it. Raises `SimError` for files in it that cannot be read.
+    """
+    for seed in seeds:
+        draw = HouseDraw(preset, seed)
+        if folder is None:
+            yield _rendered(draw)
+            continue
+        path = folder / f"{preset}-{seed}.npz"
+        if not path.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            _save(_rendered(draw), path)
+        yield _load(draw, path)
+
+
+def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
+    """Indices of frames a keyframe's spacing of path apart, or farther where that would be more than 400."""
+    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
+    spacing = max(KeyframeConfig().spacing_m, path[-1] / _MOST)
+    return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing)))
+
+
+def _rendered(draw: HouseDraw) -> EncoderRun:
+    walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
+    kept = keyframes_along(walked.tour.T_W_B[:, :3, 3])
+    T_W_B = walked.tour.T_W_B[kept]
+    some = np.unique(np.linspace(0, len(kept) - 1, _LOOKED_AT).astype(int))
+    return EncoderRun(
+        draw,
+        walked.tour.stamps[kept],
+        T_W_B,
+        room_at(walked.house, T_W_B[:, :3, 3]),
+        frames_at(walked.house, T_W_B, VIEWS),
+        some,
+        *(_in_looks(draw, looks, T_W_B[some]) for looks in (HELD_OUT_LOOKS, TRAINED_LOOKS)),
+    )
+
+
+def _in_looks(draw: HouseDraw, looks: Sequence[tuple[Any, Any]], T_W_B: Poses) -> UInt8[np.ndarray, "looks k h w 3"]:
+    houses = (build_house(draw._replace(texture=texture, light=light).spec()) for texture, light in looks)
+    return np.stack([frames_at(house, T_W_B, VIEWS).images for house in houses])
+
+
+def _save(run: EncoderRun, path: Path) -> None:
+    arrays = {f.name: getattr(run, f.name) for f in fields(run) if f.name not in ("draw", "frames")}
+    frames = {f"frames.{f.name}": getattr(run.frames, f.name) for f in fields(Frames)}
+    with replaced_file(path) as beside, beside.open("wb") as file:
+        np.savez(file, **arrays, **frames)
+
+
+def _load(draw: HouseDraw, path: Path) -> EncoderRun:
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            frames = Frames(*(data[f"frames.{f.name}"] for f in fields(Frames)))
+            own = {f.name: data[f.name] for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
+    except (OSError, ValueError, KeyError, BadZipFile) as error:
+        raise SimError(f"{path}: no run in it: {error}; delete it to have it rendered again") from None
+    if frames.things.shape[1:] != (*PATCHES, len(THINGS)):
+        raise SimError(f"{path}: frames of other things than today's {len(THINGS)}; delete its folder to render again")
+    return EncoderRun(draw=draw, frames=frames, **own)

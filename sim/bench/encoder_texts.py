@@ -1,0 +1,38 @@
+"""Texts of one encoder, each embedded once however often it is asked for: many houses share their words."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+import numpy as np
+from jaxtyping import Float32
+
+from lexis.encoder import OpenClipEncoder
+
+Embed: TypeAlias = Callable[[Sequence[str]], Float32[np.ndarray, "texts d"]]
+Known: TypeAlias = dict[str, Float32[np.ndarray, "d"]]
+_BATCH = 64
+
+
+class EmbeddedTexts:
+    """Looks texts up, and embeds those that are new."""
+
+    def __init__(self, encoder: OpenClipEncoder) -> None:
+        self._encoder = encoder
+        self._rooms: Known = {}
+        self._texts: Known = {}
+
+    def rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
+        """Names of rooms, as `OpenClipEncoder.encode_rooms` has them."""
+        return _looked_up(self._rooms, names, self._encoder.encode_rooms)
+
+    def texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
+        """Texts as they stand."""
+        return _looked_up(self._texts, texts, self._encoder.encode_texts)
+
+
+def _looked_up(known: Known, texts: Sequence[str], embed: Embed) -> Float32[np.ndarray, "texts d"]:
+    new = [text for text in dict.fromkeys(texts) if text not in known]
+    for i in range(0, len(new), _BATCH):
+        batch = new[i : i + _BATCH]
+        known.update(zip(batch, embed(batch), strict=True))
+    return np.array([known[text] for text in texts], np.float32)

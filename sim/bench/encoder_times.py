@@ -1,0 +1,120 @@
+"""How long an encoder takes for one image and for the prompts of one room's name, in every way that it can compute here."""
+
+import json
+import logging
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import open_clip
+import torch
+from safetensors.torch import save_file
+
+from lexis.encoder import OpenClipEncoder, load_encoder
+from lexis.encoder_options import EncoderOptions
+from lexis.errors import EncoderError
+from lexis.types import Image
+from worlds.labels import ROOM_LABELS
+
+WAYS = {
+    "cpu": EncoderOptions(),
+    "cpu bf16": EncoderOptions(precision="bf16"),
+    "cpu compiled": EncoderOptions(compiled=True),
+    "gpu": EncoderOptions(device="cuda"),
+    "gpu fp16": EncoderOptions(device="cuda", precision="fp16"),
+    "gpu fp16 compiled": EncoderOptions(device="cuda", precision="fp16", compiled=True),
+}
+"""Single images on one thread; 32-bit floats and as open_clip runs them, unless said."""
+_WARM_UP, _TIMES = 2, 9
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Medians."""
+
+    image_ms: float
+    """Of one image, from pixels to embedding, scaling included [ms]."""
+    text_ms: float
+    """Of one room's name: its five prompts, at once [ms]."""
+
+
+def timing(encoder: OpenClipEncoder, image: Image) -> Timing:
+    """Both times. Every name is a new one, so that no cache answers."""
+    rounds = range(_WARM_UP + _TIMES)
+    images = _median_ms([lambda: encoder.encode_image(image) for _ in rounds])
+    return Timing(images, _median_ms([_encoding(encoder, ROOM_LABELS[i]) for i in rounds]))
+
+
+def timed(model: str, way: str, image: Image) -> Timing | str:
+    """The times of the model in one of `WAYS`, or the reason why it cannot compute so here."""
+    options = WAYS[way]
+    if options.device != "cpu" and not torch.cuda.is_available():
+        return "no GPU"
+    try:
+        return timing(load_encoder(model, options), image)
+    except EncoderError as error:
+        return str(error)
+
+
+def example_image() -> Image:
+    """Noise in the size that LEXIS sees: networks take as long for it as for a house."""
+    return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
+
+
+@contextmanager
+def random_weights(architecture: str) -> Iterator[str]:
+    """What to ask `load_encoder` for to get an architecture of open_clip with random weights; they are gone afterwards.
+
+    Raises `EncoderError` for what open_clip does not list, and for what it cannot make without a network.
+    """
+    if architecture not in open_clip.list_models():
+        raise EncoderError(
+            f"no architecture {architecture!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            network = _created(architecture)
+        except (RuntimeError, OSError, ValueError) as error:
+            reason = str(error).strip().splitlines()[0]
+            raise EncoderError(f"architecture {architecture}: cannot be made with random weights: {reason}") from None
+        weights = Path(folder) / "random.safetensors"
+        save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
+        config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
+        (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
+        del network
+        yield f"{architecture}:{weights}"
+
+
+def _created(architecture: str) -> Any:
+    """Without open_clip's warning that it has no weights."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        return open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
+    finally:
+        logging.disable(before)
+
+
+def loading_seconds(model: str) -> float:
+    """Time to load the encoder in a process that has imported everything [s]."""
+    start = time.perf_counter()
+    load_encoder(model)
+    return time.perf_counter() - start
+
+
+def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:
+    return lambda: encoder.encode_rooms([name])
+
+
+def _median_ms(calls: list[Callable[[], object]]) -> float:
+    times = []
+    for call in calls:
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return float(np.median(times[_WARM_UP:]) * 1e3)

@@ -1,0 +1,159 @@
+"""`lexis-sim bench encoders`: tables of accuracy, times, retrieval and questions."""
+
+import argparse
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.markup import escape
+from rich.table import Table
+
+from lexis.command_line import positive
+from sim.report.figures import MISSING, shown
+from worlds.presets import PRESETS
+
+if TYPE_CHECKING:
+    from sim.bench.encoder_table import Accuracy, TableRow
+    from sim.bench.encoders import Measured
+
+_WAYS = ("cpu", "cpu bf16", "gpu", "gpu fp16")
+_COMPILED = ("cpu compiled", "gpu fp16 compiled")
+
+
+def add_arguments(bench: argparse.ArgumentParser) -> None:
+    """What this benchmark takes beside those of all."""
+    group = bench.add_argument_group("encoders")
+    group.add_argument("--presets", nargs="+", choices=PRESETS, metavar="NAME", help="several, instead of --preset")
+    group.add_argument("--encoders", nargs="+", metavar="MODEL", help="several, instead of --encoder")
+    group.add_argument(
+        "--architectures", nargs="+", default=[], metavar="NAME", help="of open_clip, with random weights: their times"
+    )
+    group.add_argument("--compiled", action="store_true", help="time compiled networks, too: a minute or more for each")
+    group.add_argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times")
+    group.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it")
+    group.add_argument("--worst", type=positive, metavar="N", help="list the N questions that fail most")
+
+
+def tables(arguments: argparse.Namespace) -> Iterator[Table]:
+    """Tables of every preset and encoder, then accuracy and times of all encoders, as in the paper's Table I."""
+    from lexis.encoder import load_encoder
+    from sim.baselines.orb_vocabulary import orb_vocabulary
+    from sim.bench.encoder_ceiling import ceiling_of
+    from sim.bench.encoder_runs import encoder_runs
+    from sim.bench.encoder_table import Accuracy, draw_plot, write_csv
+    from sim.bench.encoders import References, measure
+    from sim.training.houses import TEST_SEEDS
+
+    work: Path | None = arguments.work
+    models = arguments.encoders or [arguments.encoder]
+    encoders = [load_encoder(model) for model in models]
+    references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, orb_vocabulary(work))
+    seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
+    accuracy: dict[str, dict[str, Accuracy]] = {model: {} for model in models}
+    for preset in arguments.presets or [arguments.preset]:
+        runs = list(measure(encoders, encoder_runs(preset, seeds, work and work / "test-frames"), references))
+        for model, houses in zip(models, zip(*runs, strict=True), strict=True):
+            accuracy[model][preset] = Accuracy(tuple(house.row.accuracy for house in houses))
+            yield from _of_preset(f"{preset}, encoder {model}", houses, arguments.worst)
+    rows = list(_timed_rows(accuracy, arguments))
+    yield _table_one(rows)
+    if arguments.csv:
+        write_csv(rows, arguments.csv)
+    if arguments.plot:
+        draw_plot(rows, arguments.plot)
+
+
+def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> Iterator[Table]:
+    yield _houses(title, houses)
+    yield _questions(houses)
+    yield _bands(houses)
+    if worst:
+        yield _worst(houses, worst)
+
+
+def _houses(title: str, houses: Sequence["Measured"]) -> Table:
+    from sim.bench.encoders import EncoderRow, overall_calibration_error
+    from sim.bench.segmentation import mean_and_spread
+
+    table = Table("seed", *(field.name.replace("_", " ") for field in fields(EncoderRow)), title=escape(title))
+    for house in houses:
+        table.add_row(str(house.seed), *_shares(astuple(house.row)), end_section=house is houses[-1])
+    for name, figures in zip(("mean", "std"), mean_and_spread([house.row for house in houses]), strict=True):
+        table.add_row(name, *_shares(figures))
+    table.caption = f"calibration error over all frames: {overall_calibration_error(houses):.3f}"
+    return table
+
+
+def _questions(houses: Sequence["Measured"]) -> Table:
+    from sim.bench.encoder_questions import TOPICS, WORDINGS, share_right
+
+    title = "questions that rank the right room first: mean over houses (questions in all)"
+    table = Table("about", *WORDINGS, title=title, title_justify="left")
+    for topic in TOPICS:
+        cells = []
+        for wording in WORDINGS:
+            found = [share_right(house.asked, topic, wording) for house in houses]
+            shares = [share for share, _ in found if share is not None]
+            mean = shown(float(np.mean(shares)) if shares else None, "{:.3f}")
+            cells.append(f"{mean} ({sum(count for _, count in found)})")
+        table.add_row(topic, *cells)
+    return table
+
+
+def _bands(houses: Sequence["Measured"]) -> Table:
+    from sim.bench.encoder_ceiling import by_own_room
+
+    own, right = (np.concatenate([getattr(house, name) for house in houses]) for name in ("own_room", "right"))
+    ceilings = [house.ceiling_right for house in houses if house.ceiling_right is not None]
+    title = "by how much of the image shows the room that holds the camera"
+    table = Table("share of image", "share of frames", "accuracy", "ceiling", title=title, title_justify="left")
+    for band in by_own_room(own, right, np.concatenate(ceilings) if ceilings else None):
+        table.add_row(f"{band.low:.0%} ... {band.high:.0%}", *_shares((band.share, band.accuracy, band.ceiling)))
+    return table
+
+
+def _worst(houses: Sequence["Measured"], count: int) -> Table:
+    from sim.bench.encoder_questions import failures
+
+    title = "questions that fail most"
+    table = Table("about", "topic", "wording", "asked", "right", "most said instead", title=title, title_justify="left")
+    for failure in failures([asked for house in houses for asked in house.asked])[:count]:
+        counts = str(failure.asked), str(failure.right)
+        table.add_row(failure.about, failure.topic, failure.wording, *counts, failure.instead)
+    return table
+
+
+def _timed_rows(accuracy: Mapping[str, Mapping[str, "Accuracy"]], arguments: argparse.Namespace) -> Iterator["TableRow"]:
+    from sim.bench.encoder_table import RANDOM, TRAINED, TableRow
+    from sim.bench.encoder_times import example_image, random_weights, timed
+
+    image = example_image()
+    ways = [*_WAYS, *(_COMPILED if arguments.compiled else ())]
+    for model, found in accuracy.items():
+        yield TableRow(model, TRAINED, found, {way: timed(model, way, image) for way in ways})
+    for architecture in arguments.architectures:
+        with random_weights(architecture) as model:
+            yield TableRow(architecture, RANDOM, {}, {way: timed(model, way, image) for way in ways})
+
+
+def _table_one(rows: Sequence["TableRow"]) -> Table:
+    from sim.bench.encoder_times import Timing
+
+    presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
+    ways = list(rows[0].times)
+    title = "accuracy before refinement, mean ± std over runs; median time of an image + the five prompts of a room's name"
+    table = Table(
+        "encoder", "weights", *presets, *(escape(f"{way} [ms]") for way in ways), title=title, title_justify="left"
+    )
+    for row in rows:
+        found = [row.accuracy.get(preset) for preset in presets]
+        cells = [MISSING if a is None else f"{a.mean:.3f} ± {shown(a.std, '{:.3f}')}" for a in found]
+        times = [f"{t.image_ms:.1f} + {t.text_ms:.1f}" if isinstance(t, Timing) else t for t in row.times.values()]
+        table.add_row(escape(row.encoder), row.weights, *cells, *map(escape, times))
+    return table
+
+
+def _shares(values: Iterable[float | None]) -> list[str]:
+    return [shown(value, "{:.3f}") for value in values]
