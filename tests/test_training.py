@@ -17,10 +17,10 @@ from sim.errors import SimError
 from sim.training.align import AlignLearner, room_embeddings
 from sim.training.batches import batches
 from sim.training.command import TrainingRun, train_encoder
-from sim.training.dense import DenseLearner
+from sim.training.dense import DenseLearner, told_right
 from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
-from sim.training.frames import BARE, THINGS, Frames, Views, frames_of_house, rendered
+from sim.training.frames import BARE, THINGS, Frames, Views, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, save_text_tower
@@ -149,7 +149,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    tiny = {"epochs": (1, 1), "settling_steps": 20, "batch": 16, "wordings": (2, 1)}
+    tiny = {"epochs": (1, 1), "settling_steps": 60, "batch": 16, "wordings": (2, 1)}
     run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
@@ -164,6 +164,10 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     encoder = OpenClipEncoder("mini", model, open_clip.tokenizer.SimpleTokenizer(context_length=24), squashing(96, 128))
     said = encoder.encode_rooms(["kitchen", "place to cook"])
     np.testing.assert_allclose(said, room_embeddings(text, ["kitchen", "place to cook"]), atol=0.02)
+    seen = frames_in(work / "frames")
+    untrained = AlignLearner(DenseLearner(seen).module.eval(), text, seen, wordings=(2, 1)).accuracy(seen)
+    embedded = np.array([encoder.encode_image(image) for image in seen.images])
+    assert told_right(embedded @ encoder.encode_rooms(ROOM_LABELS).T, seen.rooms) > untrained + 0.1
     dense = DenseLearner(frames_of_house(HOUSE, Views(most=2))).module
     start_trunk_from(run.out, dense)
     torch.testing.assert_close(dense.trunk.state_dict()["stem.conv.weight"], weights["visual.trunk.stem.conv.weight"])
