@@ -72,4 +72,4 @@ def _row(found: tuple[object] | None) -> Float32[np.ndarray, "d"] | None:
     if found is None or not isinstance(stored := found[0], bytes) or len(stored) % 4:
         return None
     row = np.frombuffer(stored, "<f4").astype(np.float32)
-    return row if abs(float(np.linalg.norm(row)) - 1.0) < 1e-3 else None
+    return row if abs(float(np.linalg.norm(row)) - 1.0) < 1e-5 else None
