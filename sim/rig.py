@@ -14,6 +14,7 @@ from sim.fisheye import Fisheye, FisheyeRenderer
 from sim.raster import Frame, Raster
 from sim.scene import Scene, build_scene
 from worlds.house import House
+from worlds.spec_errors import near
 
 STEREO_BASELINE_M = 0.11
 """As of the paper's Alphasense and of EuRoC's camera."""
@@ -49,7 +50,7 @@ def build_rig_scene(house: House, rig: Rig) -> Scene:
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
     """A preset of `RIGS` with pinholes of that size [px] and horizontal field of view. Raises `SimError` if unknown."""
     if name not in RIGS:
-        raise SimError(f"unknown rig {name!r}; valid: {', '.join(RIGS)}")
+        raise SimError(f"unknown rig {name!r}{near(name, RIGS)}; valid: {', '.join(RIGS)}")
     return RIGS[name](wide_camera(width, height, hfov_deg))
 
 

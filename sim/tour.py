@@ -81,8 +81,8 @@ def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
     if best is None or abs(least - wished) > tolerance:
         bound = "shortest" if least > wished else "longest"
         raise SimError(
-            f"tour: length_m is {wished:g}, but the {bound} tour ({config.kind}) of house {planner.house.spec.name!r} "
-            f"that visits every room takes {least:.0f} m"
+            f"tour: a walk of {wished:g} m was asked for, but the {bound} tour ({config.kind}) of house "
+            f"{planner.house.spec.name!r} that visits every room takes {least:.0f} m"
         )
     return best
 

@@ -49,6 +49,18 @@ def status_of(argv):
         (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
         (["house", "check", "broken.json"], "broken.json"),
         (["bench", "speed", "--preset", "castle"], "home"),
+        (["run", "--preset", "hom"], "unknown preset 'hom' (did you mean 'home'?); valid: home"),
+        (["run", "--odometry", "multicm"], "unknown odometry 'multicm' (did you mean 'multicam'?); valid: perfect"),
+        (["run", "--rig", "sterio"], "unknown rig 'sterio' (did you mean 'stereo'?); valid: wide"),
+        (["house", "generate", "--rooms", "kitchn", "-o", "h.json"], "a 'kitchn' (did you mean 'kitchen'?); valid: kitchen"),
+        (["house", "prove", "--preset", "skool"], "unknown preset 'skool' (did you mean 'school'?); valid: home"),
+        (["run", "--overconfidence", "0.5"], "--overconfidence: '0.5'; valid: a number from 1 (honest) to 1e+06"),
+        (["run", "--overconfidence", "nan"], "--overconfidence: 'nan'; valid: a number from 1 (honest)"),
+        (["record", "--length", "-5"], "--length: '-5'; valid: a number from 1 to 100000"),
+        (["record", "--length", "far"], "--length: 'far'; valid: a number from 1 to 100000"),
+        (["house", "gallery", "--houses", "99999999999", "-o", "g.png"], "valid: a whole number from 1 to 1000"),
+        (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a name with .png"),
+        (["house", "import", "plan.svg", "--snap", "9", "-o", "h.json"], "--snap: '9'; valid: a number from 0.001 to 0.3"),
         ([], "COMMAND"),
         (["fly"], "demo"),
     ],
@@ -156,11 +168,13 @@ def test_doctor_is_content_here(capsys):
     ("arguments", "message"),
     [
         (["--fault", "fog"], "unknown fault 'fog'; valid: dropped"),
+        (["--fault", "bluer:9"], "unknown fault 'bluer' (did you mean 'blur'?); valid: dropped"),
+        (["--fault", "blur:9,for=2"], "'for' is no field of blur (did you mean 'for_s'?); valid: pixels, at_s, for_s"),
         (["--fault", "dropped:2"], "share is 2.0; valid: 0 to 1"),
-        (["--overconfidence", "0.5"], "overconfidence must be at least 1"),
+        (["--fault", "dropped:0.1,share=0.2"], "share is said twice; valid: once"),
     ],
 )
-def test_bad_faults_and_covariances_cost_one_line(arguments, message, capsys):
+def test_bad_faults_cost_one_line(arguments, message, capsys):
     assert main(["run", *arguments]) == 2
     error = capsys.readouterr().err
     assert message in error and error.count("\n") == 1

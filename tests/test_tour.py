@@ -174,7 +174,9 @@ def test_a_short_tour_leaves_out_second_stops_but_no_room():
     whole, short = tour_of("home", 11), tour_of("home", 11, length_m=90.0)
     assert short.length_m < 0.7 * whole.length_m
     assert set(room_at(house, short.T_W_B[:, :3, 3])) >= set(range(len(house.rooms)))
-    with pytest.raises(SimError, match=r"length_m is 30, but the shortest tour \(rooms\) of house 'home-11'.* takes \d+ m"):
+    with pytest.raises(
+        SimError, match=r"30 m was asked for, but the shortest tour \(rooms\) of house 'home-11'.* takes \d+ m"
+    ):
         tour_of("home", 11, length_m=30.0)
 
 

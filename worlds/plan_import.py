@@ -54,7 +54,7 @@ def import_plan(
     """
     path = Path(path)
     if metres_per_unit is not None and not 0.0 < metres_per_unit < 1e6:
-        raise SpecError(f"metres_per_unit is {metres_per_unit}; valid: above 0")
+        raise SpecError(f"metres_per_unit is {metres_per_unit}; valid: above 0, below 1e6")
     if not 0.001 <= snap_m <= 0.3:
         raise SpecError(f"snap_m is {snap_m}; valid: 0.001 to 0.3")
     doubt = ""

@@ -14,6 +14,7 @@ from worlds.openness import with_openness
 from worlds.programmes import Habits, StoreyProgramme
 from worlds.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.spec import HouseSpec, StoreySpec
+from worlds.spec_errors import near
 
 MAX_ROOMS_ASKED = 40
 MIN_ROOMS_ASKED = 2
@@ -38,7 +39,7 @@ def sample_house(
     Raises `WorldsError` for an unknown preset and for what cannot be.
     """
     if preset not in PRESETS:
-        raise WorldsError(f"unknown preset {preset!r}; valid: {', '.join(PRESETS)}")
+        raise WorldsError(f"unknown preset {preset!r}{near(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
     rngs = _generators(seed)
     kind = _random_kind(rngs[0]) if preset == "random" else KINDS[preset]
     programmes, style = draw_programmes(kind, *_counts(kind, rooms, storeys, rngs[0]), rngs[0])
@@ -59,7 +60,7 @@ def sample_from_rooms(
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
-        raise WorldsError(f"no room can be a {unknown[0]!r}; valid: {', '.join(possible)}")
+        raise WorldsError(f"no room can be a {unknown[0]!r}{near(unknown[0], possible)}; valid: {', '.join(possible)}")
     if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
     spine = next((label for label in labels if label in _CIRCULATION), None)

@@ -1,6 +1,7 @@
 """Arguments that several commands take."""
 
 import argparse
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -24,6 +25,21 @@ PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 def argument(*names: str, **options: Any) -> Argument:
     """An argument by what `add_argument` takes, for tables of commands."""
     return lambda parser: parser.add_argument(*names, **options)
+
+
+def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
+    """A number in a range, for `type=`; `lowest` says what `low` means."""
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r}; valid: a number from {low:g}{lowest} to {high:g}")
+        return value
+
+    return parse
 
 
 def folder(text: str) -> Path:
@@ -61,7 +77,7 @@ def add_walk(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
     parser.add_argument(
         "--overconfidence",
-        type=float,
+        type=number(1.0, 1e6, " (honest)"),
         default=1.0,
         metavar="FACTOR",
         help="how much too small the odometry's covariances are (default: 1, honest)",

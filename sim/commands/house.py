@@ -10,11 +10,15 @@ from sim.commands.arguments import SEED, argument, out_file
 from sim.commands.house_action import FILE, Action, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
+from sim.errors import SimError
 from sim.house_files import MODELS, PLANS, Writer, writer_for
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec, json_schema
 from worlds.validation import built_and_checked
+
+_MOST_TILES = 1000
+"""Plans on a page of a gallery."""
 
 
 def add_to(commands: Commands) -> None:
@@ -54,6 +58,10 @@ def _write(arguments: argparse.Namespace, writers: Mapping[str, Writer], checked
 def _gallery(arguments: argparse.Namespace) -> int:
     from sim.gallery import plans_page, png, room_views, rooms_page, sample_page
 
+    if arguments.houses > _MOST_TILES:
+        raise SimError(f"--houses {arguments.houses} are too many for a page; valid: a whole number from 1 to {_MOST_TILES}")
+    if arguments.out.suffix.lower() != ".png":
+        raise SimError(f"{arguments.out}: is no name of a PNG; valid: a name with .png")
     presets = [name.strip() for name in arguments.preset.split(",")]
     houses = sample_page(presets, arguments.seed, arguments.houses)
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import get_args
 
 from lexis.command_line import seed
-from sim.commands.arguments import PRESET_HELP, SEED, argument, out_file
+from sim.commands.arguments import PRESET_HELP, SEED, argument, number, out_file
 from sim.commands.house_action import FILE, Action, write_checked
 from sim.errors import SimError
 from worlds.presets import sample_from_rooms, sample_house
@@ -137,7 +137,7 @@ IMPORT = Action(
         ),
         argument(
             "--snap",
-            type=float,
+            type=number(0.001, 0.3),
             default=0.05,
             metavar="M",
             help="corners so near to each other lie on one line, in metres (default: %(default)s)",

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command
-from sim.commands.arguments import add_walk, folder, walk_options
+from sim.commands.arguments import add_walk, folder, number, walk_options
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
@@ -37,7 +37,7 @@ def add_to(commands: Commands) -> None:
         "  lexis run recording --rooms recording/rooms.json -o map",
     )
     add_walk(record)
-    record.add_argument("--length", type=float, metavar="M", help="of the walk, in metres (default: the preset's)")
+    record.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
     record.add_argument("--rig", choices=RIGS, default="wide", help=RIG_HELP)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")

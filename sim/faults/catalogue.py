@@ -11,6 +11,7 @@ from sim.faults.images import Blur, Exposure, LightsOff, Noise, Smear
 from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump, OdometryNaN
 from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
+from worlds.spec_errors import near
 
 FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
     {
@@ -33,14 +34,17 @@ def parse_fault(text: str) -> Fault:
     """
     name, _, rest = text.partition(":")
     if (kind := FAULTS.get(name)) is None:
-        raise SimError(f"unknown fault {name!r}; valid: {', '.join(FAULTS)}")
+        raise SimError(f"unknown fault {name!r}{near(name, FAULTS)}; valid: {', '.join(FAULTS)}")
     known = {each.name: each for each in settings(kind)}
     first, values = next(iter(known)), {}
     for place, item in enumerate(rest.split(",") if rest else ()):
         key, equals, value = item.rpartition("=")
         key = key if equals or place else first
         if key not in known:
-            raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}; valid: {', '.join(known)}")
+            guess = near(key, known)
+            raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}{guess}; valid: {', '.join(known)}")
+        if key in values:
+            raise SimError(f"fault {text!r}: {key} is said twice; valid: once")
         values[key] = _number(text, known[key], value)
     return kind(**values)
 
