@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, UInt8
 from torch import Tensor
 
 from lexis.encoder_options import EncoderOptions
@@ -25,6 +25,8 @@ from lexis.prompts import prompts
 from lexis.types import Image
 
 _DTYPES = {"fp32": torch.float32, "bf16": torch.bfloat16, "fp16": torch.float16}
+Images = Sequence[UInt8[np.ndarray, "_ _ 3"]] | UInt8[np.ndarray, "images h w 3"]
+"""Of any sizes, or an array of equal ones."""
 _TEXT_LISTS = 1024
 """Lists of texts whose embeddings are kept."""
 
@@ -49,7 +51,7 @@ class OpenClipEncoder:
             self._compile()
         self._texts = lru_cache(_TEXT_LISTS)(self._embedded_texts)
         folder = self._options.cache
-        self._cache = None if folder is None else ImageCache(folder, f"{self.fingerprint[:32]}-{self._options.precision}")
+        self._cache = None if folder is None else ImageCache(folder, f"{self.fingerprint}-{self._options.precision}")
 
     @property
     def name(self) -> str:
@@ -75,8 +77,8 @@ class OpenClipEncoder:
         """f_CLIP of an RGB image of any size, unit norm."""
         return np.asarray(self.encode_images([image])[0])
 
-    def encode_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
-        """f_CLIP of RGB images of any sizes, unit norm: in batches, less what the cache knows. At least one image."""
+    def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
+        """f_CLIP of RGB images, unit norm: in batches, less what the cache knows. Raises EncoderError without any image."""
         if self._cache is None:
             return self._embedded_images(images)
         keys = [image_key(image) for image in images]
@@ -109,10 +111,10 @@ class OpenClipEncoder:
     def _embedded_texts(self, texts: tuple[str, ...]) -> Float32[np.ndarray, "texts d"]:
         return self._in_batches(texts, lambda batch: self._text_tower(self._tokenizer(list(batch)).to(self._device)))
 
-    def _embedded_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
+    def _embedded_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
         prepare = self._preprocessing.apply
         return self._in_batches(
-            images, lambda batch: self._image_tower(torch.stack([prepare(image) for image in batch]).to(self._device))
+            list(images), lambda batch: self._image_tower(torch.stack([prepare(image) for image in batch]).to(self._device))
         )
 
     def _in_batches(self, items: Sequence[Any], tower: Callable[[Sequence[Any]], Tensor]) -> Float32[np.ndarray, "n d"]:

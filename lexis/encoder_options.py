@@ -3,13 +3,11 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
 
 from lexis.errors import EncoderError
 from lexis.prompts import TEMPLATES, check_template
 
-Precision = Literal["fp32", "bf16", "fp16"]
-PRECISIONS: tuple[Precision, ...] = get_args(Precision)
+PRECISIONS = ("fp32", "bf16", "fp16")
 _DEVICES = re.compile(r"cpu|cuda(:\d+)?")
 
 
@@ -19,8 +17,8 @@ class EncoderOptions:
 
     device: str = "cpu"
     """cpu, cuda or cuda:N."""
-    precision: Precision = "fp32"
-    """Of the arithmetic; weights stay as they are. fp16 needs a GPU."""
+    precision: str = "fp32"
+    """Of the arithmetic, one of `PRECISIONS`; weights stay as they are. fp16 needs a GPU."""
     compiled: bool = False
     """Whether torch compiles the network first: half a minute or more, which only long runs win back."""
     threads: int = 1

@@ -25,8 +25,8 @@ class ImageCache:
     """What one encoder made of images, by their content."""
 
     def __init__(self, folder: Path, encoder: str, most: int = MOST_IMAGES) -> None:
-        """Open or make the cache in `folder` of the encoder with this digest. Raises EncoderError where that fails."""
-        self._path = folder / f"{encoder[:32]}.sqlite"
+        """Open or make the cache in `folder` of the encoder that this digest names. Raises EncoderError where that fails."""
+        self._path = folder / f"{encoder}.sqlite"
         self._most = most
         with self._reported():
             folder.mkdir(parents=True, exist_ok=True)
