@@ -1,47 +1,40 @@
-"""bench encoders: figures of an encoder that knows what it is said to know, and the ceiling of what is visible."""
+"""bench encoders: figures of an encoder that knows what it is said to know, and the tables that are made of them."""
 
+import csv
 import zlib
 from dataclasses import fields
 
 import numpy as np
 import pytest
-import torch
+from painted_runs import painted, painted_run
 
-from lexis.encoder import OpenClipEncoder
-from lexis.preprocessing import squashing
+from lexis.errors import EncoderError
 from lexis.prompts import prompts
-from sim.bench import encoders
-from sim.bench.encoders import ceiling_of, measure, overall_calibration_error
+from sim.bench import encoder_times
+from sim.bench.encoder_ceiling import by_own_room, ceiling_of
+from sim.bench.encoder_table import RANDOM, TRAINED, Accuracy, TableRow, draw_plot, write_csv
+from sim.bench.encoder_times import Timing, example_image, random_weights, timed
+from sim.bench.encoders import References, measure, overall_calibration_error
+from sim.cli import main
 from sim.errors import SimError
-from sim.training.frames import PATCHES, THINGS, Frames
-from sim.training.phrases import OBJECT_NAMES, ROOM_ACTIVITIES, ROOM_NAMES
+from sim.training.frames import Frames
+from sim.training.phrases import ROOM_ACTIVITIES, ROOM_NAMES
 from worlds.labels import ROOM_LABELS
 
+RUNS = [painted_run(900_004), painted_run(900_005)]
 ROOMS = np.repeat([0, 3, 5, 7], 6)
 
 
-def painted(rooms, rng):
-    """Frames whose pixels name the room, where each room has a thing of its own."""
-    n = len(rooms)
-    things = rng.integers(0, 3, (n, *PATCHES, len(THINGS))).astype(np.uint8)
-    things[np.arange(n), ..., rooms] = 60
-    images = np.tile(rooms.astype(np.uint8)[:, None, None, None], (1, 6, 8, 3))
-    return Frames(images, rooms, things, np.zeros((n, len(ROOM_LABELS)), np.float32), np.ones(n, np.float32))
-
-
-class Knowing(OpenClipEncoder):
-    """Reads the room off the pixels; knows trained names, activities and things, and nothing else."""
+class Knowing:
+    """Reads the room off the pixels; knows trained names and activities, and nothing else."""
 
     def __init__(self, temperature):
-        model = torch.nn.Module()
-        model.logit_scale = torch.nn.Parameter(torch.tensor(-np.log(temperature)))
-        super().__init__("knowing", model, None, squashing(1, 1))
+        self.temperature = temperature
         self._known = {name: i for i, label in enumerate(ROOM_LABELS) for name in ROOM_NAMES[label]}
         self._known |= {done: i for i, label in enumerate(ROOM_LABELS) for done in ROOM_ACTIVITIES[label]}
-        self._known |= {name: i for i in set(ROOMS) for name in OBJECT_NAMES.get(THINGS[i], (THINGS[i],))}
 
-    def encode_image(self, image):
-        return np.eye(len(ROOM_LABELS), dtype=np.float32)[image[0, 0, 0]]
+    def encode_images(self, images):
+        return np.eye(len(ROOM_LABELS), dtype=np.float32)[images[:, 0, 0, 0]]
 
     def encode_texts(self, texts):
         said = [max((name for name in self._known if name in text), key=len, default=None) for text in texts]
@@ -62,26 +55,26 @@ class Knowing(OpenClipEncoder):
         return np.random.default_rng(zlib.crc32(text.encode())).normal(size=len(ROOM_LABELS)).astype(np.float32)
 
 
-@pytest.fixture
-def houses(monkeypatch):
-    monkeypatch.setattr(encoders, "frames_of_house", lambda draw, views: painted(ROOMS, np.random.default_rng(draw.seed)))
+def measured(*encoders):
+    return list(zip(*measure(encoders, RUNS, References()), strict=True))
 
 
-def test_what_an_encoder_knows_counts_and_what_it_does_not_know_is_chance(houses):
-    (house,) = measure(Knowing(0.1), "home", [4], None)
-    row = house.row
-    assert house.seed == 4 and row.ceiling is None
-    assert row.accuracy == row.trained_names == row.activities_found == row.things_found == 1.0
-    assert row.held_out_names < 0.7
-    assert row.calibration_error < 1e-3
+def test_what_an_encoder_knows_counts_and_what_it_does_not_know_is_chance():
+    (houses,) = measured(Knowing(0.1))
+    assert [house.seed for house in houses] == [run.draw.seed for run in RUNS]
+    for house in houses:
+        row = house.row
+        assert row.accuracy == row.trained_names == row.activities == row.trained_looks == row.held_out_looks == 1.0
+        assert row.held_out_names < 0.7 and row.held_out_questions < 0.7
+        assert row.ceiling is None and row.recall_orb is None
+        assert row.calibration_error < 1e-3
+        assert row.recall is not None and row.recall < 1.0  # the room is known, not the place in it
 
 
-def test_doubt_of_what_is_right_is_a_calibration_error(houses):
-    houses = list(measure(Knowing(10.0), "home", [4, 5], None))
-    assert [house.row.accuracy for house in houses] == [1.0, 1.0]
-    assert (
-        overall_calibration_error(houses) == pytest.approx(houses[0].row.calibration_error) == pytest.approx(0.75, abs=0.05)
-    )
+def test_doubt_of_what_is_right_is_a_calibration_error_and_encoders_do_not_mix():
+    sure, doubting = measured(Knowing(0.1), Knowing(10.0))
+    assert [house.row.accuracy for house in doubting] == [1.0, 1.0]
+    assert overall_calibration_error(doubting) > 0.6 > 1e-3 > overall_calibration_error(sure)
 
 
 def test_the_ceiling_is_what_visible_things_tell(tmp_path):
@@ -92,5 +85,52 @@ def test_the_ceiling_is_what_visible_things_tell(tmp_path):
     rng = np.random.default_rng(0)
     frames = painted(np.repeat(ROOMS, 5), rng)
     np.savez(tmp_path / "frames" / "a.npz", **{f.name: getattr(frames, f.name) for f in fields(Frames)})
-    scores = ceiling_of(tmp_path)(painted(ROOMS, rng))
-    assert scores.shape == (len(ROOMS), len(ROOM_LABELS)) and (scores.argmax(axis=1) == ROOMS).all()
+    assert (ceiling_of(tmp_path)(painted(ROOMS, rng)) == ROOMS).all()
+
+
+def test_bands_of_the_own_room_share_out_all_frames():
+    rng = np.random.default_rng(1)
+    own, right, ceiling = rng.random(500), rng.random(500) < 0.7, rng.random(500) < 0.5
+    own[:2] = 0.0, 1.0
+    bands = by_own_room(own, right, ceiling)
+    assert sum(band.share for band in bands) == pytest.approx(1.0)
+    assert sum(band.share * band.accuracy for band in bands) == pytest.approx(right.mean())
+    assert sum(band.share * band.ceiling for band in bands) == pytest.approx(ceiling.mean())
+
+
+ROWS = (
+    TableRow("mini", TRAINED, {"home": Accuracy((0.8, 0.9))}, {"cpu": Timing(9.0, 3.0), "gpu": "no GPU"}),
+    TableRow("RN50", RANDOM, {}, {"cpu": Timing(100.0, 60.0), "gpu": "no GPU"}),
+)
+
+
+def test_the_table_of_random_weights_has_times_and_no_accuracy(tmp_path):
+    write_csv(ROWS, tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open(newline="") as file:
+        mini, random = csv.DictReader(file)
+    assert float(mini["home accuracy mean"]) == pytest.approx(0.85)
+    assert float(mini["home accuracy std"]) == pytest.approx(np.std([0.8, 0.9], ddof=1), abs=1e-4)
+    assert random["weights"] == RANDOM and random["home accuracy mean"] == ""
+    assert float(random["cpu image_ms"]) == 100.0 and random["gpu image_ms"] == mini["gpu image_ms"] == ""
+
+
+def test_the_plot_is_a_picture(tmp_path):
+    pytest.importorskip("matplotlib")
+    draw_plot(ROWS, tmp_path / "plot.png")
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_architecture_is_timed_with_random_weights_that_leave_nothing_behind(monkeypatch):
+    monkeypatch.setattr(encoder_times, "_TIMES", 1)
+    with random_weights("ViT-S-32-alt") as model:
+        found = timed(model, "cpu", example_image())
+    assert isinstance(found, Timing) and found.image_ms > 0.0 and found.text_ms > 0.0
+    assert "no checkpoint" in timed(model, "cpu", example_image())
+    with pytest.raises(EncoderError, match="no architecture 'ViT-Z'"), random_weights("ViT-Z"):
+        pass
+
+
+def test_what_cannot_be_written_or_timed_is_said_before_anything_is_measured(tmp_path, capsys):
+    for options in (["--csv", str(tmp_path / "none" / "a.csv")], ["--architectures", "ViT-Z"]):
+        assert main(["bench", "encoders", "--houses", "1", *options]) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1

@@ -14,7 +14,7 @@ from jaxtyping import Float32, Int, UInt8
 from lexis.types import Image
 from sim.errors import SimError
 
-WORDS, FEATURES = 4096, 500
+WORDS, FEATURES = 2048, 500
 """Size of the vocabulary; key points of an image, as ORB itself has it."""
 _PASSES = 8
 _MOST_DESCRIPTORS = 60_000

@@ -38,7 +38,7 @@ from worlds.truth import objects
 SEEN, SEEN_IN = 0.01, 3
 """A thing can be asked for that fills more than this share of so many images."""
 TRAINED, HELD_OUT_WORDS, HELD_OUT_FRAMES = WORDINGS = "trained", "held-out words", "held-out frames"
-THING, CHARACTERISTIC, ACTIVITY = TOPICS = "thing", "characteristic", "activity"
+THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
 """Things that stand there; things that are said to stand there; what is done there."""
 
 
@@ -97,12 +97,8 @@ def questions_of(run: EncoderRun) -> Iterator[Question]:
         names, held_out = OBJECT_NAMES.get(kind, (kind,)), HELD_OUT_OBJECTS.get(kind, ())
         yield from _worded(THING, kind, names, held_out, label, (THING_FRAMES, HELD_OUT_THING_FRAMES))
     for label in {ROOM_LABELS[i]: None for i in run.frames.rooms}:
-        yield from _characteristic(
-            CHARACTERISTIC, label, ROOM_THINGS, HELD_OUT_THINGS, (THING_FRAMES, HELD_OUT_THING_FRAMES)
-        )
-        yield from _characteristic(
-            ACTIVITY, label, ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES, (PLACE_FRAMES, HELD_OUT_PLACE_FRAMES)
-        )
+        yield from _of_label(TYPICAL, label, ROOM_THINGS, HELD_OUT_THINGS, (THING_FRAMES, HELD_OUT_THING_FRAMES))
+        yield from _of_label(ACTIVITY, label, ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES, (PLACE_FRAMES, HELD_OUT_PLACE_FRAMES))
 
 
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
@@ -156,7 +152,7 @@ def _worded(
         yield from (Question(topic, wording, about, text, label) for text in framed(around, used))
 
 
-def _characteristic(
+def _of_label(
     topic: str, label: str, trained: Table, held_out: Table, frames: tuple[Sequence[str], Sequence[str]]
 ) -> Iterator[Question]:
     for phrase in trained[label]:

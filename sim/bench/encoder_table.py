@@ -68,11 +68,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
     Encoders with random weights have no accuracy: their times are ticks on the axis. Raises `SimError` without
     matplotlib.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise SimError("--plot needs matplotlib; valid: an environment with the group 'tests', or --csv") from None
-    figure = Figure(figsize=(7.0, 4.5), layout="constrained")
+    figure = import_matplotlib().figure.Figure(figsize=(7.0, 4.5), layout="constrained")
     axes = figure.add_subplot()
     presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
     for number, preset in enumerate(presets):
@@ -91,6 +87,15 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
         axes.legend(loc="lower left")
     with replaced_file(path) as beside:
         figure.savefig(beside, format="png", dpi=150)
+
+
+def import_matplotlib() -> Any:
+    """The library. Raises `SimError` where it is not installed."""
+    try:
+        import matplotlib.figure
+    except ImportError:
+        raise SimError("plots need matplotlib; valid: an environment with the group 'tests', or a CSV instead") from None
+    return matplotlib
 
 
 def _mark(axes: Any, row: TableRow) -> None:

@@ -1,28 +1,50 @@
-"""Texts of one encoder, each embedded once however often it is asked for: many houses share their words."""
+"""What the benchmark needs of an encoder, and its texts, each embedded once: many houses share their words."""
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32
 
-from lexis.encoder import OpenClipEncoder
+from lexis.types import Image
 
 Embed: TypeAlias = Callable[[Sequence[str]], Float32[np.ndarray, "texts d"]]
 Known: TypeAlias = dict[str, Float32[np.ndarray, "d"]]
 _BATCH = 64
 
 
+@runtime_checkable
+class ImageTextEncoder(Protocol):
+    """`lexis.encoder.OpenClipEncoder`, or anything like it."""
+
+    @property
+    def temperature(self) -> float:
+        """softmax(similarities / temperature) are its probabilities."""
+        ...
+
+    def encode_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
+        """Of RGB images, unit norm."""
+        ...
+
+    def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
+        """Of names of rooms, unit norm."""
+        ...
+
+    def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
+        """Of texts as they stand, unit norm."""
+        ...
+
+
 class EmbeddedTexts:
     """Looks texts up, and embeds those that are new."""
 
-    def __init__(self, encoder: OpenClipEncoder) -> None:
+    def __init__(self, encoder: ImageTextEncoder) -> None:
         self._encoder = encoder
         self._rooms: Known = {}
         self._texts: Known = {}
 
     def rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Names of rooms, as `OpenClipEncoder.encode_rooms` has them."""
+        """Names of rooms, as `encode_rooms` has them."""
         return _looked_up(self._rooms, names, self._encoder.encode_rooms)
 
     def texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:

@@ -66,16 +66,19 @@ def example_image() -> Image:
     return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
 
 
+def check_architecture(name: str) -> None:
+    """Raise `EncoderError` for what open_clip does not list."""
+    if name not in open_clip.list_models():
+        raise EncoderError(f"no architecture {name!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32")
+
+
 @contextmanager
 def random_weights(architecture: str) -> Iterator[str]:
     """What to ask `load_encoder` for to get an architecture of open_clip with random weights; they are gone afterwards.
 
     Raises `EncoderError` for what open_clip does not list, and for what it cannot make without a network.
     """
-    if architecture not in open_clip.list_models():
-        raise EncoderError(
-            f"no architecture {architecture!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32"
-        )
+    check_architecture(architecture)
     with tempfile.TemporaryDirectory() as folder:
         try:
             network = _created(architecture)

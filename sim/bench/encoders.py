@@ -8,12 +8,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, Int, UInt8
 from scipy.special import softmax
 
-from lexis.encoder import OpenClipEncoder
 from sim.baselines.orb_words import OrbWords
 from sim.bench.encoder_ceiling import Ceiling, own_room
 from sim.bench.encoder_questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
 from sim.bench.encoder_runs import EncoderRun
-from sim.bench.encoder_texts import EmbeddedTexts
+from sim.bench.encoder_texts import EmbeddedTexts, ImageTextEncoder
 from sim.bench.retrieval import recall_at_1
 from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
 from sim.training.temperature import calibration_error
@@ -36,7 +35,7 @@ class EncoderRow:
     """And with names that were never trained on."""
     things: float | None
     """Questions for a thing that stands in rooms of one label alone which rank such a room first."""
-    characteristic: float | None
+    typical_things: float | None
     """Questions for things that are said to stand in a room."""
     activities: float | None
     """Questions for what is done in a room."""
@@ -95,7 +94,7 @@ class Beside(NamedTuple):
 
 
 def measure(
-    encoders: Sequence[OpenClipEncoder], runs: Iterable[EncoderRun], references: References
+    encoders: Sequence[ImageTextEncoder], runs: Iterable[EncoderRun], references: References
 ) -> Iterator[list[Measured]]:
     """Run by run, the figures of every encoder."""
     texts = [EmbeddedTexts(encoder) for encoder in encoders]
@@ -104,8 +103,8 @@ def measure(
         yield [_measured(run, encoder, known, beside) for encoder, known in zip(encoders, texts, strict=True)]
 
 
-def _measured(run: EncoderRun, encoder: OpenClipEncoder, texts: EmbeddedTexts, beside: Beside) -> Measured:
-    frames, images = run.frames, embedded(encoder, run.frames.images)
+def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: Beside) -> Measured:
+    frames, images = run.frames, encoder.encode_images(run.frames.images)
     present, own = np.unique(frames.rooms, return_inverse=True)
     names = [ROOM_LABELS[i] for i in present]
     rooms = texts.rooms(names)
@@ -117,14 +116,14 @@ def _measured(run: EncoderRun, encoder: OpenClipEncoder, texts: EmbeddedTexts, b
     trained_names, held_out_names = (
         _renamed(images, texts, names, own, table, run.draw.seed) for table in (ROOM_NAMES, HELD_OUT_NAMES)
     )
-    things, characteristic, activities = (share_right(asked, topic, TRAINED)[0] for topic in TOPICS)
+    things, typical_things, activities = (share_right(asked, topic, TRAINED)[0] for topic in TOPICS)
     row = EncoderRow(
         accuracy=float(right.mean()),
         ceiling=None if beside.ceiling_right is None else float(beside.ceiling_right.mean()),
         trained_names=trained_names,
         held_out_names=held_out_names,
         things=things,
-        characteristic=characteristic,
+        typical_things=typical_things,
         activities=activities,
         held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
         trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
@@ -143,18 +142,13 @@ def overall_calibration_error(houses: Sequence[Measured]) -> float:
     return calibration_error(confidence, np.concatenate([house.right for house in houses]))
 
 
-def embedded(encoder: OpenClipEncoder, images: UInt8[np.ndarray, "n h w 3"]) -> Float32[np.ndarray, "n d"]:
-    """All images, one at a time as a robot has them."""
-    return np.array([encoder.encode_image(image) for image in images], np.float32)
-
-
 def _in_looks(
-    encoder: OpenClipEncoder,
+    encoder: ImageTextEncoder,
     looks: UInt8[np.ndarray, "looks k h w 3"],
     rooms: Float32[np.ndarray, "rooms d"],
     own: Int[np.ndarray, "k"],
 ) -> float:
-    return float(np.mean([(embedded(encoder, images) @ rooms.T).argmax(axis=1) == own for images in looks]))
+    return float(np.mean([(encoder.encode_images(images) @ rooms.T).argmax(axis=1) == own for images in looks]))
 
 
 def _renamed(

@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from lexis.command_line import positive
+from sim.errors import SimError
 from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
@@ -46,6 +47,7 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.encoders import References, measure
     from sim.training.houses import TEST_SEEDS
 
+    _check(arguments)
     work: Path | None = arguments.work
     models = arguments.encoders or [arguments.encoder]
     encoders = [load_encoder(model) for model in models]
@@ -63,6 +65,20 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
         write_csv(rows, arguments.csv)
     if arguments.plot:
         draw_plot(rows, arguments.plot)
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Raise before minutes of work what would be raised after them."""
+    from sim.bench.encoder_table import import_matplotlib
+    from sim.bench.encoder_times import check_architecture
+
+    for architecture in arguments.architectures:
+        check_architecture(architecture)
+    for path in filter(None, (arguments.csv, arguments.plot)):
+        if not path.parent.is_dir():
+            raise SimError(f"{path}: no folder {path.parent}; valid: a file in a folder that exists")
+    if arguments.plot:
+        import_matplotlib()
 
 
 def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> Iterator[Table]:
