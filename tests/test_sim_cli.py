@@ -12,6 +12,7 @@ from sim.bench.segmentation import Row
 from sim.bench.speed import Figure, Section
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
+from sim.errors import SimError
 from sim.faults import FAULTS
 from sim.harness import RunConfig
 from worlds.house import build_house
@@ -178,6 +179,22 @@ def test_bad_faults_cost_one_line(arguments, message, capsys):
     assert main(["run", *arguments]) == 2
     error = capsys.readouterr().err
     assert message in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(("command", "marker"), [("demo", "result.json"), ("run", "result.json"), ("record", "rooms.json")])
+def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path, monkeypatch, capsys):
+    def work(*_, **__):
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.harness.run", work)
+    monkeypatch.setattr("sim.record.record", work)
+    assert status_of([command, "--out", tmp_path]) == 2
+    assert capsys.readouterr().err == "lexis-sim: so far\n"
+    (tmp_path / marker).write_text("{}")
+    assert status_of([command, "--out", tmp_path]) == 2
+    assert (
+        capsys.readouterr().err == f"note: {tmp_path} holds an earlier one; the new one will replace it\nlexis-sim: so far\n"
+    )
 
 
 def test_help_lists_every_fault(capsys):

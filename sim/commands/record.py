@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command
-from sim.commands.arguments import add_walk, folder, number, walk_options
+from sim.commands.arguments import add_walk, folder, number, tell_of_replacement, walk_options
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
@@ -50,9 +50,11 @@ def add_to(commands: Commands) -> None:
 def _record(arguments: argparse.Namespace) -> int:
     from sim.harness import RunConfig
     from sim.record import record
+    from sim.record.rooms import ROOMS
     from sim.rig import make_rig
 
     config = RunConfig(length_m=arguments.length, rig=make_rig(arguments.rig), **walk_options(arguments))
+    tell_of_replacement(arguments.out, ROOMS)
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("recording", total=1.0)

@@ -17,6 +17,7 @@ from sim.commands.arguments import (
     add_run_seed,
     add_walk,
     folder,
+    tell_of_replacement,
     walk_options,
 )
 from sim.fidelity import FIDELITIES
@@ -82,10 +83,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _run_and_report(config: "RunConfig", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
-    from sim.harness.outputs import check_writable
+    from sim.harness.outputs import MARKER, check_writable
     from sim.report import result_table
 
     check_writable(out)
+    tell_of_replacement(out, MARKER)
     console = Console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("walking and mapping", total=1.0)

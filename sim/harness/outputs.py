@@ -15,7 +15,8 @@ from sim.harness.report_data import report_data
 from sim.harness.run import Run
 from sim.report import write_report
 
-_MARKER = "result.json"
+MARKER = "result.json"
+"""By which a folder is known to be that of a run."""
 
 
 def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out: Path) -> None:
@@ -23,7 +24,7 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
 
     A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out.resolve(), _MARKER) as folder:
+    with replaced_folder(out.resolve(), MARKER) as folder:
         (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
         (folder / "house.json").write_text(run.house.spec.to_json())
         write_tum(folder / "trajectory.tum", run.stamps, run.map.T_W_B)
@@ -35,7 +36,7 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
 
 def check_writable(out: Path) -> None:
     """Raise before a long run what `write_run` would raise after it."""
-    check_replaceable(out, _MARKER)
+    check_replaceable(out, MARKER)
     existing = next(folder for folder in out.resolve().parents if folder.exists())
     try:
         tempfile.TemporaryFile(dir=existing).close()
