@@ -7,7 +7,8 @@ only the trained wordings share. The dense losses stay on, so that nothing that 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 
 import numpy as np
 import torch
@@ -16,11 +17,12 @@ from open_clip.transformer import TextTransformer
 from torch import Tensor, nn
 
 from lexis.prompts import prompts
-from sim.training.batches import PRESENT, Batch, normalised
+from sim.training.batches import PRESENT, Batch, chosen_once, normalised
 from sim.training.dense import DenseTower, Seen, dense_loss, room_weights, told_right
 from sim.training.fit import PROCESSOR
 from sim.training.frames import THINGS, Frames
 from sim.training.phrases import object_caption, room_caption
+from sim.training.places import pairs_of_places, place_loss
 from sim.training.text_tower import encode_texts
 from worlds.labels import ROOM_LABELS
 
@@ -33,6 +35,7 @@ SETTLING_STEPS = 2000
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
+_PLACES_WEIGHT = 1.0
 _ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
 """Of images found by captions of rooms and of things."""
 _BATCH = 256
@@ -82,10 +85,11 @@ class AlignLearner:
         self._things = _wordings(text, THINGS, object_caption, wordings[1], rng)
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """Of rooms and things by captions, and the dense one."""
+        """Of rooms and things by captions, of places, and the dense one."""
         embedding, seen = self.module(batch.images)
         captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
-        return captions + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
+        places = place_loss(embedding @ embedding.T, batch.same_place, batch.apart)
+        return captions + _PLACES_WEIGHT * places + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
 
     def settle(self, frames: Frames, seed: int, steps: int) -> None:
         """Fit the projection alone, to all frames as they are."""
@@ -96,10 +100,11 @@ class AlignLearner:
         parameters = [value for name, value in self.module.named_parameters() if not name.startswith("dense.")]
         optimiser = torch.optim.AdamW(parameters, lr=_SETTLING_RATE, weight_decay=0.02)
         rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _SETTLING_RATE, total_steps=steps, pct_start=0.15)
-        for _ in range(steps):
-            chosen = torch.from_numpy(rng.integers(len(features), size=_SETTLING_BATCH)).to(PROCESSOR)
+        for chosen in islice(_chosen_often(frames.houses, min(_SETTLING_BATCH, len(features)), rng), steps):
             embedding = self.module.embedded(features[chosen])
+            same, apart = map(torch.from_numpy, pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen]))
             loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
+            loss = loss + _PLACES_WEIGHT * place_loss(embedding @ embedding.T, same.to(PROCESSOR), apart.to(PROCESSOR))
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
@@ -141,6 +146,11 @@ class AlignLearner:
             return torch.cat(
                 [self.module.dense(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).pooled for i in parts]
             )
+
+
+def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
+    while True:
+        yield from chosen_once(houses, size, rng)
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:

@@ -5,16 +5,19 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor, nn
 
 from lexis.preprocessing import MINI_MEAN, MINI_STD
 from sim.training.frames import Frames
+from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
 """Share of the image from which on a thing counts as present."""
 PATCH_PRESENT = 0.02
 """And share of a patch."""
+STRETCH = 16
+"""Frames of one house in a batch, so that places are told from others of the same house."""
 
 
 class Batch(NamedTuple):
@@ -26,25 +29,30 @@ class Batch(NamedTuple):
     """Share of the image by room label, summing to one."""
     things: Float[Tensor, "b things"]
     patches: Float[Tensor, "b things rows columns"]
+    same_place: Bool[Tensor, "b b"]
+    apart: Bool[Tensor, "b b"]
+    """Pairs of frames, by `places.pairs_of_places`."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
-    """All frames once, in random order, less those that do not fill the last batch."""
-    order = rng.permutation(len(frames.rooms))
-    for i in range(0, len(order) - size + 1, size):
-        chosen = np.sort(order[i : i + size])
-        grid = _crops(size, rng).to(device)
-        tint = _tints(size, rng, device)
+    """All frames once, less those that do not fill the last batch."""
+    for chosen in chosen_once(frames.houses, size, rng):
+        _, house = np.unique(frames.houses[chosen], return_inverse=True)
+        grid = _crops(house, rng).to(device)
+        tint = _tints(house, rng, device)
         images = _sampled(normalised(frames.images[chosen]).to(device), grid, "reflection") * tint[0] + tint[1]
         shares = torch.from_numpy(frames.things[chosen]).permute(0, 3, 1, 2).to(device).float() / 255.0
         patches = _sampled(shares, grid, "zeros")
         views = torch.from_numpy(frames.views[chosen]).to(device) + 1e-4
+        same, apart = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen])
         yield Batch(
             images.contiguous(memory_format=torch.channels_last),
             torch.from_numpy(frames.rooms[chosen]).to(device),
             views / views.sum(dim=1, keepdim=True),
             (patches.mean(dim=(2, 3)) > PRESENT).float(),
             (patches > PATCH_PRESENT).float(),
+            torch.from_numpy(same).to(device),
+            torch.from_numpy(apart).to(device),
         )
 
 
@@ -54,11 +62,24 @@ def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]
     return (pixels - torch.tensor(MINI_MEAN)[:, None, None]) / torch.tensor(MINI_STD)[:, None, None]
 
 
-def _crops(n: int, rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
-    """Mirror, zoom and shift a little."""
-    zoom = rng.uniform(0.75, 1.0, n)
+def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
+    """Indices of the frames of every batch: stretches of walks through houses, in random order.
+
+    Stretches are `STRETCH` frames of one house, one after another; few hold the end of one walk and the start of the next.
+    """
+    walks = np.split(np.arange(len(houses)), np.flatnonzero(np.diff(houses)) + 1)
+    joined = np.concatenate([np.roll(walks[i], rng.integers(len(walks[i]))) for i in rng.permutation(len(walks))])
+    stretches = np.array_split(joined, range(STRETCH, len(joined), STRETCH))
+    order = np.concatenate([stretches[i] for i in rng.permutation(len(stretches))])
+    return (np.sort(order[i : i + size]) for i in range(0, len(order) - size + 1, size))
+
+
+def _crops(house: Int[np.ndarray, "n"], rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
+    """Zoom and shift every frame a little; mirror all frames of a house or none, since mirrored places are other places."""
+    n = len(house)
+    zoom, mirrored = rng.uniform(0.75, 1.0, n), rng.choice([-1.0, 1.0], house.max() + 1)
     theta = np.zeros((n, 2, 3), np.float32)
-    theta[:, 0, 0] = zoom * rng.choice([-1.0, 1.0], n)
+    theta[:, 0, 0] = zoom * mirrored[house]
     theta[:, 1, 1] = zoom
     theta[:, :, 2] = rng.uniform(-1.0, 1.0, (n, 2)) * (1.0 - zoom)[:, None]
     return torch.from_numpy(theta)
@@ -70,9 +91,11 @@ def _sampled(maps: Float[Tensor, "b c h w"], theta: Float[Tensor, "b 2 3"], padd
 
 
 def _tints(
-    n: int, rng: np.random.Generator, device: torch.device
+    house: Int[np.ndarray, "n"], rng: np.random.Generator, device: torch.device
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
-    """Gains per channel and an offset."""
-    gain = rng.uniform(0.7, 1.25, (n, 1, 1, 1)) * rng.uniform(0.9, 1.1, (n, 3, 1, 1))
-    offset = rng.normal(0.0, 0.15, (n, 1, 1, 1))
-    return torch.from_numpy(gain.astype(np.float32)).to(device), torch.from_numpy(offset.astype(np.float32)).to(device)
+    """Gains per channel and an offset, of every house: colours tell its places apart."""
+    houses = house.max() + 1
+    gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
+    offset = rng.normal(0.0, 0.15, (houses, 1, 1, 1))
+    gains, offsets = (torch.from_numpy(tint[house].astype(np.float32)).to(device) for tint in (gain, offset))
+    return gains, offsets

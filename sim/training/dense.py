@@ -1,7 +1,7 @@
 """Stage 1 of the image tower: dense supervision, which the renderer gives for free.
 
-Linear heads on the tower's features tell which things are where in the image, how much of it shows rooms of each label, and
-in which room the camera is. They are thrown away after stage 2.
+Linear heads on the tower's features tell which things are where in the image, how much of it shows rooms of each label, in
+which room the camera is, and whether two images show one place. They are thrown away after stage 2.
 """
 
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from torch import Tensor, nn
 from sim.training.batches import Batch, normalised
 from sim.training.fit import PROCESSOR
 from sim.training.frames import THINGS, Frames
+from sim.training.places import place_loss
 from worlds.labels import ROOM_LABELS
 
 TRUNK = "regnetx_002"
@@ -22,6 +23,8 @@ TRUNK = "regnetx_002"
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
 """Beside the room's loss; presence is a mean over very many things that are absent."""
+_PLACES_WEIGHT = 1.0
+_PLACE_DIM = 128
 _RARE = -4.0
 """Logit that presence starts from."""
 _BATCH = 256
@@ -35,6 +38,8 @@ class Seen(NamedTuple):
     views: Float[Tensor, "b labels"]
     things: Float[Tensor, "b things"]
     patches: Float[Tensor, "b things rows columns"]
+    places: Float[Tensor, "b p"]
+    """Unit vectors that are alike where frames show one place."""
 
 
 class DenseTower(nn.Module):
@@ -48,16 +53,18 @@ class DenseTower(nn.Module):
             self.trunk, self.width = trunk, int(trunk.num_features)
             self.rooms, self.views = nn.Linear(self.width, len(ROOM_LABELS)), nn.Linear(self.width, len(ROOM_LABELS))
             self.things, self.patches = nn.Linear(self.width, len(THINGS)), nn.Conv2d(self.width, len(THINGS), 1)
+            self.places = nn.Linear(self.width, _PLACE_DIM, bias=False)
         nn.init.constant_(self.things.bias, _RARE)
         nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> Seen:
-        """Features and logits, in full precision."""
+        """Features and what the heads say of them, in full precision."""
         with torch.autocast(PROCESSOR, torch.bfloat16):
             maps = self.trunk.forward_features(images)
             pooled = self.trunk.forward_head(maps)
-            said = self.rooms(pooled), self.views(pooled), self.things(pooled), self.patches(maps)
-        return Seen(pooled.float(), *(logits.float() for logits in said))
+            said = self.rooms(pooled), self.views(pooled), self.things(pooled), self.patches(maps), self.places(pooled)
+        rooms, views, things, patches, places = (values.float() for values in said)
+        return Seen(pooled.float(), rooms, views, things, patches, nn.functional.normalize(places, dim=-1))
 
 
 def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
@@ -68,6 +75,7 @@ def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Te
         + _VIEWS_WEIGHT * nn.functional.cross_entropy(seen.views, batch.views)
         + _THINGS_WEIGHT * presence(seen.things, batch.things)
         + _PATCHES_WEIGHT * presence(seen.patches, batch.patches)
+        + _PLACES_WEIGHT * place_loss(seen.places @ seen.places.T, batch.same_place, batch.apart)
     )
 
 

@@ -12,22 +12,18 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.files import replaced_file
-from lexis.types import Pose
 from sim.camera import fovy_deg, wide_camera
 from sim.errors import SimError
 from sim.raster import NO_GEOM, Raster
 from sim.scene import Scene, build_scene
-from sim.tour import TourConfig, plan_tour
 from sim.training.houses import HouseDraw
+from sim.training.views import TRAINING_VIEWS, Views, poses_along_tour
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House, build_house
 from worlds.labels import ROOM_LABELS, STAIRS
 from worlds.truth import objects, room_at
 from worlds.visuals import STAIRS_OBJECT
-from worlds.walkable import Walkable
 
-IMAGE_SIZE = (128, 96)
-"""Width and height that the encoder sees [px]."""
 THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 """What is told apart in a frame."""
 PATCHES = (3, 4)
@@ -36,26 +32,7 @@ BARE = 0.03
 """Frames with less than this share of things and of other rooms show walls only."""
 
 _IDS_SIZE = (64, 48)
-_YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
-"""Deviations from the tour's level view along the way [rad], and from its height [m]."""
-_ALL_ROUND_SHARE = 0.15
 _NONE = -1
-
-
-@dataclass(frozen=True)
-class Views:
-    """Which frames are taken of a house."""
-
-    size: tuple[int, int] = IMAGE_SIZE
-    """Width and height of the images that are kept [px]."""
-    supersampling: int = 3
-    """How many times larger they are rendered."""
-    spacing_m: float = 1.2
-    """Between frames along the tour [m]."""
-    most: int = 110
-    """Frames taken of a house."""
-    glances: bool = True
-    """Whether the view strays from the tour's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +48,10 @@ class Frames:
     """Of the image, the share that shows rooms of each label: their surfaces and what stands there."""
     content: Float32[np.ndarray, "n"]
     """Of the image, the share that shows anything but the camera's own room's bare surfaces."""
+    houses: Int[np.ndarray, "n"]
+    """Seed of the house."""
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    """Poses of the body in the house."""
 
     @staticmethod
     def joined(parts: "Sequence[Frames]") -> "Frames":
@@ -109,13 +90,13 @@ def frames_in(folder: Path) -> Frames:
     return Frames.joined([_load(path) for path in paths])
 
 
-def frames_of_house(draw: HouseDraw, views: Views = Views()) -> Frames:
+def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
     """Frames along a tour through one house; none where there is no way."""
     house = build_house(draw.spec())
-    return frames_at(house, _poses(house, views, np.random.default_rng([draw.seed, 2])), views)
+    return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 
 
-def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = Views()) -> Frames:
+def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = TRAINING_VIEWS) -> Frames:
     """Frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
     size = views.size[0] * views.supersampling, views.size[1] * views.supersampling
     camera, plain = wide_camera(*size), wide_camera(*_IDS_SIZE)
@@ -130,25 +111,26 @@ def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = 
     labels = np.array([ROOM_LABELS.index(room.label) for room in house.rooms])
     pixels = np.array(images, np.uint8).reshape(-1, views.size[1], views.size[0], 3)
     seen = np.array(ids, np.int64).reshape(-1, _IDS_SIZE[1], _IDS_SIZE[0])
-    return _labelled(pixels, rooms, seen, labels, *_shown(house, scene))
+    told = _told(rooms, seen, labels, *_shown(house, scene))
+    return Frames(pixels, labels[rooms], *told, np.full(len(poses), house.spec.seed), poses)
 
 
-def _labelled(
-    images: UInt8[np.ndarray, "n h w 3"],
+def _told(
     rooms: Int[np.ndarray, "n"],
     ids: Int[np.ndarray, "n ih iw"],
     labels: Int[np.ndarray, "rooms"],
     thing_of_geom: Int[np.ndarray, "geoms"],
     room_of_geom: Int[np.ndarray, "geoms"],
-) -> Frames:
+) -> tuple[UInt8[np.ndarray, "n rows columns things"], Float32[np.ndarray, "n labels"], Float32[np.ndarray, "n"]]:
+    """Things, views and content of frames."""
     things, seen = thing_of_geom[ids], room_of_geom[ids]
-    n, (rows, columns) = len(images), PATCHES
+    n, (rows, columns) = len(ids), PATCHES
     patches = things.reshape(n, rows, ids.shape[1] // rows, columns, -1).swapaxes(2, 3).reshape(n, rows, columns, -1)
     shares = _histogram(patches, len(THINGS))
     views = _histogram(np.where(seen == _NONE, _NONE, labels[seen]).reshape(n, -1), len(ROOM_LABELS))
     bare = ((things == _NONE) & ((seen == rooms[:, None, None]) | (seen == _NONE))).mean(axis=(1, 2))
     patch_shares = np.rint(shares * 255).astype(np.uint8)
-    return Frames(images, labels[rooms], patch_shares, views.astype(np.float32), (1.0 - bare).astype(np.float32))
+    return patch_shares, views.astype(np.float32), (1.0 - bare).astype(np.float32)
 
 
 def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray, "*n bins"]:
@@ -170,29 +152,6 @@ def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np
     if NO_GEOM != _NONE:
         raise SimError("ids of the sky have to index the last entry")
     return np.array([*things, _NONE]), np.array([*rooms, _NONE])
-
-
-def _poses(house: House, views: Views, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
-    try:
-        tour = plan_tour(house, Walkable(house), rng, TourConfig())
-    except SimError:
-        return np.zeros((0, 4, 4))
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tour.T_W_B[:, :3, 3], axis=0), axis=1))])
-    stops = np.unique(np.searchsorted(way, np.arange(0.0, way[-1], views.spacing_m)))
-    if len(stops) > views.most:
-        stops = np.sort(rng.choice(stops, views.most, replace=False))
-    return np.array([_glance(tour.T_W_B[i], rng) if views.glances else tour.T_W_B[i] for i in stops])
-
-
-def _glance(T_W_B: Pose, rng: np.random.Generator) -> Pose:
-    yaw = rng.uniform(-np.pi, np.pi) if rng.random() < _ALL_ROUND_SHARE else rng.normal(0.0, _YAW)
-    pitch, roll, rise = rng.normal(0.0, (_PITCH, _ROLL, _HEIGHT))
-    (cy, sy), (cp, sp), (cr, sr) = ((np.cos(a), np.sin(a)) for a in (yaw, pitch, roll))
-    turn = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
-    moved = T_W_B.copy()
-    moved[:3, :3] = T_W_B[:3, :3] @ turn @ [[1, 0, 0], [0, cr, -sr], [0, sr, cr]]
-    moved[2, 3] += rise
-    return moved
 
 
 def _render_into(folder: Path, draw: HouseDraw) -> Path:

@@ -1,0 +1,67 @@
+"""From where frames are taken: along tours, in pairs that show nearly the same."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.types import Pose
+from sim.errors import SimError
+from sim.tour import Tour, TourConfig, plan_tour
+from worlds.house import House
+from worlds.walkable import Walkable
+
+IMAGE_SIZE = (128, 96)
+"""Width and height that the encoder sees [px]."""
+
+_YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
+"""Deviations from the tour's level view along the way [rad], and from its height [m]."""
+_ALL_ROUND_SHARE = 0.15
+_SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
+"""How much farther along the way the second frame of a pair is taken [m], and its further deviation [rad]."""
+
+
+@dataclass(frozen=True)
+class Views:
+    """Which frames are taken of a house."""
+
+    size: tuple[int, int] = IMAGE_SIZE
+    """Width and height of the images that are kept [px]."""
+    supersampling: int = 3
+    """How many times larger they are rendered."""
+    spacing_m: float = 2.0
+    """Between pairs of frames along the tour [m]."""
+    most: int = 110
+    """Frames taken of a house."""
+
+
+TRAINING_VIEWS = Views()
+
+
+def poses_along_tour(house: House, views: Views, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
+    """`T_W_B` of pairs of glances from nearby points of a tour; none where there is no way through the house."""
+    try:
+        tour = plan_tour(house, Walkable(house), rng, TourConfig())
+    except SimError:
+        return np.zeros((0, 4, 4))
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tour.T_W_B[:, :3, 3], axis=0), axis=1))])
+    stops = np.arange(0.0, way[-1], views.spacing_m)
+    if len(stops) > views.most // 2:
+        stops = np.sort(rng.choice(stops, views.most // 2, replace=False))
+    return np.array([pose for at in stops for pose in _pair(tour, way, float(at), rng)]).reshape(-1, 4, 4)
+
+
+def _pair(tour: Tour, way: Float64[np.ndarray, "n"], at: float, rng: np.random.Generator) -> tuple[Pose, Pose]:
+    yaw = rng.uniform(-np.pi, np.pi) if rng.random() < _ALL_ROUND_SHARE else rng.normal(0.0, _YAW)
+    first, second = np.searchsorted(way, (at, min(at + rng.uniform(*_SECOND_M), way[-1])))
+    return _glance(tour.T_W_B[first], yaw, rng), _glance(tour.T_W_B[second], yaw + rng.normal(0.0, _SECOND_YAW), rng)
+
+
+def _glance(T_W_B: Pose, yaw: float, rng: np.random.Generator) -> Pose:
+    pitch, roll, rise = rng.normal(0.0, (_PITCH, _ROLL, _HEIGHT))
+    (cy, sy), (cp, sp), (cr, sr) = ((np.cos(a), np.sin(a)) for a in (yaw, pitch, roll))
+    turn = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
+    moved = T_W_B.copy()
+    moved[:3, :3] = T_W_B[:3, :3] @ turn @ [[1, 0, 0], [0, cr, -sr], [0, sr, cr]]
+    moved[2, 3] += rise
+    return moved
