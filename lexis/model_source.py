@@ -2,6 +2,7 @@
 
 import difflib
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -127,8 +128,8 @@ def _stated(path: Path) -> dict[str, dict[str, Any]]:
     try:
         config = json.loads(path.read_bytes()[: _MAX_CONFIG_BYTES + 1])
         preprocess = config["preprocess_cfg"]
-        numbers = [float(value) for key in ("mean", "std") for value in preprocess[key]]
-        if len(numbers) != 6 or min(numbers[3:]) <= 0:
+        mean, std = ([float(value) for value in preprocess[key]] for key in ("mean", "std"))
+        if not (len(mean) == len(std) == 3 and all(map(math.isfinite, mean + std)) and min(std) > 0):
             raise ValueError("mean and std are three numbers each, std positive")
         for key, valid in _CHOICES.items():
             if preprocess.get(key, valid[0]) not in valid:
