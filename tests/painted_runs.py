@@ -13,12 +13,14 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import room_at
 
 
-def painted(rooms, rng):
+def painted(rooms, rng, T_W_B=None):
     """Frames whose pixels name the room, where each room has a thing of its own."""
     n = len(rooms)
+    T_W_B = np.tile(np.eye(4), (n, 1, 1)) if T_W_B is None else T_W_B
     things = rng.integers(0, 3, (n, *PATCHES, len(THINGS))).astype(np.uint8)
     things[np.arange(n), ..., rooms] = 60
-    return Frames(_images(rooms), rooms, things, np.zeros((n, len(ROOM_LABELS)), np.float32), np.ones(n, np.float32))
+    views, content = np.zeros((n, len(ROOM_LABELS)), np.float32), np.ones(n, np.float32)
+    return Frames(_images(rooms), rooms, things, views, content, np.zeros(n, int), T_W_B)
 
 
 @cache
@@ -30,8 +32,8 @@ def painted_run(seed):
     room = room_at(walked.house, T_W_B[:, :3, 3])
     labels = np.array([ROOM_LABELS.index(walked.house.rooms[i].label) for i in room])
     looks = np.stack([_images(labels[:9])] * 2)
-    frames = painted(labels, np.random.default_rng(seed))
-    return EncoderRun(HouseDraw("uh2-apt", seed), walked.tour.stamps[kept], T_W_B, room, frames, np.arange(9), looks, looks)
+    frames = painted(labels, np.random.default_rng(seed), T_W_B)
+    return EncoderRun(HouseDraw("uh2-apt", seed), walked.tour.stamps[kept], room, frames, np.arange(9), looks, looks)
 
 
 def _images(rooms):

@@ -8,8 +8,9 @@ import numpy as np
 from lexis.files import replaced_file
 from sim.baselines.orb_words import OrbWords
 from sim.errors import SimError
-from sim.training.frames import Views, frames_of_house
+from sim.training.frames import frames_of_house
 from sim.training.houses import TRAINING_SEEDS, draw_houses
+from sim.training.views import Views
 
 _HOUSES, _SEED = 8, 8
 _VIEWS = Views(size=(480, 360), supersampling=1, most=30)

@@ -15,8 +15,9 @@ from lexis.types import Poses
 from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
-from sim.training.frames import PATCHES, THINGS, Frames, Views, frames_at
+from sim.training.frames import PATCHES, THINGS, Frames, frames_at
 from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
+from sim.training.views import Views
 from worlds.house import House, build_house
 from worlds.truth import room_at
 
@@ -36,7 +37,6 @@ class EncoderRun:
     draw: HouseDraw
     stamps: Float64[np.ndarray, "n"]
     """Of the keyframes [s]."""
-    T_W_B: Float64[np.ndarray, "n 4 4"]
     room: Int[np.ndarray, "n"]
     """Index into the house's rooms of the one that holds the camera."""
     frames: Frames
@@ -46,6 +46,11 @@ class EncoderRun:
     """Their images where texture and light meet as they never do in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
     """And in pairs of the same textures and lights that do."""
+
+    @property
+    def T_W_B(self) -> Poses:
+        """True poses of the keyframes."""
+        return self.frames.T_W_B
 
     @property
     def house(self) -> House:
@@ -86,7 +91,6 @@ def _rendered(draw: HouseDraw) -> EncoderRun:
     return EncoderRun(
         draw,
         walked.tour.stamps[kept],
-        T_W_B,
         room_at(walked.house, T_W_B[:, :3, 3]),
         frames_at(walked.house, T_W_B, VIEWS),
         some,

@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -121,6 +121,6 @@ def _record(row: TableRow) -> dict[str, object]:
         record[f"{preset} accuracy std"] = "" if std is None else f"{std:.4f}"
         record[f"{preset} runs"] = len(accuracy.runs)
     for way, found in row.times.items():
-        for name in ("image_ms", "text_ms"):
-            record[f"{way} {name}"] = f"{getattr(found, name):.3f}" if isinstance(found, Timing) else ""
+        for field in fields(Timing):
+            record[f"{way} {field.name}"] = f"{getattr(found, field.name):.3f}" if isinstance(found, Timing) else ""
     return record

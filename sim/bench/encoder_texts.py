@@ -4,11 +4,10 @@ from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float32
-
-from lexis.types import Image
+from jaxtyping import Float32, UInt8
 
 Embed: TypeAlias = Callable[[Sequence[str]], Float32[np.ndarray, "texts d"]]
+Images: TypeAlias = Sequence[UInt8[np.ndarray, "_ _ 3"]] | UInt8[np.ndarray, "images h w 3"]
 Known: TypeAlias = dict[str, Float32[np.ndarray, "d"]]
 _BATCH = 64
 
@@ -22,7 +21,7 @@ class ImageTextEncoder(Protocol):
         """softmax(similarities / temperature) are its probabilities."""
         ...
 
-    def encode_images(self, images: Sequence[Image]) -> Float32[np.ndarray, "images d"]:
+    def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
         """Of RGB images, unit norm."""
         ...
 

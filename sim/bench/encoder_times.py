@@ -41,13 +41,8 @@ class Timing:
     """Of one image, from pixels to embedding, scaling included [ms]."""
     text_ms: float
     """Of one room's name: its five prompts, at once [ms]."""
-
-
-def timing(encoder: OpenClipEncoder, image: Image) -> Timing:
-    """Both times. Every name is a new one, so that no cache answers."""
-    rounds = range(_WARM_UP + _TIMES)
-    images = _median_ms([lambda: encoder.encode_image(image) for _ in rounds])
-    return Timing(images, _median_ms([_encoding(encoder, ROOM_LABELS[i]) for i in rounds]))
+    loading_s: float
+    """In a process that has imported everything; compilation included [s]."""
 
 
 def timed(model: str, way: str, image: Image) -> Timing | str:
@@ -55,10 +50,19 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
     options = WAYS[way]
     if options.device != "cpu" and not torch.cuda.is_available():
         return "no GPU"
+    start = time.perf_counter()
     try:
-        return timing(load_encoder(model, options), image)
+        encoder = load_encoder(model, options)
     except EncoderError as error:
         return str(error)
+    return timing(encoder, image, time.perf_counter() - start)
+
+
+def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
+    """Both times of an encoder that took so long to load. Every name is a new one, so that no cache answers."""
+    rounds = range(_WARM_UP + _TIMES)
+    images = _median_ms([lambda: encoder.encode_image(image) for _ in rounds])
+    return Timing(images, _median_ms([_encoding(encoder, ROOM_LABELS[i]) for i in rounds]), loading_s)
 
 
 def example_image() -> Image:
@@ -101,13 +105,6 @@ def _created(architecture: str) -> Any:
         return open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
     finally:
         logging.disable(before)
-
-
-def loading_seconds(model: str) -> float:
-    """Time to load the encoder in a process that has imported everything [s]."""
-    start = time.perf_counter()
-    load_encoder(model)
-    return time.perf_counter() - start
 
 
 def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:

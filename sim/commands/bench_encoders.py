@@ -161,13 +161,20 @@ def _table_one(rows: Sequence["TableRow"]) -> Table:
     ways = list(rows[0].times)
     title = "accuracy before refinement, mean ± std over runs; median time of an image + the five prompts of a room's name"
     table = Table(
-        "encoder", "weights", *presets, *(escape(f"{way} [ms]") for way in ways), title=title, title_justify="left"
+        "encoder",
+        "weights",
+        *presets,
+        *(escape(f"{way} [ms]") for way in ways),
+        escape("loading [s]"),
+        title=title,
+        title_justify="left",
     )
     for row in rows:
         found = [row.accuracy.get(preset) for preset in presets]
         cells = [MISSING if a is None else f"{a.mean:.3f} ± {shown(a.std, '{:.3f}')}" for a in found]
         times = [f"{t.image_ms:.1f} + {t.text_ms:.1f}" if isinstance(t, Timing) else t for t in row.times.values()]
-        table.add_row(escape(row.encoder), row.weights, *cells, *map(escape, times))
+        loading = shown(row.cpu and row.cpu.loading_s, "{:.2f}")
+        table.add_row(escape(row.encoder), row.weights, *cells, *map(escape, times), loading)
     return table
 
 
