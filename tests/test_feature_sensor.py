@@ -9,7 +9,7 @@ from lexis.encoder import load_encoder
 from lexis.errors import EncoderError
 from lexis.types import Percept
 from sim.errors import SimError
-from sim.faults.delivery import Frozen
+from sim.faults.delivery import Dropped, Frozen
 from sim.faults.images import Blur, Smear
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
 from sim.features.embedding import KERNELS, EmbeddingModel
@@ -21,6 +21,7 @@ from sim.features.surroundings import KINDS
 from sim.features.views import SIZE
 from sim.harness import RunConfig, evaluate, run
 from sim.harness.walk import walk
+from sim.report.findings import unseen
 from sim.session import Session
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_from_rooms
@@ -167,6 +168,20 @@ def test_what_is_no_model_is_refused(fitted, tmp_path):
 def test_the_oracle_labels_by_what_is_truly_in_view(file):
     result = evaluate(run(replace(CONFIG, encoder="oracle", feature_model=file)), [])
     assert result["encoder"] == "oracle" and result["labels"]["accuracy"] > 0.8
+
+
+def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
+    """Where all frames but one are lost, that one may be labelled perfectly, which says nothing of the other rooms."""
+    assert evaluate(finished, [])["run"]["unseen_rooms"] == [] and unseen(evaluate(finished, [])) is None
+    result = evaluate(run(replace(config, faults=(Dropped(1.0),)), LabelEncoder()), [])
+    walked = dict.fromkeys(truth.room for truth in finished.session.truths)
+    _, *others = (finished.house.rooms[room].id for room in walked)
+    assert result["run"]["keyframes"] == 1 and result["rooms"]["count_error"] == 0
+    assert result["run"]["unseen_rooms"] == others and len(others) == 2
+    assert (
+        unseen(result)
+        == f"No keyframe in 2 rooms of the walk, so no figure of labels and rooms is about {' and '.join(others)}."
+    )
 
 
 def test_the_oracle_sees_no_images_and_knows_no_other_rooms():

@@ -15,7 +15,7 @@ from sim.errors import SimError
 from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
-from sim.report.findings import findings
+from sim.report.findings import Finding, findings, unseen
 from sim.report.overlay import MOST_PATHS, run_marks, storey_of
 from sim.report.room_errors import RoomErrors, room_errors, surplus
 
@@ -187,6 +187,12 @@ def test_a_house_of_no_preset_goes_by_its_name(rng):
     named = replace(data, plans=tuple(replace(plan, house="my <old> house") for plan in data.plans))
     assert "<h1>home " in render_report(named)
     assert "<h1>my &lt;old&gt; house " in render_report(replace(named, result={**data.result, "preset": None}))
+
+
+def test_rooms_that_no_figure_is_about_come_first(rng):
+    data = example(rng, wrong=0)
+    data = replace(data, result={**data.result, "run": {"unseen_rooms": ["gym"]}})
+    assert findings(data)[0] == Finding(False, unseen(data.result)) and "about gym." in render_report(data)
 
 
 @given(arrays(int, (2, 30), elements=integers(0, 5)))

@@ -1,6 +1,8 @@
 """How well predicted room instances are the true ones. All figures compare two partitions of the same keyframes.
 
-An instance is an integer id; the true id of a keyframe is that of the room that holds the camera.
+An instance is an integer id; the true id of a keyframe is that of the room that holds the camera. So a room that was walked
+through without a keyframe, where frames were lost say, is in none of these figures, `count_error` included: whoever shows
+them says which rooms those are (`run.unseen_rooms` of result.json).
 """
 
 import math
@@ -42,7 +44,7 @@ class RoomScores:
     merges: int | None
     """True instances beyond the first that lie mostly (> half) in one and the same predicted instance."""
     count_error: int | None
-    """Predicted minus true number of instances."""
+    """Predicted minus true number of instances, of those that hold keyframes."""
 
 
 def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:

@@ -85,6 +85,7 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKER, check_writable
     from sim.report import result_table
+    from sim.report.findings import unseen
 
     check_writable(out)
     tell_of_replacement(out, MARKER)
@@ -96,5 +97,7 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
     console.print(result_table(result, finished.house.spec.name, meanings=console.width >= _WIDE))
+    if text := unseen(result):
+        print(f"warning: {text}")
     print(f"report: {out / 'report.html'}")
     return 0

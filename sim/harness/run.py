@@ -66,6 +66,13 @@ class Run:
         return np.array([self.session.truths[i].room for i in self.observed], int)
 
     @property
+    def unseen_rooms(self) -> tuple[str, ...]:
+        """Ids of the rooms that the walk went through without a keyframe, in that order."""
+        seen = set(self.true_rooms.tolist())
+        walked = dict.fromkeys(truth.room for truth in self.session.truths)
+        return tuple(self.house.rooms[room].id for room in walked if room not in seen)
+
+    @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
         """Index into the map's room names of keyframes."""
         return np.array([self.map.room_names.index(self.session.truths[i].label) for i in self.observed], int)

@@ -1,8 +1,9 @@
 """The few sentences that a reader wants first: what went wrong, where, and how badly."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,23 @@ class Finding:
 
 def findings(data: ReportData) -> list[Finding]:
     """What is worth saying about a run, by stage; what went wrong comes first."""
-    stages = (_confusions, _refinement, _rooms, _loops, _trajectory, _plans)
+    stages = (_unseen, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
+
+
+def unseen(result: Mapping[str, Any]) -> str | None:
+    """Which rooms of the walk no keyframe is in, from result.json: figures over keyframes are silent on them."""
+    rooms = (result.get("run") or {}).get("unseen_rooms")
+    if not rooms:
+        return None
+    names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
+    count = f"{len(rooms)} rooms" if len(rooms) > 1 else "1 room"
+    return f"No keyframe in {count} of the walk, so no figure of labels and rooms is about {names}."
+
+
+def _unseen(data: ReportData) -> Iterator[Finding]:
+    if text := unseen(data.result):
+        yield Finding(False, text)
 
 
 def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
