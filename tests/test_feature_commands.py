@@ -14,10 +14,16 @@ from sim.cli import main
         (["bench", "fidelity", "--encoder", "oracle"], "told the truth"),
         (["bench", "segmentation", "--encoder", "oracle", "--fidelity", "features"], "told the truth"),
         (["fit-features", "--encoder", "RN50"], "--out is missing"),
+        (
+            ["fit-features", "--out", "no/such/f.npz"],
+            "no/such/f.npz: cannot be written; valid: a file in a folder that exists",
+        ),
+        (["fit-features", "--out", "."], "valid: a file in a folder that exists"),
     ],
 )
 def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sim.features.fit.fit_features", lambda *_, **__: pytest.fail("rendered for nothing"))
     assert main(argv) == 2
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and printed.out == ""

@@ -34,6 +34,8 @@ def _fit(arguments: argparse.Namespace) -> int:
     if arguments.out is None and arguments.encoder != MINI:
         raise SimError(f"--out is missing: only the model of {MINI!r} has its place; valid: --out FILE.npz")
     out: Path = arguments.out or MINI_FEATURES
+    if out.is_dir() or not out.parent.is_dir():  # said here, and not after an hour of rendering
+        raise SimError(f"{out}: cannot be written; valid: a file in a folder that exists")
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("rendering and fitting", total=1.0)
