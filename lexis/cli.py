@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from lexis.command_line import Parser, add_command, positive, run_command
 from lexis.encoder_options import PRECISIONS, EncoderOptions
-from lexis.errors import LexisError
+from lexis.errors import EncoderError, LexisError, MapError
 from lexis.export import FORMATS, export_map
 from lexis.map_io import JSON_FILE, load_map, save_map
 from lexis.planner import plan
-from lexis.room_names import instance_names
+from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap, RoomInstance
 
 if TYPE_CHECKING:
@@ -33,7 +33,17 @@ DATASET_HELP = "folder of a recording: TUM RGB-D (rgb.txt), EuRoC ASL (mav0) or 
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
 CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
-QUERY_NOTE = "mini was trained on renders of generated houses; maps of photographs want real CLIP weights."
+MAP_ENCODER_HELP = "default: the one that the map was made with, from where it then was"
+CALIBRATION_HELP = "of the encoder, as 'lexis-sim calibrate-queries' writes it (default: the one of mini, where it is mini)"
+EXAMPLE = """example:
+  lexis run recording --rooms "kitchen,office,corridor,stairs" -o map
+  lexis query map "where can I wash my hands"
+"""
+QUERY_NOTE = """\
+Probabilities hold for houses like those of the calibration, if every second question has an answer; where no room
+reaches 0.5, nothing in the map fits. Without a calibration there are similarities alone: those of one question can be
+compared, and always one is the greatest. mini was trained on renders of generated houses; maps of photographs want
+real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -43,14 +53,17 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> Parser:
     parser = Parser(
-        "lexis", description="Indoor SLAM that understands language: rooms, floors, loops and plans from RGB and odometry."
+        "lexis",
+        description="Indoor SLAM that understands language: rooms, floors, loops and plans from RGB and odometry.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     run = add_command(
         commands, "run", _run, "map a recorded run", 'lexis run recording --rooms "kitchen,office,corridor,stairs" -o map'
     )
     run.add_argument("dataset", type=Path, metavar="DATASET", help=DATASET_HELP)
-    run.add_argument("--rooms", type=_rooms, required=True, help=ROOMS_HELP)
+    run.add_argument("--rooms", required=True, help=ROOMS_HELP)
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
@@ -65,13 +78,26 @@ def _parser() -> Parser:
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
     query = add_command(
-        commands, "query", _query, "the rooms that fit a description best", 'lexis query map "a room with a bathtub"'
+        commands, "query", _query, "the rooms that fit a description best", 'lexis query map "where can I wash my hands"'
     )
     query.epilog = f"{query.epilog}\n\n{QUERY_NOTE}"
     query.add_argument("map", type=Path, metavar="MAP")
     query.add_argument("text", metavar="TEXT", help="in any words that the encoder understands")
-    query.add_argument("--encoder", default="mini", help=f"the one the map was made with: {ENCODER_HELP}")
+    query.add_argument("--encoder", help=MAP_ENCODER_HELP)
+    query.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
     query.add_argument("--top", type=positive, default=3, help="rooms to list (default: %(default)s)")
+    query.add_argument("--keyframes", type=positive, default=0, metavar="N", help="list the N best keyframes too")
+    relabel = add_command(
+        commands,
+        "relabel",
+        _relabel,
+        "other room names for a map, no image encoded again",
+        'lexis relabel map --rooms "kitchen,bathroom,bedroom,corridor,stairs" -o relabelled',
+    )
+    relabel.add_argument("map", type=Path, metavar="MAP")
+    relabel.add_argument("--rooms", required=True, help=ROOMS_HELP)
+    relabel.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
+    relabel.add_argument("--encoder", help=MAP_ENCODER_HELP)
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
     export.add_argument("--format", choices=list(FORMATS), required=True)
@@ -91,14 +117,13 @@ def _run(arguments: argparse.Namespace) -> int:
     check_replaceable(arguments.out, JSON_FILE)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
-    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), arguments.rooms)
+    names = _rooms(arguments.rooms)
+    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names)
     for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
         slam.process(observation)
     lexis_map = slam.finish()
     save_map(lexis_map, arguments.out)
-    rooms = ", ".join(instance_names(lexis_map.rooms))
-    print(f"{len(lexis_map.keyframes)} keyframes, {len(lexis_map.loops)} loop edges, rooms: {rooms}")
-    print(arguments.out)
+    _report(lexis_map, arguments.out)
     return 0
 
 
@@ -106,7 +131,7 @@ def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
     result = plan(lexis_map, arguments.start, arguments.goal)
     start, goal = (_place(lexis_map, room) for room in (result.start, result.goal))
-    print(f"{start} to {goal}: {result.length_m:.1f} m, {len(result.keyframes)} keyframes")
+    print(f"{start} to {goal}: {result.length_m:.1f} m, {_count(len(result.keyframes), 'keyframe')}")
     for i in result.keyframes:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
         print(f"{i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
@@ -119,20 +144,71 @@ def _place(lexis_map: LexisMap, room: RoomInstance) -> str:
 
 
 def _query(arguments: argparse.Namespace) -> int:
-    from lexis.query import rank_rooms
+    from lexis.calibration import calibration_of
+    from lexis.query import ask
 
     lexis_map = load_map(arguments.map)
-    if not arguments.text.strip():
-        raise LexisError("the question is blank; valid: some words")
-    text = _encoder(arguments.encoder).encode_texts([arguments.text])[0]
+    encoder = _map_encoder(lexis_map, arguments.encoder)
+    answer = ask(lexis_map, arguments.text, encoder, calibration_of(encoder, arguments.calibration))
     names = instance_names(lexis_map.rooms)
-    for answer in rank_rooms(lexis_map, text)[: arguments.top]:
-        print(f"{names[answer.room.id]:24s} {answer.similarity:.3f}  keyframe {answer.keyframe}")
+    best = answer.rooms[0]
+    if answer.unknown:
+        print(f"nothing in this map fits (best: {names[best.room.id]}, {best.probability:.2f})")
+        return 0
+    if best.probability is None:
+        print("no calibration for this encoder: similarities alone, see lexis query --help", file=sys.stderr)
+    for fit in answer.rooms[: arguments.top]:
+        likely = "" if fit.probability is None else f"{fit.probability:.2f}  "
+        print(f"{names[fit.room.id]:24s} {likely}similarity {fit.similarity:.3f}  keyframe {fit.keyframe}")
+    room_of = lexis_map.room_of
+    for i, similarity in answer.keyframes[: arguments.keyframes]:
+        x, y, z = lexis_map.T_W_B[i, :3, 3]
+        room = names[room_of[i]] if room_of[i] >= 0 else "no room"
+        print(f"keyframe {i:<15d} similarity {similarity:.3f}  {x:.2f} {y:.2f} {z:.2f} m  {room}")
     return 0
+
+
+def _relabel(arguments: argparse.Namespace) -> int:
+    from lexis.files import check_replaceable
+    from lexis.relabel import relabel
+
+    check_replaceable(arguments.out, JSON_FILE)
+    lexis_map = load_map(arguments.map)
+    names = _rooms(arguments.rooms)
+    renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder))
+    save_map(renamed, arguments.out)
+    _report(renamed, arguments.out)
+    return 0
+
+
+def _report(lexis_map: LexisMap, folder: Path) -> None:
+    """What a map that was written holds, and where it is."""
+    keyframes, loops = _count(len(lexis_map.keyframes), "keyframe"), _count(len(lexis_map.loops), "loop edge")
+    print(f"{keyframes}, {loops}, rooms: {', '.join(instance_names(lexis_map.rooms))}")
+    if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
+        print(f"no room: {', '.join(missing)}")
+    print(folder)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
+    """The encoder that was asked for, else the one that made the map."""
+    try:
+        return _encoder(asked or lexis_map.encoder.name)
+    except EncoderError as error:
+        if asked:
+            raise
+        raise MapError(
+            f"the map was made with encoder {lexis_map.encoder.name!r}, whose text tower cannot be loaded: {error}"
+        ) from None
 
 
 def _export(arguments: argparse.Namespace) -> int:
     export_map(load_map(arguments.map), arguments.format, arguments.out)
+    print(arguments.out)
     return 0
 
 
@@ -148,11 +224,11 @@ def _rooms(text: str) -> tuple[str, ...]:
     try:
         labels = json.loads(Path(text).read_text(encoding="utf-8"))["labels"]
     except OSError as error:
-        raise argparse.ArgumentTypeError(f"{text}: cannot be read: {error.strerror}") from None
+        raise LexisError(f"--rooms {text}: cannot be read: {error.strerror}; valid: names, or an existing file") from None
     except (KeyError, TypeError, ValueError):
         labels = None
     if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
-        raise argparse.ArgumentTypeError(f'{text}: has no list "labels" of names of rooms')
+        raise LexisError(f'--rooms {text}: has no list "labels" of names of rooms; valid: one that has')
     return tuple(labels)
 
 

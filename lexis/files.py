@@ -62,7 +62,10 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
 
 
 def check_replaceable(path: Path, marker: str) -> None:
-    """Raise LexisError unless `path` is free, an empty folder, or one of ours, known by its `marker`."""
+    """Raise LexisError unless `path` is free, an empty folder, or one of ours, known by its `marker`, and can be written.
+
+    For long work, that it does not end in vain; nothing is left behind.
+    """
     try:
         ours = not path.exists() or (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir())))
     except OSError as error:
@@ -71,6 +74,11 @@ def check_replaceable(path: Path, marker: str) -> None:
         raise LexisError(f"{path}: is a file; valid: the name of a folder")
     if not ours:
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
+    try:
+        # What may be written is best found by writing: permissions say nothing of file systems.
+        tempfile.TemporaryDirectory(dir=next(folder for folder in path.absolute().parents if folder.exists())).cleanup()
+    except OSError as error:
+        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
 
 
 def numbered_lines(path: Path) -> list[tuple[int, str]]:

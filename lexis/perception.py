@@ -33,6 +33,15 @@ class Encoder(Protocol):
         ...
 
 
+@runtime_checkable
+class TextEncoder(Encoder, Protocol):
+    """An encoder that reads free words too."""
+
+    def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
+        """f_TEXT of every text as it stands, unit norm."""
+        ...
+
+
 def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:
     """f_CLIP of an observation."""
     seen = observation.image

@@ -17,6 +17,12 @@ def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
     return tuple(names)
 
 
+def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
+    """The names of a vocabulary that no room got, in order."""
+    used = {room.label for room in rooms}
+    return tuple(name for name in names if name not in used)
+
+
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
     """The room of that name, or all rooms of that label; none where nothing has it. Case and outer blanks do not matter."""
     wanted = name.strip().lower()

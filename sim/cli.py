@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 from lexis.command_line import Parser, run_command
 from lexis.errors import LexisError
-from sim.commands import bench, doctor, features, house, record, run, training
+from sim.commands import bench, calibration, doctor, features, house, record, run, training
 from sim.errors import SimError
 from worlds.errors import WorldsError
 
-GROUPS = (run, house, record, bench, training, features, doctor)
+GROUPS = (run, house, record, bench, training, calibration, features, doctor)
 """In the order of the help."""
 
 

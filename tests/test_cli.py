@@ -8,9 +8,11 @@ import pytest
 from map_builder import corridor_with_offices
 
 from lexis import cli
+from lexis.calibration import Calibration, save_calibration
 from lexis.datasets import write_dataset
+from lexis.errors import EncoderError
 from lexis.map_io import load_map, save_map
-from lexis.types import Camera, Intrinsics, Observation
+from lexis.types import Camera, EncoderId, Intrinsics, Observation
 
 
 class ColourEncoder:
@@ -26,12 +28,23 @@ class ColourEncoder:
         return np.eye(3, dtype=np.float32)[: len(names)]
 
     def encode_texts(self, texts):
-        return np.tile(np.array([0, 0, 1], np.float32), (len(texts), 1))
+        colours = {"kitchen": [1, 0, 0], "office": [0, 1, 0], "something green": [0, 1, 0]}
+        return np.array([colours.get(text, [0, 0, 1]) for text in texts], np.float32)
 
 
 @pytest.fixture(autouse=True)
-def encoder(monkeypatch):
-    monkeypatch.setattr(cli, "_encoder", lambda model, options=None: ColourEncoder())
+def encoders(monkeypatch):
+    """One encoder whatever is asked for; the names that were."""
+    asked = []
+
+    def load(model, options=None):
+        asked.append(model)
+        if model == "gone":
+            raise EncoderError("encoder 'gone': no model 'gone'")
+        return ColourEncoder()
+
+    monkeypatch.setattr(cli, "_encoder", load)
+    return asked
 
 
 @pytest.fixture
@@ -49,16 +62,67 @@ def dataset(rng, tmp_path):
     return tmp_path / "run"
 
 
-def test_from_a_recording_to_a_map_a_plan_an_answer_and_an_export(dataset, tmp_path, capsys):
-    out = tmp_path / "map"
-    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(out)]) == 0
+@pytest.fixture
+def mapped(dataset, tmp_path, capsys):
+    """The map of the recording."""
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(tmp_path / "map")]) == 0
+    capsys.readouterr()
+    return tmp_path / "map"
+
+
+@pytest.fixture
+def calibration(tmp_path):
+    path = tmp_path / "calibration.json"
+    save_calibration(Calibration("colour", ("kitchen", "office"), base=0.8, slope=0.0, temperature=0.05), path)
+    return path
+
+
+def test_from_a_recording_to_a_map_a_plan_and_an_export(dataset, tmp_path, capsys):
+    out, exported = tmp_path / "map", tmp_path / "map.json"
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office, garage", "-o", str(out)]) == 0
     assert [room.label for room in load_map(out).rooms] == ["kitchen", "office"]
     assert cli.main(["plan", str(out), "--from", "kitchen", "--to", "office"]) == 0
-    assert cli.main(["query", str(out), "something green", "--top", "1"]) == 0
-    assert cli.main(["export", str(out), "--format", "json", "-o", str(tmp_path / "map.json")]) == 0
-    assert [room["name"] for room in json.loads((tmp_path / "map.json").read_text())["rooms"]] == ["kitchen", "office"]
+    assert cli.main(["export", str(out), "--format", "json", "-o", str(exported)]) == 0
+    assert [room["name"] for room in json.loads(exported.read_text())["rooms"]] == ["kitchen", "office"]
     printed = capsys.readouterr()
     assert "kitchen (floor 0) to office (floor 0): " in printed.out and printed.err == ""
+    assert "no room: garage\n" in printed.out and printed.out.endswith(f"{exported}\n")
+
+
+def test_a_query_asks_the_encoder_of_the_map_and_lists_rooms_and_keyframes(mapped, encoders, calibration, capsys):
+    query = ["query", str(mapped), "something green", "--keyframes", "2", "--top", "1", "--calibration", str(calibration)]
+    assert cli.main(query) == 0
+    printed = capsys.readouterr()
+    assert encoders[-1] == "colour" and printed.err == ""
+    room, *keyframes = printed.out.splitlines()
+    assert room.startswith("office ") and 0.5 < float(room.split()[1]) < 1
+    assert len(keyframes) == 2 and all(line.startswith("keyframe ") and line.endswith("office") for line in keyframes)
+
+
+def test_a_query_says_when_nothing_fits(mapped, calibration, capsys):
+    assert cli.main(["query", str(mapped), "an elephant", "--calibration", str(calibration)]) == 0
+    assert capsys.readouterr().out == "nothing in this map fits (best: kitchen, 0.00)\n"
+
+
+def test_without_a_calibration_there_are_similarities_and_a_word_about_it(mapped, capsys):
+    assert cli.main(["query", str(mapped), "an elephant"]) == 0
+    printed = capsys.readouterr()
+    assert len(printed.out.splitlines()) == 2 and printed.out.count("similarity") == 2
+    assert printed.err.count("\n") == 1 and "no calibration" in printed.err
+
+
+def test_other_names_need_no_recording(mapped, tmp_path, capsys):
+    rooms = tmp_path / "rooms.json"
+    rooms.write_text(json.dumps({"labels": ["hall", "shop", "depot"]}))
+    assert cli.main(["relabel", str(mapped), "--rooms", str(rooms), "-o", str(tmp_path / "other")]) == 0
+    assert [room.label for room in load_map(tmp_path / "other").rooms] == ["hall", "shop"]
+    assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
+
+
+def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
+    save_map(replace(load_map(mapped), encoder=EncoderId("gone", "1")), mapped)
+    assert cli.main(["query", str(mapped), "x"]) == 2
+    assert "made with encoder 'gone', whose text tower cannot be loaded" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -83,7 +147,13 @@ def test_a_plan_says_which_rooms_on_which_floors_it_joins(rng, tmp_path, capsys,
         (["plan", "{tmp}/nowhere", "--from", "office", "--to", "corridor"], "no map there"),
         (["plan", "{tmp}/map", "--from", "garage", "--to", "corridor"], "valid: corridor, office 1, office 2"),
         (["query", "{tmp}/map", " "], "blank"),
-        (["query", "{tmp}/map", "x"], "16 dimensions, the encoder's 3"),
+        (["query", "{tmp}/map", "x"], "similarities across weights mean nothing"),
+        (["query", "{tmp}/map", "x", "--calibration", "{tmp}/none"], "none: cannot be read"),
+        (["relabel", "{tmp}/map", "--rooms", "a,a", "-o", "{tmp}/out"], "more than once"),
+        (["relabel", "{tmp}/nowhere", "--rooms", "a", "-o", "{tmp}/out"], "no map there"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "/proc/map"], "/proc/map: cannot be written"),
+        (["run", "{tmp}/nowhere", "--rooms", "{tmp}/none.json", "-o", "{tmp}/out"], "nowhere: no dataset there"),
+        (["run", "{tmp}/run", "--rooms", "{tmp}/none.json", "-o", "{tmp}/out"], "none.json: cannot be read"),
         (["query", "{tmp}/map", "x", "--top", "0"], "from 1"),
         (["export", "{tmp}/map", "--format", "spark-dsg", "-o", "{tmp}/x"], "invalid choice"),
         (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/nowhere/x"], "cannot be written"),
@@ -107,9 +177,20 @@ def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, argume
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("command", ["run", "plan", "query", "export"])
+@pytest.mark.parametrize("command", ["run", "plan", "query", "relabel", "export"])
 def test_help_has_an_example(command, capsys):
     with pytest.raises(SystemExit) as left:
         cli.main([command, "--help"])
     assert left.value.code == 0
     assert f"lexis {command} " in capsys.readouterr().out.split("example:")[1]
+
+
+def test_the_help_of_all_has_an_example(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    assert "\n  lexis run " in capsys.readouterr().out.split("example:")[1]
+
+
+@pytest.mark.parametrize(("number", "says"), [(0, "0 keyframes"), (1, "1 keyframe"), (2, "2 keyframes")])
+def test_one_is_no_plural(number, says):
+    assert cli._count(number, "keyframe") == says

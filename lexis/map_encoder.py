@@ -1,0 +1,16 @@
+"""The encoder that belongs to a map: texts are compared with its keyframes by the model that saw them, and by no other."""
+
+from lexis.errors import MapError
+from lexis.perception import Encoder
+from lexis.types import LexisMap
+
+
+def check_encoder(map: LexisMap, encoder: Encoder) -> None:
+    """Raise MapError unless the encoder's embeddings can be compared with those of the map."""
+    own = map.encoder
+    if encoder.fingerprint != own.fingerprint:
+        raise MapError(
+            f"the map was made with encoder {own.name!r}, weights {own.fingerprint[:8]}, but {encoder.name!r} at hand has "
+            f"weights {encoder.fingerprint[:8]}: similarities across weights mean nothing; valid: --encoder with the map's "
+            "own weights, or the recording mapped anew"
+        )

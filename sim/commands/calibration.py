@@ -1,0 +1,75 @@
+"""`lexis-sim calibrate-queries`: what turns an encoder's similarities into the probabilities of `lexis query`."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import Progress
+
+from lexis.command_line import Commands, add_command, positive
+from sim.commands.arguments import ENCODER_HELP, SEED
+from sim.errors import SimError
+
+if TYPE_CHECKING:
+    from lexis.encoder import OpenClipEncoder
+    from sim.training.houses import HouseDraw
+    from sim.training.query_questions import Asked
+
+TEST_PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command."""
+    calibrate = add_command(
+        commands,
+        "calibrate-queries",
+        _calibrate,
+        "fit the probabilities of lexis query to an encoder",
+        "lexis-sim calibrate-queries --encoder ViT-B-32 --out vit-b-32.json\n"
+        '  lexis query map "a bathtub" --calibration vit-b-32.json',
+    )
+    calibrate.add_argument("--encoder", default="mini", help=ENCODER_HELP)
+    calibrate.add_argument("--houses", type=positive, default=24, help="rendered to fit to (default: %(default)s)")
+    calibrate.add_argument(
+        "--test-houses",
+        type=positive,
+        default=0,
+        metavar="N",
+        help="measure on N test houses a preset",
+    )
+    SEED(calibrate)
+    calibrate.add_argument("-o", "--out", type=Path, metavar="FILE.json", help="default: that of mini in the package")
+
+
+def _calibrate(arguments: argparse.Namespace) -> int:
+    from lexis.calibration import MINI_CALIBRATION, save_calibration
+    from lexis.encoder import load_encoder
+    from lexis.model_source import MINI
+    from sim.training.houses import TEST_SEEDS, HouseDraw
+    from sim.training.query_calibration import fit_calibration, measure, tuning_houses
+
+    if arguments.out is None and arguments.encoder != MINI:
+        raise SimError(f"--out is missing: only the calibration of {MINI!r} has its place; valid: --out FILE.json")
+    out: Path = arguments.out or MINI_CALIBRATION
+    if not out.absolute().parent.is_dir():
+        raise SimError(f"--out {out}: there is no such folder; valid: a file in a folder that exists")
+    encoder = load_encoder(arguments.encoder)
+    calibration = fit_calibration(encoder, _asked(tuning_houses(arguments.houses, arguments.seed), encoder, arguments.seed))
+    save_calibration(calibration, out)
+    print(f"{out}: threshold {calibration.base:.3f} + {calibration.slope:.3f} familiarity, {calibration.temperature:.4f}")
+    for preset in TEST_PRESETS if arguments.test_houses else ():
+        houses = [HouseDraw(preset, TEST_SEEDS[i]) for i in range(arguments.test_houses)]
+        figures = measure(calibration, encoder, _asked(houses, encoder, arguments.seed))
+        print(preset, *(f"{name} {value:.3f}" for name, value in vars(figures).items()))
+    return 0
+
+
+def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[Asked]":
+    from sim.training.query_calibration import asked_in
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("asking", total=len(houses))
+        return asked_in(houses, encoder, seed, lambda: bar.advance(task))

@@ -1,0 +1,123 @@
+"""The calibration of an encoder's answers: fitted on tuning houses, measured on test houses."""
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int, Shaped
+from scipy.optimize import minimize
+from scipy.stats import rankdata
+
+from lexis.calibration import Calibration, familiarity
+from lexis.perception import TextEncoder
+from lexis.query import FITS
+from sim.errors import SimError
+from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
+from sim.training.query_questions import DOUBTFUL, NO, YES, Asked, ask, embedded, room_views
+from sim.training.temperature import calibration_error
+from worlds.labels import ROOM_LABELS
+
+HOUSES = 24
+"""To fit to."""
+_START = (0.2, 0.0, np.log(0.05))
+_BOUNDS = ((-2.0, 2.0), (-2.0, 2.0), (np.log(1e-3), np.log(10.0)))
+"""Of base, slope and the logarithm of the temperature."""
+
+
+def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
+    """Houses to fit to: as `lexis-sim run` makes them, of all presets."""
+    draws = draw_houses(count, TUNING_SEEDS, np.random.default_rng([seed, 2]))
+    return [HouseDraw(draw.preset, draw.seed) for draw in draws]
+
+
+def asked_in(
+    houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
+) -> list[Asked]:
+    """Walk through every house and ask questions in trained words; houses without a way through are left out."""
+    asked = []
+    for number, draw in enumerate(houses):
+        with suppress(SimError):
+            views = room_views(draw)
+            asked.append(ask(views, embedded(views, encoder), encoder, np.random.default_rng([seed, number])))
+        progress()
+    return asked
+
+
+def fit_calibration(encoder: TextEncoder, asked: Sequence[Asked]) -> Calibration:
+    """Logistic regression of the truth on similarity and familiarity, over the best room of every question.
+
+    That room decides whether anything is found; `measure` tells how well the same holds for all rooms. Raises `SimError`
+    where nothing was asked.
+    """
+    if not asked:
+        raise SimError("no house to fit to; valid: at least one")
+    similarity, known, truth = np.concatenate([_best_rooms(one, encoder) for one in asked]).T
+
+    def surprise(parameters: Float64[np.ndarray, "3"]) -> float:
+        base, slope, log_temperature = parameters
+        logits = (similarity - base - slope * known) / np.exp(log_temperature)
+        return float(np.logaddexp(0.0, np.where(truth == YES, -logits, logits)).mean())
+
+    base, slope, log_temperature = minimize(surprise, _START, bounds=_BOUNDS, method="L-BFGS-B").x
+    return Calibration(encoder.fingerprint, ROOM_LABELS, float(base), float(slope), float(np.exp(log_temperature)))
+
+
+@dataclass(frozen=True)
+class CalibrationFigures:
+    """How far the probabilities of answers can be trusted; of questions of which every second one has an answer."""
+
+    questions: int
+    calibration_error: float
+    """Expected, of the probability of every room."""
+    best_calibration_error: float
+    """And of that of the best room alone."""
+    right: float
+    """Questions with an answer whose best room is one."""
+    unknown_auc: float
+    """Probability that the best room of a question with an answer is held likelier than that of one without."""
+    found: float
+    """Questions with an answer that get one: not "unknown"."""
+    unknown: float
+    """Questions without an answer that get "unknown"."""
+
+
+def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Asked]) -> CalibrationFigures:
+    """Over all questions of all houses."""
+    every, best, answered = [], [], []
+    for asked in houses:
+        said = calibration.probabilities(asked.similarities, asked.texts, encoder)
+        sure = asked.truth != DOUBTFUL
+        every.append(np.stack([said[sure], asked.truth[sure] == YES], axis=1))
+        first = said.argmax(axis=0)
+        # A room that shows a thing from afar is no wrong answer to who asks for it.
+        best.append(np.stack([_of(first, said), _of(first, asked.truth) != NO], axis=1))
+        answered.append((asked.truth == YES).any(axis=0))
+    (p, true), (top, right), has = np.concatenate(every).T, np.concatenate(best).T, np.concatenate(answered)
+    return CalibrationFigures(
+        questions=len(has),
+        calibration_error=calibration_error(p, true > 0),
+        best_calibration_error=calibration_error(top, right > 0),
+        right=float(right[has].mean()),
+        unknown_auc=_auc(top, has),
+        found=float((top[has] >= FITS).mean()),
+        unknown=float((top[~has] < FITS).mean()),
+    )
+
+
+def _best_rooms(asked: Asked, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
+    """Similarity, familiarity and truth of every question's best room, where there is no doubt about it."""
+    known = familiarity(asked.texts, ROOM_LABELS, encoder)
+    rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)
+    return np.asarray(rows[rows[:, 2] != DOUBTFUL])
+
+
+def _of(rooms: Int[np.ndarray, "texts"], values: Shaped[np.ndarray, "rooms texts"]) -> Shaped[np.ndarray, "texts"]:
+    """The value of one room for every text."""
+    return np.asarray(values[rooms, np.arange(len(rooms))])
+
+
+def _auc(score: Float64[np.ndarray, "n"], positive: Bool[np.ndarray, "n"]) -> float:
+    ranks = rankdata(score)
+    yes, no = positive.sum(), (~positive).sum()
+    return float((ranks[positive].sum() - yes * (yes + 1) / 2) / (yes * no))

@@ -1,0 +1,140 @@
+"""Questions to the rooms of a house with the truth of every answer: a half asks for what is nowhere to be seen."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int
+
+from lexis.perception import TextEncoder
+from lexis.query import best_views
+from sim.harness.config import RunConfig
+from sim.harness.walk import walk
+from sim.training.frames import THINGS, Frames, frames_at
+from sim.training.houses import HouseDraw
+from sim.training.phrases import (
+    HELD_OUT_ACTIVITIES,
+    HELD_OUT_NAMES,
+    HELD_OUT_OBJECTS,
+    OBJECT_NAMES,
+    PLACE_FRAMES,
+    ROOM_ACTIVITIES,
+    ROOM_NAMES,
+    TEMPLATES,
+    THING_FRAMES,
+    Table,
+    framed,
+)
+from sim.training.views import Views
+from worlds.labels import ROOM_LABELS
+from worlds.truth import room_at
+
+NAME, ACTIVITY, THING = TOPICS = ("name", "activity", "thing")
+YES, NO, DOUBTFUL = 1, 0, -1
+"""Doubtful is a room in which a thing is only seen from afar."""
+
+_VIEWS = Views(size=(480, 360), supersampling=1)
+"""As LEXIS sees houses."""
+_SPACING_M, _MOST = 1.0, 150
+_SEEN = 0.01
+"""Share of an image from which on a thing is seen well enough to be asked for."""
+_ASKED = 12
+"""Questions of every topic that have an answer in the house, and as many that have none."""
+
+
+@dataclass(frozen=True, eq=False)
+class RoomViews:
+    """What is seen in the rooms of a house on a walk."""
+
+    frames: Frames
+    room: Int[np.ndarray, "n"]
+    """Of every frame: numbers from 0, without gaps."""
+
+    @property
+    def labels(self) -> Int[np.ndarray, "rooms"]:
+        """Index into `ROOM_LABELS` of every room."""
+        return np.asarray(self.frames.rooms[np.unique(self.room, return_index=True)[1]])
+
+    @property
+    def shown(self) -> Float32[np.ndarray, "rooms things"]:
+        """The largest share of an image that shows each of `THINGS`, taken in every room."""
+        return np.array([self.frames.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """Questions, how well every room fits them, and the truth."""
+
+    texts: tuple[str, ...]
+    topics: tuple[str, ...]
+    similarities: Float64[np.ndarray, "rooms texts"]
+    truth: Int[np.ndarray, "rooms texts"]
+    """`YES`, `NO` or `DOUBTFUL`."""
+
+
+def room_views(draw: HouseDraw) -> RoomViews:
+    """Walk through the house as `lexis-sim run` does. Raises `SimError` where there is no way."""
+    walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
+    positions = walked.tour.T_W_B[:, :3, 3]
+    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
+    spacing = max(_SPACING_M, path[-1] / _MOST)
+    T_W_B = walked.tour.T_W_B[np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing)))]
+    room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
+    return RoomViews(frames_at(walked.house, T_W_B, _VIEWS), room)
+
+
+def embedded(views: RoomViews, encoder: TextEncoder) -> Float32[np.ndarray, "n d"]:
+    """Of every frame."""
+    return np.array([encoder.encode_image(image) for image in views.frames.images])
+
+
+def ask(
+    views: RoomViews,
+    images: Float32[np.ndarray, "n d"],
+    encoder: TextEncoder,
+    rng: np.random.Generator,
+    held_out: bool = False,
+) -> Asked:
+    """Draw questions and ask them: in trained words, or in words that no caption ever held. `images`: `embedded(views)`."""
+    drawn = [question for topic in TOPICS for question in _drawn(topic, views, rng, held_out)]
+    texts = tuple(text for _, text, _ in drawn)
+    fits = (images @ encoder.encode_texts(texts).T).astype(float)
+    of_rooms = np.array([best_views(fits[views.room == room]) for room in range(len(views.labels))])
+    return Asked(texts, tuple(topic for topic, _, _ in drawn), of_rooms, np.stack([truth for _, _, truth in drawn], axis=1))
+
+
+def _drawn(
+    topic: str, views: RoomViews, rng: np.random.Generator, held_out: bool
+) -> Iterator[tuple[str, str, Int[np.ndarray, "rooms"]]]:
+    """Topic, text and truth by room of as many questions with an answer as without, none where there are no such."""
+    truths = {key: _truth(topic, key, views) for key in _words(topic, held_out)}
+    answered = [key for key, truth in truths.items() if (truth == YES).any()]
+    vain = [key for key, truth in truths.items() if (truth == NO).all()]
+    if not answered or not vain:
+        return
+    for key in (*rng.choice(answered, _ASKED), *rng.choice(vain, _ASKED)):
+        texts = list(framed(_frames(topic), _words(topic, held_out)[key]))
+        yield topic, texts[int(rng.integers(len(texts)))], truths[key]
+
+
+def _truth(topic: str, key: str, views: RoomViews) -> Int[np.ndarray, "rooms"]:
+    if topic != THING:
+        return np.where(views.labels == ROOM_LABELS.index(key), YES, NO)
+    share = views.shown[:, THINGS.index(key)]
+    return np.where(share >= _SEEN, YES, np.where(share > 0, DOUBTFUL, NO))
+
+
+def _words(topic: str, held_out: bool) -> Table:
+    if topic == NAME:
+        return _filled(HELD_OUT_NAMES) if held_out else ROOM_NAMES
+    if topic == ACTIVITY:
+        return _filled(HELD_OUT_ACTIVITIES) if held_out else ROOM_ACTIVITIES
+    return _filled(HELD_OUT_OBJECTS) if held_out else {kind: OBJECT_NAMES.get(kind, (kind,)) for kind in THINGS}
+
+
+def _filled(table: Table) -> Table:
+    return {key: words for key, words in table.items() if words}
+
+
+def _frames(topic: str) -> tuple[str, ...]:
+    return {NAME: TEMPLATES, ACTIVITY: PLACE_FRAMES, THING: THING_FRAMES}[topic]
