@@ -9,13 +9,14 @@ from sim.features.fit_embedding import fit_embedding
 from sim.features.fit_loops import fit_loops, joined, try_verification
 from sim.features.loops import LoopModel, Measured
 from sim.features.model import FeatureModel, fingerprint
-from sim.features.samples import HouseChoice, choices, sample
+from sim.features.samples import choices, sample
+from sim.training.houses import HouseDraw
 
 FIRST_SEED = 600
 """Of the houses that are fitted to: development seeds."""
 HOUSES, FRAMES = 72, 40
 WALKS = (
-    HouseChoice("apartment", 690), HouseChoice("uh2-apt", 691), HouseChoice("apartment", 692, openness=0.4),
+    HouseDraw("apartment", 690), HouseDraw("uh2-apt", 691), HouseDraw("apartment", 692, openness=0.4),
 )  # fmt: skip
 """That loops are fitted to."""
 _KEPT = 400

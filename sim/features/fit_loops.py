@@ -17,13 +17,13 @@ from lexis.verification import Locator
 from sim.camera import wide_camera
 from sim.features.eyes import RayGrid
 from sim.features.loops import PREDICTORS, LoopModel, Measured, Sight, fit_logistic, predictors
-from sim.features.samples import HouseChoice
 from sim.features.surroundings import survey
 from sim.features.views import COLUMNS, ROWS, look
 from sim.odometry import tour_odometry
 from sim.odometry_config import PRESETS
 from sim.session import Session
 from sim.tour import TourConfig, plan_tour
+from sim.training.houses import HouseDraw
 from worlds.house import build_house
 from worlds.walkable import Walkable
 
@@ -67,7 +67,7 @@ def fit_loops(trials: Trials) -> LoopModel:
     return LoopModel(model.weights, share, model.false_rate, model.true_edges, model.false_edges)
 
 
-def try_verification(choice: HouseChoice, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
+def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
     """Map a walk on renders; then verify what was proposed, and other pairs that are near each other."""
     camera, config = camera or wide_camera(), Config()
     house = build_house(choice.spec())

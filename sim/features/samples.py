@@ -12,25 +12,10 @@ from sim.features.surroundings import Surroundings, survey
 from sim.features.views import Views, look
 from sim.scene import build_scene
 from sim.tour import Tour, TourConfig, plan_tour
+from sim.training.houses import HouseDraw
 from worlds.house import House, build_house
-from worlds.presets import sample_house
-from worlds.spec import HouseSpec
 from worlds.truth import room_at
 from worlds.walkable import Walkable
-
-
-@dataclass(frozen=True)
-class HouseChoice:
-    """A house to sample."""
-
-    preset: str
-    seed: int
-    openness: float | None = None
-    clutter: float = 1.0
-
-    def spec(self) -> HouseSpec:
-        """The house as data."""
-        return sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,17 +36,22 @@ class Sample:
         return np.array([labels.index(house.rooms[i].label) for i in room_at(house, self.T_W_B[:, :3, 3])], int)
 
 
-def choices(houses: int, first_seed: int) -> tuple[HouseChoice, ...]:
+def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
     """A mixture of families, openness and clutter; every house has a seed of its own, from `first_seed` on."""
     presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
     openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
     return tuple(
-        HouseChoice(presets[i % len(presets)], first_seed + i, openness[i % len(openness)], clutter[i % len(clutter)])
+        HouseDraw(
+            presets[i % len(presets)],
+            first_seed + i,
+            openness=openness[i % len(openness)],
+            clutter=clutter[i % len(clutter)],
+        )
         for i in range(houses)
     )
 
 
-def sample(choice: HouseChoice, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
+def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
     """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
     camera = camera or wide_camera()
     house = build_house(choice.spec())
