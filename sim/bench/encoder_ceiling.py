@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sim.errors import SimError
-from sim.training.frames import Frames, frames_in
+from sim.training.frames import Frames, frames_by_house
 from worlds.labels import ROOM_LABELS
 
 Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
@@ -38,7 +38,8 @@ class Band:
 
 def ceiling_of(work: Path) -> Ceiling:
     """A classifier trained on all frames in a work folder of `train-encoder`. Raises `SimError` without any."""
-    frames = frames_in(work / "frames")  # of training and tuning houses, never of test houses
+    # Of training and tuning houses, never of test houses; their images would fill the memory.
+    shares, rooms = zip(*((frames.shares, frames.rooms) for frames in frames_by_house(work / "frames")), strict=True)
     try:
         from sklearn.ensemble import RandomForestClassifier
     except ImportError:
@@ -46,7 +47,7 @@ def ceiling_of(work: Path) -> Ceiling:
             "the ceiling needs scikit-learn; valid: an environment with the group 'tests', or no --work"
         ) from None
     forest: Any = RandomForestClassifier(_TREES, min_samples_leaf=2, random_state=0)
-    forest.fit(frames.shares, frames.rooms)
+    forest.fit(np.concatenate(shares), np.concatenate(rooms))
 
     def best(seen: Frames) -> Int[np.ndarray, "n"]:
         scores = np.zeros((len(seen.rooms), len(ROOM_LABELS)))

@@ -73,6 +73,7 @@ class Failure(NamedTuple):
     topic: str
     wording: str
     about: str
+    answer: str
     asked: int
     right: int
     instead: str
@@ -124,9 +125,10 @@ def share_right(asked: Iterable[Asked], topic: str, wording: str) -> tuple[float
 
 def failures(asked: Sequence[Asked]) -> list[Failure]:
     """What is asked for at least once in vain, by the number of wrong answers."""
-    groups: dict[tuple[str, str, str], list[Asked]] = {}
+    groups: dict[tuple[str, str, str, str], list[Asked]] = {}
     for one in asked:
-        groups.setdefault((one.question.topic, one.question.wording, one.question.about), []).append(one)
+        topic, wording, about, _, answer = one.question
+        groups.setdefault((topic, wording, about, answer), []).append(one)
     found = [
         Failure(*key, len(group), sum(one.right for one in group), _most([one.said for one in group if not one.right]))
         for key, group in groups.items()

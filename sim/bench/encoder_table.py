@@ -28,9 +28,9 @@ class Accuracy:
         return float(np.mean(self.runs))
 
     @property
-    def std(self) -> float | None:
-        """Over the runs, of the sample; None for a single one."""
-        return float(np.std(self.runs, ddof=1)) if len(self.runs) > 1 else None
+    def std(self) -> float:
+        """Over the runs."""
+        return float(np.std(self.runs))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
     for number, preset in enumerate(presets):
         points = [(row.cpu.image_ms, row.accuracy[preset]) for row in rows if row.cpu and preset in row.accuracy]
         ms, found = [time for time, _ in points], [accuracy for _, accuracy in points]
-        spread = [accuracy.std or 0.0 for accuracy in found]
+        spread = [accuracy.std for accuracy in found]
         means = [accuracy.mean for accuracy in found]
         shift = 1.0 + 0.04 * (number - (len(presets) - 1) / 2)  # so that the presets' bars stand side by side
         axes.errorbar([time * shift for time in ms], means, spread, fmt="o", capsize=3, label=preset)
@@ -82,6 +82,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
         _mark(axes, row)
     axes.set(xscale="log", ylim=(0.0, 1.0), xlabel="one image on one core [ms]", ylabel="keyframes labelled rightly")
     axes.set_title("accuracy before refinement (mean ± std over runs) and inference time")
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.grid(which="both", alpha=0.25)
     if presets:
         axes.legend(loc="lower left")
@@ -116,9 +117,8 @@ def _mark(axes: Any, row: TableRow) -> None:
 def _record(row: TableRow) -> dict[str, object]:
     record: dict[str, object] = {"encoder": row.encoder, "weights": row.weights}
     for preset, accuracy in row.accuracy.items():
-        std = accuracy.std
         record[f"{preset} accuracy mean"] = f"{accuracy.mean:.4f}"
-        record[f"{preset} accuracy std"] = "" if std is None else f"{std:.4f}"
+        record[f"{preset} accuracy std"] = f"{accuracy.std:.4f}"
         record[f"{preset} runs"] = len(accuracy.runs)
     for way, found in row.times.items():
         for field in fields(Timing):

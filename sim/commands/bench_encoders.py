@@ -134,10 +134,12 @@ def _worst(houses: Sequence["Measured"], count: int) -> Table:
     from sim.bench.encoder_questions import failures
 
     title = "questions that fail most"
-    table = Table("about", "topic", "wording", "asked", "right", "most said instead", title=title, title_justify="left")
+    table = Table(
+        "about", "right answer", "topic", "wording", "asked", "right", "most said instead", title=title, title_justify="left"
+    )
     for failure in failures([asked for house in houses for asked in house.asked])[:count]:
         counts = str(failure.asked), str(failure.right)
-        table.add_row(failure.about, failure.topic, failure.wording, *counts, failure.instead)
+        table.add_row(failure.about, failure.answer, failure.topic, failure.wording, *counts, failure.instead)
     return table
 
 
@@ -171,7 +173,7 @@ def _table_one(rows: Sequence["TableRow"]) -> Table:
     )
     for row in rows:
         found = [row.accuracy.get(preset) for preset in presets]
-        cells = [MISSING if a is None else f"{a.mean:.3f} ± {shown(a.std, '{:.3f}')}" for a in found]
+        cells = [MISSING if a is None else f"{a.mean:.3f} ± {a.std:.3f}" for a in found]
         times = [f"{t.image_ms:.1f} + {t.text_ms:.1f}" if isinstance(t, Timing) else t for t in row.times.values()]
         loading = shown(row.cpu and row.cpu.loading_s, "{:.2f}")
         table.add_row(escape(row.encoder), row.weights, *cells, *map(escape, times), loading)

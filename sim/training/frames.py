@@ -84,10 +84,15 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
 
 def frames_in(folder: Path) -> Frames:
     """All frames that `rendered` left in a folder. Raises `SimError` where there are none."""
+    return Frames.joined(list(frames_by_house(folder)))
+
+
+def frames_by_house(folder: Path) -> Iterator[Frames]:
+    """The same, house by house, for who does not need all images at once."""
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise SimError(f"{folder}: no frames in it; valid: the frames of lexis-sim train-encoder")
-    return Frames.joined([_load(path) for path in paths])
+    yield from map(_load, paths)
 
 
 def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
