@@ -174,6 +174,3 @@ def _units(rows: Float[Tensor, "n d"]) -> Float32[np.ndarray, "n d"]:
     if not np.isfinite(units).all():
         raise EncoderError("the encoder's output is not finite: its weights are damaged; valid: another checkpoint, or fp32")
     return np.asarray(units)
-
-
-__all__ = ["OpenClipEncoder", "load_encoder"]
