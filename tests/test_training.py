@@ -11,7 +11,8 @@ from open_clip.transformer import TextTransformer
 from rich.console import Console
 from safetensors.torch import load_file
 
-from lexis.encoder import OpenClipEncoder
+from lexis.calibration import load_calibration
+from lexis.encoder import OpenClipEncoder, load_encoder
 from lexis.preprocessing import squashing
 from sim.errors import SimError
 from sim.training.align import AlignLearner, room_embeddings
@@ -170,7 +171,8 @@ def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):
         assert torch.equal(value, dense[name]), name
 
 
-def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_path):
+def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.training.query_questions._MOST", 10)
     work = tmp_path / "work"
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
@@ -184,6 +186,8 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     with pytest.raises(SimError, match="another folder"):
         train_encoder(replace(run, epochs=(2, 1)), Console(quiet=True))
     assert json.loads((tmp_path / "mini.json").read_text()) == model_config()
+    calibration = load_calibration(tmp_path / "mini.calibration.json")
+    assert calibration.fingerprint == load_encoder(f"lexis-mini:{run.out}").fingerprint
     weights = {name: value.float() for name, value in load_file(run.out).items()}
     model = open_clip.CLIP(**model_config())
     model.load_state_dict(weights)

@@ -10,6 +10,7 @@ from open_clip.transformer import TextTransformer
 from rich.console import Console
 from safetensors.torch import load_file
 
+from lexis.encoder import load_encoder
 from lexis.model_source import MINI_CONFIG
 from sim.errors import SimError
 from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
@@ -18,6 +19,7 @@ from sim.training.export import export, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, Frames, rendered
 from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, draw_houses
+from sim.training.query_calibration import write_calibration
 from sim.training.teacher import load_teacher
 from sim.training.temperature import fit_temperature
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, DistilProgress, distil, save_text_tower
@@ -93,6 +95,8 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     temperature = fit_temperature(align.embeddings(tuning), text, tuning.rooms)
     console.print(f"temperature {temperature:.4f}, fitted on the tuning frames")
     export(align.module, text, temperature, run.out)
+    write_calibration(load_encoder(f"{MINI_CONFIG.stem}:{run.out}"), run.out, run.tuning_houses, run.seed)
+    console.print("probabilities of queries calibrated on the tuning houses")
     return history
 
 

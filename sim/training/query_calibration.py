@@ -3,13 +3,14 @@
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int, Shaped
 from scipy.optimize import minimize
 from scipy.stats import rankdata
 
-from lexis.calibration import Calibration, familiarity
+from lexis.calibration import Calibration, familiarity, load_calibration, save_calibration
 from lexis.perception import TextEncoder
 from lexis.query import FITS
 from sim.errors import SimError
@@ -29,6 +30,14 @@ def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
     """Houses to fit to: as `lexis-sim run` makes them, of all presets."""
     draws = draw_houses(count, TUNING_SEEDS, np.random.default_rng([seed, 2]))
     return [HouseDraw(draw.preset, draw.seed) for draw in draws]
+
+
+def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: int) -> None:
+    """Fit a calibration to so many tuning houses and write it beside the weights, unless theirs lies there already."""
+    path = weights.with_suffix(".calibration.json")
+    if path.exists() and load_calibration(path).fingerprint == encoder.fingerprint:
+        return
+    save_calibration(fit_calibration(encoder, asked_in(tuning_houses(houses, seed), encoder, seed)), path)
 
 
 def asked_in(

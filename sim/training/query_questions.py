@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int
+from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
 from lexis.query import best_views
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
-from sim.training.frames import THINGS, Frames, frames_at
+from sim.training.frames import THINGS, frames_at
 from sim.training.houses import HouseDraw
 from sim.training.phrases import (
     HELD_OUT_ACTIVITIES,
@@ -46,19 +46,23 @@ _ASKED = 12
 class RoomViews:
     """What is seen in the rooms of a house on a walk."""
 
-    frames: Frames
+    images: UInt8[np.ndarray, "n h w 3"]
     room: Int[np.ndarray, "n"]
-    """Of every frame: numbers from 0, without gaps."""
+    """Of every image: numbers from 0, without gaps."""
+    label: Int[np.ndarray, "n"]
+    """Of the room, by index into `ROOM_LABELS`."""
+    shares: Float32[np.ndarray, "n things"]
+    """Of the image that show each of `THINGS`."""
 
     @property
     def labels(self) -> Int[np.ndarray, "rooms"]:
         """Index into `ROOM_LABELS` of every room."""
-        return np.asarray(self.frames.rooms[np.unique(self.room, return_index=True)[1]])
+        return np.asarray(self.label[np.unique(self.room, return_index=True)[1]])
 
     @property
     def shown(self) -> Float32[np.ndarray, "rooms things"]:
         """The largest share of an image that shows each of `THINGS`, taken in every room."""
-        return np.array([self.frames.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
+        return np.array([self.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +84,13 @@ def room_views(draw: HouseDraw) -> RoomViews:
     spacing = max(_SPACING_M, path[-1] / _MOST)
     T_W_B = walked.tour.T_W_B[np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing)))]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
-    return RoomViews(frames_at(walked.house, T_W_B, _VIEWS), room)
+    frames = frames_at(walked.house, T_W_B, _VIEWS)
+    return RoomViews(frames.images, room, frames.rooms, frames.shares)
 
 
 def embedded(views: RoomViews, encoder: TextEncoder) -> Float32[np.ndarray, "n d"]:
-    """Of every frame."""
-    return np.array([encoder.encode_image(image) for image in views.frames.images])
+    """Of every image."""
+    return np.array([encoder.encode_image(image) for image in views.images])
 
 
 def ask(
