@@ -1,6 +1,6 @@
 """`lexis-sim bench encoders`: what an encoder tells of the keyframes of test houses, before LEXIS refines anything."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from sim.bench.encoder_ceiling import Ceiling, own_room
 from sim.bench.encoder_questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
 from sim.bench.encoder_runs import EncoderRun
 from sim.bench.encoder_texts import EmbeddedTexts, ImageTextEncoder
-from sim.bench.retrieval import recall_at_1
+from sim.bench.retrieval import found_at_1, share
 from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
 from sim.training.temperature import calibration_error
 from worlds.labels import ROOM_LABELS
@@ -65,6 +65,8 @@ class Measured:
     """Of every frame's label."""
     right: Bool[np.ndarray, "n"]
     ceiling_right: Bool[np.ndarray, "n"] | None
+    found: Mapping[str, Bool[np.ndarray, "revisits"]]
+    """By what they are sought with, as in the row: whether every revisit is found."""
     own_room: Float[np.ndarray, "n"]
     """The share of the image that shows rooms of the camera's own label."""
     asked: Sequence[Asked]
@@ -81,16 +83,16 @@ class References:
         """Their answers, once for all encoders."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
-            return Beside(right, None)
+            return Beside(right, {})
         words = np.array([self.orb.described(image) for image in run.frames.images])
-        return Beside(right, recall_at_1(words, run.T_W_B, run.stamps))
+        return Beside(right, {"recall_orb": found_at_1(words, run.T_W_B, run.stamps)})
 
 
 class Beside(NamedTuple):
     """The references' answers on one run."""
 
     ceiling_right: Bool[np.ndarray, "n"] | None
-    recall_orb: float | None
+    found: Mapping[str, Bool[np.ndarray, "revisits"]]
 
 
 def measure(
@@ -113,6 +115,11 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
     right = said == own
     confidence = softmax(similarities / encoder.temperature, axis=1).max(axis=1)
     asked = ask(run, images, texts)
+    found = {
+        "recall": found_at_1(images, run.T_W_B, run.stamps),
+        "recall_in_room": found_at_1(images, run.T_W_B, run.stamps, said),
+        **beside.found,
+    }
     trained_names, held_out_names = (
         _renamed(images, texts, names, own, table, run.draw.seed) for table in (ROOM_NAMES, HELD_OUT_NAMES)
     )
@@ -128,12 +135,12 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
         trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
         held_out_looks=_in_looks(encoder, run.held_out_looks, rooms, own[run.looked_at]),
-        recall=recall_at_1(images, run.T_W_B, run.stamps),
-        recall_in_room=recall_at_1(images, run.T_W_B, run.stamps, said),
-        recall_orb=beside.recall_orb,
+        recall=share(found["recall"]),
+        recall_in_room=share(found["recall_in_room"]),
+        recall_orb=share(found["recall_orb"]) if "recall_orb" in found else None,
         calibration_error=calibration_error(confidence, right),
     )
-    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, own_room(frames), asked)
+    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, own_room(frames), asked)
 
 
 def overall_calibration_error(houses: Sequence[Measured]) -> float:

@@ -9,13 +9,13 @@ from lexis.evaluation.relative import separation
 from lexis.types import Poses
 
 
-def recall_at_1(
+def found_at_1(
     descriptors: Float[np.ndarray, "n d"],
     T_W_B: Poses,
     stamps: Float64[np.ndarray, "n"],
     groups: Int[np.ndarray, "n"] | None = None,
-) -> float | None:
-    """Of the revisits, the share whose best match is within 1 m and 0.5 rad; None without a revisit.
+) -> Bool[np.ndarray, "revisits"]:
+    """Of every revisit, whether its best match is within 1 m and 0.5 rad.
 
     Queries are keyframes near one at least 10 s earlier (the contract's revisits); candidates are all keyframes of the house
     but those within 10 s of the query.
@@ -28,13 +28,26 @@ def recall_at_1(
             without any is a miss.
     """
     queries = true_revisits(T_W_B, stamps)
-    if not len(queries):
-        return None
     eligible = np.abs(stamps[queries, None] - stamps[None, :]) >= REVISIT_S
     if groups is not None:
         eligible &= groups[queries, None] == groups[None, :]
     best = np.where(eligible, descriptors[queries] @ descriptors.T, -np.inf).argmax(axis=1)
-    return float((_same_place(T_W_B, queries, best) & eligible.any(axis=1)).mean())
+    return np.asarray(_same_place(T_W_B, queries, best) & eligible.any(axis=1))
+
+
+def recall_at_1(
+    descriptors: Float[np.ndarray, "n d"],
+    T_W_B: Poses,
+    stamps: Float64[np.ndarray, "n"],
+    groups: Int[np.ndarray, "n"] | None = None,
+) -> float | None:
+    """The share of the revisits that `found_at_1` finds; None without a revisit."""
+    return share(found_at_1(descriptors, T_W_B, stamps, groups))
+
+
+def share(found: Bool[np.ndarray, "n"]) -> float | None:
+    """How many of them; None of none."""
+    return float(found.mean()) if len(found) else None
 
 
 def _same_place(T_W_B: Poses, a: Int[np.ndarray, "q"], b: Int[np.ndarray, "q"]) -> Bool[np.ndarray, "q"]:

@@ -91,6 +91,7 @@ def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> I
 
 def _houses(title: str, houses: Sequence["Measured"]) -> Table:
     from sim.bench.encoders import EncoderRow, overall_calibration_error
+    from sim.bench.retrieval import share
     from sim.bench.segmentation import mean_and_spread
 
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(EncoderRow)), title=escape(title))
@@ -98,7 +99,12 @@ def _houses(title: str, houses: Sequence["Measured"]) -> Table:
         table.add_row(str(house.seed), *_shares(astuple(house.row)), end_section=house is houses[-1])
     for name, figures in zip(("mean", "std"), mean_and_spread([house.row for house in houses]), strict=True):
         table.add_row(name, *_shares(figures))
-    table.caption = f"calibration error over all frames: {overall_calibration_error(houses):.3f}"
+    found = {name: np.concatenate([house.found[name] for house in houses]) for name in houses[0].found}
+    recalls = ", ".join(f"{name.replace('_', ' ')} {shown(share(answers), '{:.3f}')}" for name, answers in found.items())
+    table.caption = (
+        f"calibration error over all frames: {overall_calibration_error(houses):.3f}; "
+        f"over all {len(found['recall'])} revisits: {recalls}"
+    )
     return table
 
 
