@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Parser, add_command, positive, run_command
+from lexis.command_line import Commands, Parser, add_command, positive, run_command
 from lexis.encoder_options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.export import FORMATS, export_map
@@ -59,6 +59,12 @@ def _parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for add in (_add_run, _add_plan, _add_query, _add_relabel, _add_export):
+        add(commands)
+    return parser
+
+
+def _add_run(commands: Commands) -> None:
     run = add_command(
         commands, "run", _run, "map a recorded run", 'lexis run recording --rooms "kitchen,office,corridor,stairs" -o map'
     )
@@ -71,12 +77,18 @@ def _parser() -> Parser:
     run.add_argument("--precision", choices=PRECISIONS, default="fp32", help="of the encoder (default: %(default)s)")
     run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
     run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
+
+
+def _add_plan(commands: Commands) -> None:
     path = add_command(
         commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
     )
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
+
+
+def _add_query(commands: Commands) -> None:
     query = add_command(
         commands, "query", _query, "the rooms that fit a description best", 'lexis query map "where can I wash my hands"'
     )
@@ -87,6 +99,9 @@ def _parser() -> Parser:
     query.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
     query.add_argument("--top", type=positive, default=3, help="rooms to list (default: %(default)s)")
     query.add_argument("--keyframes", type=positive, default=0, metavar="N", help="list the N best keyframes too")
+
+
+def _add_relabel(commands: Commands) -> None:
     relabel = add_command(
         commands,
         "relabel",
@@ -98,11 +113,13 @@ def _parser() -> Parser:
     relabel.add_argument("--rooms", required=True, help=ROOMS_HELP)
     relabel.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
     relabel.add_argument("--encoder", help=MAP_ENCODER_HELP)
+
+
+def _add_export(commands: Commands) -> None:
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
     export.add_argument("--format", choices=list(FORMATS), required=True)
     export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE")
-    return parser
 
 
 def _run(arguments: argparse.Namespace) -> int:

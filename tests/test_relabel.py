@@ -33,6 +33,12 @@ def test_its_own_names_give_the_same_map(lexis_map, encoder):
     assert_same(relabel(lexis_map, NAMES, encoder), lexis_map)
 
 
+def test_what_the_map_meant_before_plays_no_part(lexis_map, encoder):
+    meaningless = replace(lexis_map, room_names=("x",), similarities=np.zeros((40, 1)), rooms=())
+    meaningless = replace(meaningless, **{name: np.full(40, 7) for name in ("labels", "baseline_labels", "floors")})
+    assert_same(relabel(meaningless, NAMES, encoder), lexis_map)
+
+
 def test_other_names_and_back_give_the_same_map(lexis_map, encoder):
     other = relabel(lexis_map, OTHER, encoder)
     assert {room.label for room in other.rooms} <= set(OTHER) and not np.array_equal(other.labels, lexis_map.labels)
