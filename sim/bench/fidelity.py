@@ -74,7 +74,7 @@ def mixed_houses(count: int, first_seed: int) -> list[tuple[str, RunConfig]]:
     extra = choices(len(_LOOKS) * (count // _LOOKS_SHARE), first_seed + count)
     for i, choice in enumerate(extra):
         field, look = _LOOKS[i % len(_LOOKS)]
-        spec = replace(choice, openness=None, clutter=1.0).spec()
+        spec = choice._replace(openness=None, clutter=1.0).spec()
         looks = spec.appearance.model_copy(update={field: look})
         mixed.append((f"{look} {field}", _config(spec.model_copy(update={"appearance": looks}))))
     return mixed
