@@ -15,6 +15,7 @@ from sim.errors import SimError
 if TYPE_CHECKING:
     from lexis.encoder import OpenClipEncoder
     from sim.training.houses import HouseDraw
+    from sim.training.query_calibration import CalibrationFigures
     from sim.training.query_questions import Asked
 
 TEST_PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
@@ -59,11 +60,23 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     calibration = fit_calibration(encoder, _asked(tuning_houses(arguments.houses, arguments.seed), encoder, arguments.seed))
     save_calibration(calibration, out)
     print(f"{out}: threshold {calibration.base:.3f} + {calibration.slope:.3f} familiarity, {calibration.temperature:.4f}")
-    for preset in TEST_PRESETS if arguments.test_houses else ():
-        houses = [HouseDraw(preset, TEST_SEEDS[i]) for i in range(arguments.test_houses)]
-        figures = measure(calibration, encoder, _asked(houses, encoder, arguments.seed))
-        print(preset, *(f"{name} {value:.3f}" for name, value in vars(figures).items()))
+    if arguments.test_houses:
+        houses = {
+            preset: [HouseDraw(preset, TEST_SEEDS[i]) for i in range(arguments.test_houses)] for preset in TEST_PRESETS
+        }
+        asked = {preset: _asked(draws, encoder, arguments.seed) for preset, draws in houses.items()}
+        for name, questions in (*asked.items(), ("all", [one for some in asked.values() for one in some])):
+            print(f"{name:11s}{_said(measure(calibration, encoder, questions))}")
     return 0
+
+
+def _said(figures: "CalibrationFigures") -> str:
+    return (
+        f"{figures.questions} questions: calibration error {figures.calibration_error:.3f}, of best rooms "
+        f"{figures.best_calibration_error:.3f}; best room right {figures.right:.2f}; AUC of unknown "
+        f"{figures.unknown_auc:.3f}, answered {figures.found:.2f} of those with an answer, "
+        f"unknown {figures.unknown:.2f} of those without"
+    )
 
 
 def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[Asked]":

@@ -17,6 +17,7 @@ from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_questions import DOUBTFUL, NO, YES, Asked, ask, embedded, room_views
 from sim.training.temperature import calibration_error
+from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 
 HOUSES = 24
@@ -43,10 +44,10 @@ def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: in
 def asked_in(
     houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
 ) -> list[Asked]:
-    """Walk through every house and ask questions in trained words; houses without a way through are left out."""
+    """Walk through every house and ask questions in trained words; houses that cannot be walked are left out."""
     asked = []
     for number, draw in enumerate(houses):
-        with suppress(SimError):
+        with suppress(SimError, WorldsError):
             views = room_views(draw)
             asked.append(ask(views, embedded(views, encoder), encoder, np.random.default_rng([seed, number])))
         progress()
