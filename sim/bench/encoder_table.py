@@ -13,6 +13,7 @@ from sim.bench.encoder_times import Timing
 from sim.errors import SimError
 
 TRAINED, RANDOM = "trained", "random"
+_TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1, 2, 5))
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
         _mark(axes, row)
     axes.set(xscale="log", ylim=(0.0, 1.0), xlabel="one image on one core [ms]", ylabel="keyframes labelled rightly")
     axes.set_title("accuracy before refinement (mean ± std over runs) and inference time")
-    axes.xaxis.set_major_formatter("{x:g}")
+    _label_times(axes, [row.cpu.image_ms for row in rows if row.cpu])
     axes.grid(which="both", alpha=0.25)
     if presets:
         axes.legend(loc="lower left")
@@ -112,6 +113,16 @@ def _mark(axes: Any, row: TableRow) -> None:
     axes.annotate(
         label, (row.cpu.image_ms, height), ha="center", va="bottom", rotation=90 if upright else 0, color="0.3", fontsize=8
     )
+
+
+def _label_times(axes: Any, times_ms: Sequence[float]) -> None:
+    """Plain numbers, instead of powers of ten."""
+    if times_ms:
+        low, high = min(times_ms) / 1.5, max(times_ms) * 1.5
+        axes.set_xticks([tick for tick in _TICKS_MS if low <= tick <= high])
+        axes.set_xlim(low, high)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
 
 
 def _record(row: TableRow) -> dict[str, object]:
