@@ -23,7 +23,9 @@ def add_to(commands: Commands) -> None:
     train.add_argument(
         "--work", type=folder, default=Path("encoder-training"), help="frames and checkpoints; resumed when it exists"
     )
-    train.add_argument("--workers", type=positive, default=2, help="processes that render (default: %(default)s)")
+    train.add_argument(
+        "--workers", type=positive, default=2, help="processes that render, threads that train (default: %(default)s)"
+    )
     train.add_argument("--start", type=Path, metavar="FILE", help="weights whose image tower to begin with")
     train.add_argument("--teacher", type=folder, help="MiniLM's weights (default: those of the extra 'training')")
     train.add_argument("--out", type=Path, help="weights (default: those in the package)")

@@ -45,7 +45,7 @@ class TrainingRun:
     out: Path = MINI_WEIGHTS
     """The weights; the model's configuration is written beside them."""
     workers: int = 2
-    """Processes that render."""
+    """Processes that render, and threads that train."""
     start: Path | None = None
     """Weights of an earlier `mini` whose image tower to begin with; None: from nothing."""
     teacher: Path | None = None
@@ -69,7 +69,7 @@ def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
     """
     run.work.mkdir(parents=True, exist_ok=True)
     _check_settings(run)
-    torch.set_num_threads(1)  # two threads on two shared cores were no faster than one
+    torch.set_num_threads(run.workers)
     text = _text_tower(run, console)
     tuning = _frames(run, console, "tuning", run.tuning_houses, TUNING_SEEDS)
     training = _frames(run, console, "training", run.houses, TRAINING_SEEDS)
