@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int
 
-from lexis.query import BEST_VIEWS
+from lexis.query import best_views
 from sim.bench.encoder_runs import EncoderRun
 from sim.bench.encoder_texts import EmbeddedTexts
 from sim.training.frames import THINGS
@@ -87,7 +87,7 @@ def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedText
         return []
     rooms = np.unique(run.room)
     fits = images @ texts.texts([question.text for question in questions]).T
-    best = np.array([_best(fits[run.room == room]) for room in rooms]).argmax(axis=0)
+    best = np.array([best_views(fits[run.room == room]) for room in rooms]).argmax(axis=0)
     labels = [ROOM_LABELS[i] for i in _labels(run, rooms)]
     return [Asked(question, labels[i]) for question, i in zip(questions, best, strict=True)]
 
@@ -165,10 +165,6 @@ def _of_label(
 
 def _labels(run: EncoderRun, rooms: Int[np.ndarray, "rooms"]) -> list[int]:
     return [int(run.frames.rooms[np.argmax(run.room == room)]) for room in rooms]
-
-
-def _best(fits: Float32[np.ndarray, "n q"]) -> Float32[np.ndarray, "q"]:
-    return np.asarray(np.sort(fits, axis=0)[-BEST_VIEWS:].mean(axis=0))
 
 
 def _most(labels: Sequence[str]) -> str:
