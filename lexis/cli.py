@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, Parser, add_command, positive, run_command
+from lexis.command_line import Commands, Parser, add_command, positive, run_command, tell_of_replacement
 from lexis.encoder_options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.export import FORMATS, export_map
@@ -128,10 +128,9 @@ def _run(arguments: argparse.Namespace) -> int:
     from rich.progress import track
 
     from lexis.datasets import DatasetConfig, open_dataset
-    from lexis.files import check_replaceable
     from lexis.slam import Slam
 
-    check_replaceable(arguments.out, JSON_FILE)
+    tell_of_replacement(arguments.out, JSON_FILE)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     names = _rooms(arguments.rooms)
@@ -186,10 +185,9 @@ def _query(arguments: argparse.Namespace) -> int:
 
 
 def _relabel(arguments: argparse.Namespace) -> int:
-    from lexis.files import check_replaceable
     from lexis.relabel import relabel
 
-    check_replaceable(arguments.out, JSON_FILE)
+    tell_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
     names = _rooms(arguments.rooms)
     renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder))

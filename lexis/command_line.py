@@ -4,7 +4,10 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import NoReturn, TypeAlias
+
+from lexis.files import check_replaceable
 
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Runs a command; returns the exit status."""
@@ -47,6 +50,13 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         return 2
     except KeyboardInterrupt:
         return _INTERRUPTED
+
+
+def tell_of_replacement(out: Path, marker: str) -> None:
+    """Say before long work that the folder `out`, one of ours by its `marker`, will be replaced by what comes of it."""
+    check_replaceable(out, marker)
+    if (out / marker).is_file():
+        print(f"note: {out} holds an earlier one; the new one will replace it", file=sys.stderr)
 
 
 def positive(text: str) -> int:

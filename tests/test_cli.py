@@ -119,6 +119,11 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
     assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
 
 
+def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
+    assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
+    assert f"note: {mapped} holds an earlier one" in capsys.readouterr().err
+
+
 def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
     save_map(replace(load_map(mapped), encoder=EncoderId("gone", "1")), mapped)
     assert cli.main(["query", str(mapped), "x"]) == 2

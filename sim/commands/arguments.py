@@ -2,13 +2,11 @@
 
 import argparse
 import math
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from lexis.command_line import seed
-from lexis.files import check_replaceable
 from sim.faults.catalogue import parse_fault, usage
 from sim.odometry_config import PRESETS as ODOMETRY_PRESETS
 from worlds.presets import PRESETS
@@ -53,13 +51,6 @@ def folder(text: str) -> Path:
     except (OSError, RuntimeError) as error:  # a RuntimeError is a loop of symbolic links
         raise argparse.ArgumentTypeError(f"{text}: {error}; valid: the name of a folder") from None
     return Path(text)
-
-
-def tell_of_replacement(out: Path, marker: str) -> None:
-    """Say before long work that the folder `out`, one of ours by its `marker`, will be replaced by what comes of it."""
-    check_replaceable(out, marker)
-    if (out / marker).is_file():
-        print(f"note: {out} holds an earlier one; the new one will replace it", file=sys.stderr)
 
 
 def out_file(metavar: str) -> Argument:

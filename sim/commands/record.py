@@ -6,8 +6,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command
-from sim.commands.arguments import add_walk, folder, number, tell_of_replacement, walk_options
+from lexis.command_line import Commands, add_command, tell_of_replacement
+from sim.commands.arguments import add_walk, folder, number, walk_options
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command
+from lexis.command_line import Commands, add_command, tell_of_replacement
 from sim.commands.arguments import (
     DEMO_SEED,
     ENCODER_HELP,
@@ -17,7 +17,6 @@ from sim.commands.arguments import (
     add_run_seed,
     add_walk,
     folder,
-    tell_of_replacement,
     walk_options,
 )
 from sim.fidelity import FIDELITIES
