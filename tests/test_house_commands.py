@@ -159,7 +159,7 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
         (["import", "plan.svg", "-o", "h.json"], "plan.svg: cannot be read"),
         (["import", "huge.svg", "-o", "h.json"], "huge.svg: larger than 16 MB"),
         (["import", "good.json", "-o", "h.json"], "good.json: "),
-        (["import", "huge.svg", "--snap", "7", "-o", "h.json"], "valid: 0.001 to 0.3"),
+        (["import", "huge.svg", "--snap", "7", "-o", "h.json"], "valid: a number from 0.001 to 0.3"),
         (["prove", "--preset", "home,castle"], "unknown preset 'castle'; valid: home"),
     ],
 )

@@ -104,7 +104,14 @@ def test_arrays_that_contradict_the_map_are_refused(lexis_map, tmp_path, changes
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("schema", 1), ("encoder", {"name": "mini"}), ("room_names", []), ("room_names", ["a", "a", "b"]), ("camera", {"width": 4}), ("more", 1)],
+    [
+        ("schema", 1),
+        ("encoder", {"name": "mini"}),
+        ("room_names", []),
+        ("room_names", ["a", "a", "b"]),
+        ("camera", {"width": 4}),
+        ("more", 1),
+    ],
 )
 def test_a_broken_header_is_refused(lexis_map, tmp_path, field, value):
     save_map(lexis_map, tmp_path / "map")

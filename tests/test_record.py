@@ -87,7 +87,7 @@ def replay(encoder, tmp_path_factory):
         blind = shutil.copytree(folder, root / "recording", ignore=shutil.ignore_patterns(*TRUTH))
         labels = json.loads((folder / "rooms.json").read_text())["labels"]
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("lexis.encoder.load_encoder", lambda name: encoder)  # which takes seconds
+            patch.setattr("lexis.encoder.load_encoder", lambda name, options: encoder)  # which takes seconds
             assert lexis(["run", str(blind), "--rooms", ",".join(labels), "-o", str(root / "map")]) == 0
         return load_map(root / "map")
 

@@ -2,7 +2,7 @@
 
 An instance is an integer id; the true id of a keyframe is that of the room that holds the camera. So a room that was walked
 through without a keyframe, where frames were lost say, is in none of these figures, `count_error` included: whoever shows
-them says which rooms those are (`run.unseen_rooms` of result.json).
+them says which rooms those are (`unseen_rooms` of a run).
 """
 
 import math

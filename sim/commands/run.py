@@ -96,7 +96,7 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
     console.print(result_table(result, finished.house.spec.name, meanings=console.width >= _WIDE))
-    if text := unseen(result):
+    if text := unseen(finished.unseen_rooms):
         print(f"warning: {text}")
     print(f"report: {out / 'report.html'}")
     return 0

@@ -77,7 +77,6 @@ def _walk(run: Run) -> dict[str, Any]:
         "duration_s": float(tour.stamps[-1] - tour.stamps[0]),
         "frames": len(tour.stamps),
         "keyframes": len(run.map.keyframes),
-        "unseen_rooms": list(run.unseen_rooms),
     }
 
 

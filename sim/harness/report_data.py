@@ -30,6 +30,7 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
         _samples(run),
         # Those that failed first, since only the first ones are drawn.
         tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in sorted(trials, key=lambda t: t.success)),
+        unseen_rooms=run.unseen_rooms,
     )
 
 

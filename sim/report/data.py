@@ -144,6 +144,8 @@ class ReportData:
     loops: tuple[LoopMark, ...] = ()
     samples: tuple[SampleFrame, ...] = ()
     paths: tuple[PlanPath, ...] = ()
+    unseen_rooms: tuple[str, ...] = ()
+    """Rooms of the walk that no keyframe is in."""
 
     def __post_init__(self) -> None:
         n, names = len(self.keyframes.stamps), len(self.label_names)

@@ -1,9 +1,8 @@
 """The few sentences that a reader wants first: what went wrong, where, and how badly."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -27,9 +26,8 @@ def findings(data: ReportData) -> list[Finding]:
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
-def unseen(result: Mapping[str, Any]) -> str | None:
-    """Which rooms of the walk no keyframe is in, from result.json: figures over keyframes are silent on them."""
-    rooms = (result.get("run") or {}).get("unseen_rooms")
+def unseen(rooms: Sequence[str]) -> str | None:
+    """Which rooms of the walk no keyframe is in: figures over keyframes are silent on them. None where there is none."""
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
@@ -38,7 +36,7 @@ def unseen(result: Mapping[str, Any]) -> str | None:
 
 
 def _unseen(data: ReportData) -> Iterator[Finding]:
-    if text := unseen(data.result):
+    if text := unseen(data.unseen_rooms):
         yield Finding(False, text)
 
 
