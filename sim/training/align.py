@@ -102,7 +102,8 @@ class AlignLearner:
         rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, _SETTLING_RATE, total_steps=steps, pct_start=0.15)
         for chosen in islice(_chosen_often(frames.houses, min(_SETTLING_BATCH, len(features)), rng), steps):
             embedding = self.module.embedded(features[chosen])
-            same, apart = map(torch.from_numpy, pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen]))
+            told = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen], frames.rooms[chosen])
+            same, apart = map(torch.from_numpy, told)
             loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
             loss = loss + _PLACES_WEIGHT * place_loss(embedding @ embedding.T, same.to(PROCESSOR), apart.to(PROCESSOR))
             optimiser.zero_grad()

@@ -44,7 +44,7 @@ def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.d
         shares = torch.from_numpy(frames.things[chosen]).permute(0, 3, 1, 2).to(device).float() / 255.0
         patches = _sampled(shares, grid, "zeros")
         views = torch.from_numpy(frames.views[chosen]).to(device) + 1e-4
-        same, apart = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen])
+        same, apart = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen], frames.rooms[chosen])
         yield Batch(
             images.contiguous(memory_format=torch.channels_last),
             torch.from_numpy(frames.rooms[chosen]).to(device),

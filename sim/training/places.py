@@ -13,11 +13,22 @@ _DOUBT = 1.5
 """Up to so many times the bounds of one place, frames are taken neither for the same place nor for another."""
 
 
-def pairs_of_places(T_W_B: Poses, houses: Int[np.ndarray, "n"]) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
-    """Whether two different frames show one place, and whether they show two: of a house, or of two houses."""
+def pairs_of_places(
+    T_W_B: Poses, houses: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]
+) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
+    """Whether two different frames show one place, and whether they show two: of a house, or of two houses.
+
+    On both sides of a doorway they do neither: embeddings have to tell the rooms apart there.
+
+    Args:
+        T_W_B: poses.
+        houses: in which they are.
+        rooms: and in a room of which label.
+    """
     away, turned = _distances(T_W_B)
     here = houses[:, None] == houses[None, :]
-    same = here & (away <= PLACE_M) & (turned <= PLACE_RAD) & ~np.eye(len(houses), dtype=bool)
+    one_room = rooms[:, None] == rooms[None, :]
+    same = here & one_room & (away <= PLACE_M) & (turned <= PLACE_RAD) & ~np.eye(len(houses), dtype=bool)
     near = here & (away <= _DOUBT * PLACE_M) & (turned <= _DOUBT * PLACE_RAD)
     return same, ~near
 
