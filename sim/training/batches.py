@@ -16,7 +16,7 @@ PRESENT = 0.004
 """Share of the image from which on a thing counts as present."""
 PATCH_PRESENT = 0.02
 """And share of a patch."""
-STRETCH = 16
+STRETCH = 4
 """Frames of one house in a batch, so that places are told from others of the same house."""
 
 
