@@ -76,7 +76,7 @@ def check_replaceable(path: Path, marker: str) -> None:
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
     try:
         # What may be written is best found by writing: permissions say nothing of file systems.
-        tempfile.TemporaryDirectory(dir=next(folder for folder in path.absolute().parents if folder.exists())).cleanup()
+        tempfile.TemporaryDirectory(dir=next(folder for folder in path.resolve().parents if folder.exists())).cleanup()
     except OSError as error:
         raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
 

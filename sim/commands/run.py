@@ -82,11 +82,10 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _run_and_report(config: "RunConfig", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
-    from sim.harness.outputs import MARKER, check_writable
+    from sim.harness.outputs import MARKER
     from sim.report import result_table
     from sim.report.findings import unseen
 
-    check_writable(out)
     tell_of_replacement(out, MARKER)
     console = Console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:

@@ -1,15 +1,13 @@
 """A run's folder: written beside its place and renamed, so that a half-written one is never seen."""
 
 import json
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lexis.files import check_replaceable, replaced_folder
+from lexis.files import replaced_folder
 from lexis.map_io import save_map
 from lexis.tum import write_tum
-from sim.errors import SimError
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.run import Run
@@ -32,13 +30,3 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
         write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
         save_map(run.map, folder / "map")
         write_report(folder / "report.html", report_data(run, result, trials))
-
-
-def check_writable(out: Path) -> None:
-    """Raise before a long run what `write_run` would raise after it."""
-    check_replaceable(out, MARKER)
-    existing = next(folder for folder in out.resolve().parents if folder.exists())
-    try:
-        tempfile.TemporaryFile(dir=existing).close()
-    except OSError as error:
-        raise SimError(f"--out {out}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
