@@ -22,7 +22,7 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding")
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
     """A network, its tokenizer and its preprocessing. `model` is its name in messages. Raises EncoderError."""
-    with _open_clip_quiet():
+    with open_clip_quiet():
         try:
             weights = source.weights()
             network = open_clip.create_model(
@@ -80,7 +80,7 @@ def _pair(size: Any) -> tuple[int, int]:
 
 
 @contextmanager
-def _open_clip_quiet() -> Iterator[None]:
+def open_clip_quiet() -> Iterator[None]:
     """Drop open_clip's and the hub's log lines (retries, fallbacks): what matters of them is in the error."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)

@@ -1,14 +1,12 @@
 """How long an encoder takes for one image and for the prompts of one room's name, in every way that it can compute here."""
 
 import json
-import logging
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import open_clip
@@ -18,6 +16,8 @@ from safetensors.torch import save_file
 from lexis.encoder import OpenClipEncoder, load_encoder
 from lexis.encoder_options import EncoderOptions
 from lexis.errors import EncoderError
+from lexis.hub import one_line
+from lexis.model_loading import open_clip_quiet
 from lexis.types import Image
 from worlds.labels import ROOM_LABELS
 
@@ -85,26 +85,18 @@ def random_weights(architecture: str) -> Iterator[str]:
     check_architecture(architecture)
     with tempfile.TemporaryDirectory() as folder:
         try:
-            network = _created(architecture)
+            with open_clip_quiet():
+                network = open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
         except (RuntimeError, OSError, ValueError) as error:
-            reason = str(error).strip().splitlines()[0]
-            raise EncoderError(f"architecture {architecture}: cannot be made with random weights: {reason}") from None
+            raise EncoderError(
+                f"architecture {architecture}: cannot be made with random weights: {one_line(error)}"
+            ) from None
         weights = Path(folder) / "random.safetensors"
         save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
         config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
         (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
         del network
         yield f"{architecture}:{weights}"
-
-
-def _created(architecture: str) -> Any:
-    """Without open_clip's warning that it has no weights."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        return open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
-    finally:
-        logging.disable(before)
 
 
 def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:
