@@ -1,5 +1,6 @@
 """The visual words that encoders are compared with: learned from training houses of all presets and looks."""
 
+from dataclasses import replace
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -10,10 +11,10 @@ from sim.baselines.orb_words import OrbWords
 from sim.errors import SimError
 from sim.training.frames import frames_of_house
 from sim.training.houses import TRAINING_SEEDS, draw_houses
-from sim.training.views import Views
+from sim.training.views import LEXIS_VIEWS
 
 _HOUSES, _SEED = 8, 8
-_VIEWS = Views(size=(480, 360), supersampling=1, most=30)
+_VIEWS = replace(LEXIS_VIEWS, most=30)
 _FILE = "orb-words.npz"
 
 

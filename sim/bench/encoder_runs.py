@@ -17,12 +17,10 @@ from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.training.frames import PATCHES, THINGS, Frames, frames_at
 from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
-from sim.training.views import Views
+from sim.training.views import LEXIS_VIEWS, evenly_along
 from worlds.house import House, build_house
 from worlds.truth import room_at
 
-VIEWS = Views(size=(480, 360), supersampling=1)
-"""As LEXIS sees houses."""
 TRAINED_LOOKS = tuple((HELD_OUT_LOOKS[i][0], HELD_OUT_LOOKS[1 - i][1]) for i in (0, 1))
 """The same textures and lights as in `HELD_OUT_LOOKS`, but in pairs that do meet in training."""
 _MOST = 400
@@ -78,9 +76,7 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
     """Indices of frames a keyframe's spacing of path apart, or farther where that would be more than 400."""
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
-    spacing = max(KeyframeConfig().spacing_m, path[-1] / _MOST)
-    return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing)))
+    return evenly_along(positions, KeyframeConfig().spacing_m, _MOST)
 
 
 def _rendered(draw: HouseDraw) -> EncoderRun:
@@ -92,7 +88,7 @@ def _rendered(draw: HouseDraw) -> EncoderRun:
         draw,
         walked.tour.stamps[kept],
         room_at(walked.house, T_W_B[:, :3, 3]),
-        frames_at(walked.house, T_W_B, VIEWS),
+        frames_at(walked.house, T_W_B, LEXIS_VIEWS),
         some,
         *(_in_looks(draw, looks, T_W_B[some]) for looks in (HELD_OUT_LOOKS, TRAINED_LOOKS)),
     )
@@ -100,7 +96,7 @@ def _rendered(draw: HouseDraw) -> EncoderRun:
 
 def _in_looks(draw: HouseDraw, looks: Sequence[tuple[Any, Any]], T_W_B: Poses) -> UInt8[np.ndarray, "looks k h w 3"]:
     houses = (build_house(draw._replace(texture=texture, light=light).spec()) for texture, light in looks)
-    return np.stack([frames_at(house, T_W_B, VIEWS).images for house in houses])
+    return np.stack([frames_at(house, T_W_B, LEXIS_VIEWS).images for house in houses])
 
 
 def _save(run: EncoderRun, path: Path) -> None:

@@ -25,7 +25,7 @@ from sim.training.phrases import (
     Table,
     framed,
 )
-from sim.training.views import Views
+from sim.training.views import LEXIS_VIEWS, evenly_along
 from worlds.labels import ROOM_LABELS
 from worlds.truth import room_at
 
@@ -33,8 +33,6 @@ NAME, ACTIVITY, THING = TOPICS = ("name", "activity", "thing")
 YES, NO, DOUBTFUL = 1, 0, -1
 """Doubtful is a room in which a thing is only seen from afar."""
 
-_VIEWS = Views(size=(480, 360), supersampling=1)
-"""As LEXIS sees houses."""
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
 """Share of an image from which on a thing is seen well enough to be asked for."""
@@ -79,12 +77,9 @@ class Asked:
 def room_views(draw: HouseDraw) -> RoomViews:
     """Walk through the house as `lexis-sim run` does. Raises `SimError` where there is no way."""
     walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
-    positions = walked.tour.T_W_B[:, :3, 3]
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
-    spacing = max(_SPACING_M, path[-1] / _MOST)
-    T_W_B = walked.tour.T_W_B[np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing)))]
+    T_W_B = walked.tour.T_W_B[evenly_along(walked.tour.T_W_B[:, :3, 3], _SPACING_M, _MOST)]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
-    frames = frames_at(walked.house, T_W_B, _VIEWS)
+    frames = frames_at(walked.house, T_W_B, LEXIS_VIEWS)
     return RoomViews(frames.images, room, frames.rooms, frames.shares)
 
 

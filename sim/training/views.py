@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from lexis.types import Pose
 from sim.errors import SimError
@@ -36,6 +36,15 @@ class Views:
 
 
 TRAINING_VIEWS = Views()
+LEXIS_VIEWS = Views(size=(480, 360), supersampling=1)
+"""As LEXIS sees houses."""
+
+
+def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
+    """Indices of points of a path that far apart along it [m], or farther where there would be more than `most`."""
+    path = _path_m(positions)
+    spacing_m = max(spacing_m, path[-1] / most)
+    return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
 
 def poses_along_tour(house: House, views: Views, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
@@ -44,11 +53,16 @@ def poses_along_tour(house: House, views: Views, rng: np.random.Generator) -> Fl
         tour = plan_tour(house, Walkable(house), rng, TourConfig())
     except SimError:
         return np.zeros((0, 4, 4))
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tour.T_W_B[:, :3, 3], axis=0), axis=1))])
+    way = _path_m(tour.T_W_B[:, :3, 3])
     stops = np.arange(0.0, way[-1], views.spacing_m)
     if len(stops) > views.most // 2:
         stops = np.sort(rng.choice(stops, views.most // 2, replace=False))
     return np.array([pose for at in stops for pose in _pair(tour, way, float(at), rng)]).reshape(-1, 4, 4)
+
+
+def _path_m(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
+    """Length of the path up to every point [m]."""
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)))
 
 
 def _pair(tour: Tour, way: Float64[np.ndarray, "n"], at: float, rng: np.random.Generator) -> tuple[Pose, Pose]:
