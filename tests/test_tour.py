@@ -28,7 +28,7 @@ def tour_of(preset, number, seed=0, **config):
     return plan_tour(*furnished(preset, number), np.random.default_rng(seed), TourConfig(**config))
 
 
-@pytest.fixture(scope="module", params=[("home", 11), ("uh2-apt", 12), ("random", 14)], ids=lambda p: p[0])
+@pytest.fixture(scope="module", params=[("home", 11), ("uh2-apt", 12), ("random", 15)], ids=lambda p: p[0])
 def preset(request):
     return request.param
 

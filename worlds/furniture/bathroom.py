@@ -147,7 +147,7 @@ def bathroom_mirror(s: Size, rng: Generator) -> Parts:
     width=(0.5, 0.7),
     depth=(0.08, 0.12),
     height=(0.8, 1.0),
-    rooms={"bathroom": (1, 2), "toilet": 0.5, "laundry room": 0.4, "gym": 0.5},
+    rooms={"bathroom": (2, 3), "toilet": 0.5, "laundry room": 0.4, "gym": 0.5},
     place=OnWall((0.75, 0.95)),
 )
 def towel_rail(s: Size, rng: Generator) -> Parts:
@@ -236,7 +236,7 @@ def toilet_brush(s: Size, rng: Generator) -> Parts:
     width=(0.5, 0.7),
     depth=(0.16, 0.2),
     height=(0.55, 0.7),
-    rooms={"bathroom": 0.6, "toilet": 0.5, "laundry room": 0.8},
+    rooms={"bathroom": (1, 1), "toilet": 0.5, "laundry room": 0.8},
     place=OnWall((1.35, 1.5)),
 )
 def wall_cabinet(s: Size, rng: Generator) -> Parts:

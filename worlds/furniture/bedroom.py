@@ -256,7 +256,7 @@ def toy_shelf(s: Size, rng: Generator) -> Parts:
     width=(0.28, 0.4),
     depth=(0.25, 0.3),
     height=(0.35, 0.5),
-    rooms={"children's room": 1.6},
+    rooms={"children's room": (1, 3)},
     place=OnFloor(),
     solid=False,
 )
@@ -281,7 +281,7 @@ def teddy_bear(s: Size, rng: Generator) -> Parts:
     width=(0.4, 0.6),
     depth=(0.4, 0.6),
     height=(0.16, 0.3),
-    rooms={"children's room": 1.2},
+    rooms={"children's room": (1, 2)},
     place=OnFloor(),
     solid=False,
 )
@@ -370,7 +370,7 @@ def small_chair(s: Size, rng: Generator) -> Parts:
     width=(0.9, 1.5),
     depth=(0.02, 0.03),
     height=(0.25, 0.35),
-    rooms={"children's room": 0.8, "classroom": 0.6},
+    rooms={"children's room": (1, 2), "classroom": 0.6},
     place=OnWall((1.4, 1.7)),
 )
 def letters(s: Size, rng: Generator) -> Parts:
@@ -405,8 +405,8 @@ def crayons(s: Size, rng: Generator) -> Parts:
     height=(0.3, 0.36),
     rooms={
         "children's room": 0.7,
-        "bedroom": 0.5,
-        "living room": 0.5,
+        "bedroom": 0.3,
+        "living room": (1, 2),
         "office": 0.5,
         "storage room": 0.5,
         "laundry room": 0.5,

@@ -76,9 +76,9 @@ def _curtains(s: Size, rng: Generator) -> Parts:
     width=(0.4, 0.95),
     depth=(0.02, 0.035),
     height=(0.35, 0.75),
-    rooms=dict.fromkeys(_LIVED_IN, (2, 3))
+    rooms={"living room": (2, 3), "dining room": (1, 2), "bedroom": (1, 2), "library": (1, 2)}
     | dict.fromkeys(_WORKED_IN, 0.8)
-    | {"corridor": (2, 4), "entrance hall": (1, 2), "kitchen": 0.8, "bathroom": 0.4, "toilet": 0.7},
+    | {"children's room": 0.6, "corridor": (3, 5), "entrance hall": 0.6, "kitchen": 0.3, "bathroom": 0.2, "toilet": 0.7},
     place=OnWall((1.2, 1.55)),
 )
 def picture(s: Size, rng: Generator) -> Parts:
@@ -100,7 +100,7 @@ def picture(s: Size, rng: Generator) -> Parts:
     depth=(0.008, 0.012),
     height=(0.7, 1.0),
     rooms={
-        "children's room": (2, 3),
+        "children's room": (3, 4),
         "office": 0.6,
         "garage": 1.0,
         "gym": (1, 2),
@@ -283,7 +283,6 @@ def photo_frame(s: Size, rng: Generator) -> Parts:
             "bedroom",
             "children's room",
             "kitchen",
-            "corridor",
             "entrance hall",
             "bathroom",
             "toilet",
@@ -292,7 +291,7 @@ def photo_frame(s: Size, rng: Generator) -> Parts:
         ),
         (1, 1),
     )
-    | {"dining room": 0.4},
+    | {"corridor": (2, 3)},
     place=OnCeiling(),
 )
 def ceiling_lamp(s: Size, rng: Generator) -> Parts:
@@ -350,7 +349,7 @@ def radiator(s: Size, rng: Generator) -> Parts:
     width=(0.9, 1.4),
     depth=(0.02, 0.03),
     height=(0.9, 1.2),
-    rooms={"living room": 0.25, "bedroom": 0.25, "library": 0.4, "dining room": 0.2},
+    rooms={"living room": 0.1, "bedroom": (1, 1), "library": 0.4, "dining room": 0.1},
     place=OnWall((0.9, 1.1)),
 )
 def tapestry(s: Size, rng: Generator) -> Parts:

@@ -154,7 +154,7 @@ def sideboard(s: Size, rng: Generator) -> Parts:
     width=(0.9, 1.3),
     depth=(0.38, 0.45),
     height=(1.8, 2.1),
-    rooms={"dining room": (1, 1), "living room": 0.1},
+    rooms={"dining room": (1, 1), "living room": 0.05},
     clearance=0.5,
 )
 def china_cabinet(s: Size, rng: Generator) -> Parts:
@@ -171,7 +171,7 @@ def china_cabinet(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "chandelier", width=(0.6, 0.8), depth=(0.6, 0.8), height=(0.55, 0.7), rooms={"dining room": 0.7}, place=OnCeiling()
+    "chandelier", width=(0.6, 0.8), depth=(0.6, 0.8), height=(0.55, 0.7), rooms={"dining room": (1, 1)}, place=OnCeiling()
 )
 def chandelier(s: Size, rng: Generator) -> Parts:
     """Six candles on a ring, or three pendant shades."""

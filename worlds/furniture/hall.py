@@ -10,7 +10,7 @@ from worlds.parts import Part
 
 
 @furniture(
-    "shoe rack", width=(0.7, 1.0), depth=(0.24, 0.3), height=(0.5, 0.75), rooms={"corridor": 0.8, "entrance hall": (1, 1)}
+    "shoe rack", width=(0.7, 1.0), depth=(0.24, 0.3), height=(0.5, 0.75), rooms={"corridor": 0.1, "entrance hall": (1, 2)}
 )
 def shoe_rack(s: Size, rng: Generator) -> Parts:
     """Pairs of shoes on three shelves."""
@@ -32,7 +32,7 @@ def shoe_rack(s: Size, rng: Generator) -> Parts:
     width=(0.8, 1.2),
     depth=(0.14, 0.2),
     height=(1.1, 1.3),
-    rooms={"corridor": 0.8, "entrance hall": (1, 1), "classroom": 0.5, "office": 0.3},
+    rooms={"corridor": 0.1, "entrance hall": (2, 3), "classroom": 0.5, "office": 0.3},
     place=OnWall((0.65, 0.75)),
 )
 def coat_hooks(s: Size, rng: Generator) -> Parts:
@@ -82,7 +82,7 @@ def console_table(s: Size, rng: Generator) -> Parts:
     width=(0.22, 0.26),
     depth=(0.22, 0.26),
     height=(0.75, 0.85),
-    rooms={"corridor": 0.5, "entrance hall": 0.8},
+    rooms={"corridor": 0.1, "entrance hall": (1, 1)},
     place=AgainstWall(corner=True),
 )
 def umbrella_stand(s: Size, rng: Generator) -> Parts:
@@ -99,7 +99,7 @@ def umbrella_stand(s: Size, rng: Generator) -> Parts:
     width=(0.9, 1.2),
     depth=(0.34, 0.4),
     height=(0.44, 0.5),
-    rooms={"corridor": 0.3, "entrance hall": 0.6, "gym": 0.7},
+    rooms={"corridor": 0.1, "entrance hall": (1, 1), "gym": 0.7},
 )
 def hall_bench(s: Size, rng: Generator) -> Parts:
     """A seat over baskets."""
@@ -120,7 +120,7 @@ def hall_bench(s: Size, rng: Generator) -> Parts:
     width=(2.0, 3.0),
     depth=(0.7, 0.9),
     height=(0.012, 0.016),
-    rooms={"corridor": 0.7, "entrance hall": 0.4},
+    rooms={"corridor": (1, 2), "entrance hall": 0.2},
     place=OnFloor("centre"),
     solid=False,
 )
@@ -139,7 +139,7 @@ def runner(s: Size, rng: Generator) -> Parts:
     width=(0.6, 0.8),
     depth=(0.4, 0.5),
     height=(0.015, 0.025),
-    rooms={"entrance hall": (1, 1), "corridor": 0.2},
+    rooms={"entrance hall": (1, 2)},
     place=OnFloor(),
     solid=False,
 )
@@ -156,7 +156,7 @@ def door_mat(s: Size, rng: Generator) -> Parts:
     width=(0.3, 0.45),
     depth=(0.04, 0.05),
     height=(0.2, 0.28),
-    rooms={"corridor": 0.4, "entrance hall": 0.5},
+    rooms={"entrance hall": (1, 1)},
     place=OnWall((1.3, 1.5)),
 )
 def key_board(s: Size, rng: Generator) -> Parts:
@@ -173,7 +173,7 @@ def key_board(s: Size, rng: Generator) -> Parts:
     width=(0.45, 0.6),
     depth=(0.05, 0.08),
     height=(1.3, 1.6),
-    rooms={"corridor": 0.5, "entrance hall": 0.7, "bedroom": 0.6, "gym": (1, 2)},
+    rooms={"corridor": 0.1, "entrance hall": (1, 1), "bedroom": 0.6, "gym": (1, 2)},
     place=OnWall((0.25, 0.4)),
 )
 def standing_mirror(s: Size, rng: Generator) -> Parts:

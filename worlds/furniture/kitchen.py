@@ -361,7 +361,7 @@ def bottles(s: Size, rng: Generator) -> Parts:
     width=(0.4, 0.6),
     depth=(0.1, 0.12),
     height=(0.35, 0.5),
-    rooms={"kitchen": 0.6, "pantry": 0.5},
+    rooms={"kitchen": (1, 2), "pantry": (1, 2)},
     place=OnWall((1.3, 1.5)),
 )
 def spice_rack(s: Size, rng: Generator) -> Parts:
@@ -370,7 +370,7 @@ def spice_rack(s: Size, rng: Generator) -> Parts:
 
 
 @furniture(
-    "pan rail", width=(0.6, 0.9), depth=(0.06, 0.08), height=(0.4, 0.5), rooms={"kitchen": 0.7}, place=OnWall((1.3, 1.4))
+    "pan rail", width=(0.6, 0.9), depth=(0.06, 0.08), height=(0.4, 0.5), rooms={"kitchen": (1, 2)}, place=OnWall((1.3, 1.4))
 )
 def pan_rail(s: Size, rng: Generator) -> Parts:
     """Pans and ladles that hang from a rail."""

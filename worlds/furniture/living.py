@@ -159,7 +159,7 @@ def bookshelf(s: Size, rng: Generator) -> Parts:
     width=(1.6, 2.4),
     depth=(1.1, 1.6),
     height=(0.012, 0.016),
-    rooms={"living room": (1, 1), "bedroom": 0.7, "children's room": 0.8, "dining room": 0.3, "library": 0.6, "office": 0.1},
+    rooms={"living room": (1, 1), "bedroom": 0.7, "children's room": 0.8, "library": 0.6, "office": 0.1},
     place=OnFloor("centre"),
     solid=False,
 )

@@ -313,7 +313,7 @@ def ladder(s: Size, rng: Generator) -> Parts:
     width=(1.0, 1.6),
     depth=(0.06, 0.1),
     height=(0.7, 0.9),
-    rooms={"garage": (1, 2), "storage room": 0.6},
+    rooms={"garage": (2, 3), "storage room": 0.6},
     place=OnWall((1.1, 1.3)),
 )
 def tool_board(s: Size, rng: Generator) -> Parts:
