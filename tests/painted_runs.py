@@ -33,7 +33,9 @@ def painted_run(seed):
     labels = np.array([ROOM_LABELS.index(walked.house.rooms[i].label) for i in room])
     looks = np.stack([_images(labels[:9])] * 2)
     frames = painted(labels, np.random.default_rng(seed), T_W_B)
-    return EncoderRun(HouseDraw("uh2-apt", seed), walked.tour.stamps[kept], room, frames, np.arange(9), looks, looks)
+    return EncoderRun(
+        HouseDraw("uh2-apt", seed), walked.tour.stamps[kept], room, frames, np.arange(9), looks, looks, looks[:1], looks[:1]
+    )
 
 
 def _images(rooms):

@@ -25,6 +25,7 @@ from sim.training.frames import BARE, THINGS, Frames, Views, frames_in, frames_o
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, save_text_tower
+from sim.training.views import IMAGE_SIZE
 from worlds.labels import ROOM_LABELS
 from worlds.presets import PRESETS
 
@@ -63,7 +64,7 @@ def test_walls_too_short_to_open_stay_as_they_are():
 def test_frames_show_the_rooms_and_things_of_the_house(frames):
     labels = {ROOM_LABELS[k] for k in frames.rooms}
     assert {"dining room", "living room", "bedroom", "bathroom", "stairs"} <= labels
-    assert frames.images.shape[1:] == (96, 128, 3)
+    assert frames.images.shape[1:] == (IMAGE_SIZE[1], IMAGE_SIZE[0], 3)
     in_bedroom = frames.rooms == ROOM_LABELS.index("bedroom")
     bed = frames.shares[:, THINGS.index("double bed")]
     assert bed[in_bedroom].mean() > 10 * bed[~in_bedroom].mean()
@@ -191,7 +192,8 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     weights = {name: value.float() for name, value in load_file(run.out).items()}
     model = open_clip.CLIP(**model_config())
     model.load_state_dict(weights)
-    encoder = OpenClipEncoder("mini", model, open_clip.tokenizer.SimpleTokenizer(context_length=24), squashing(96, 128))
+    tokenizer = open_clip.tokenizer.SimpleTokenizer(context_length=24)
+    encoder = OpenClipEncoder("mini", model, tokenizer, squashing(IMAGE_SIZE[1], IMAGE_SIZE[0]))
     said = encoder.encode_rooms(["kitchen", "place to cook"])
     np.testing.assert_allclose(said, room_embeddings(text, ["kitchen", "place to cook"]), atol=0.02)
     seen = frames_in(work / "frames")

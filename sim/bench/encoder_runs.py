@@ -17,6 +17,7 @@ from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.training.frames import PATCHES, THINGS, Frames, frames_at
 from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
+from sim.training.variants import repainted
 from sim.training.views import LEXIS_VIEWS, evenly_along
 from worlds.house import House, build_house
 from worlds.truth import room_at
@@ -44,6 +45,10 @@ class EncoderRun:
     """Their images where texture and light meet as they never do in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
     """And in pairs of the same textures and lights that do."""
+    held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
+    """With furniture in colours that are never trained on."""
+    trained_variants: UInt8[np.ndarray, "1 k h w 3"]
+    """And with furniture in trained colours alone."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -91,6 +96,7 @@ def _rendered(draw: HouseDraw) -> EncoderRun:
         frames_at(walked.house, T_W_B, LEXIS_VIEWS),
         some,
         *(_in_looks(draw, looks, T_W_B[some]) for looks in (HELD_OUT_LOOKS, TRAINED_LOOKS)),
+        *(frames_at(repainted(walked.house, held_out), T_W_B[some], LEXIS_VIEWS).images[None] for held_out in (True, False)),
     )
 
 

@@ -45,6 +45,10 @@ class EncoderRow:
     """Accuracy in textures and lights that met in training."""
     held_out_looks: float
     """The same keyframes in the same textures and lights, paired as they never met."""
+    trained_variants: float
+    """Accuracy with furniture in trained colours alone."""
+    held_out_variants: float
+    """And in colours that are never trained on."""
     recall: float | None
     """Recall@1 of revisits, by cosine of embeddings."""
     recall_in_room: float | None
@@ -135,6 +139,8 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
         trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
         held_out_looks=_in_looks(encoder, run.held_out_looks, rooms, own[run.looked_at]),
+        trained_variants=_in_looks(encoder, run.trained_variants, rooms, own[run.looked_at]),
+        held_out_variants=_in_looks(encoder, run.held_out_variants, rooms, own[run.looked_at]),
         recall=share(found["recall"]),
         recall_in_room=share(found["recall_in_room"]),
         recall_orb=share(found["recall_orb"]) if "recall_orb" in found else None,

@@ -17,6 +17,7 @@ from sim.errors import SimError
 from sim.raster import NO_GEOM, Raster
 from sim.scene import Scene, build_scene
 from sim.training.houses import HouseDraw
+from sim.training.variants import repainted
 from sim.training.views import TRAINING_VIEWS, Views, poses_along_tour
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House, build_house
@@ -26,12 +27,12 @@ from worlds.visuals import STAIRS_OBJECT
 
 THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 """What is told apart in a frame."""
-PATCHES = (3, 4)
+PATCHES = (4, 5)
 """Rows and columns of patches in a frame: the image tower's last feature map."""
 BARE = 0.03
 """Frames with less than this share of things and of other rooms show walls only."""
 
-_IDS_SIZE = (64, 48)
+_IDS_SIZE = (80, 64)
 _NONE = -1
 
 
@@ -97,7 +98,7 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
 
 def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
     """Frames along a tour through one house; none where there is no way."""
-    house = build_house(draw.spec())
+    house = repainted(build_house(draw.spec()), held_out=False)
     return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 
 

@@ -99,7 +99,7 @@ bedroom: sleep, go to bed, take a nap, lie down, rest at night, get some sleep, 
 children's room: play with toys, let the kids play, build with toy blocks, put the children to bed, read a bedtime story,
     keep toys, play with dolls, put the baby to sleep, play as a child
 bathroom: take a bath, take a shower, have a shower, brush my teeth, bathe, wash my body, wash my hair, shave, freshen up
-    in the morning
+    in the morning, wash my hands
 toilet: use the toilet, go to the loo, relieve myself, pee, powder my nose, do my business, go to the toilet, flush the
     toilet, answer nature's call
 corridor: walk from room to room, pass through to other rooms, get to the other rooms, walk along, go down the hall, walk

@@ -26,7 +26,7 @@ from sim.training.text_corpus import captions, compositions, near_words, plain_w
 from sim.training.text_target import fit_target_map, labelled_captions
 
 EMBED_DIM = 256
-TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width": 128, "heads": 4, "layers": 2}
+TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width": 160, "heads": 5, "layers": 2}
 """As in an open_clip model config."""
 
 _POOL_BATCHES = 20

@@ -11,7 +11,7 @@ from sim.tour import Tour, TourConfig, plan_tour
 from worlds.house import House
 from worlds.walkable import Walkable
 
-IMAGE_SIZE = (128, 96)
+IMAGE_SIZE = (160, 128)
 """Width and height that the encoder sees [px]."""
 
 _YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06

@@ -1,0 +1,31 @@
+"""Held-out variants of furniture: never in training, everywhere they can be in tests, and nothing else moves."""
+
+import pytest
+
+from sim.training.variants import repainted, shows_held_out
+from worlds.house import build_house
+from worlds.presets import sample_house
+
+
+@pytest.fixture(scope="module")
+def house():
+    return build_house(sample_house("home", 3))
+
+
+def place(piece):
+    return piece.id, piece.kind, piece.position, piece.yaw, piece.size
+
+
+def test_training_never_shows_a_held_out_variant_and_loses_hardly_a_piece(house):
+    assert any(map(shows_held_out, house.furniture))
+    trained = repainted(house, held_out=False)
+    assert not any(map(shows_held_out, trained.furniture))
+    assert len(trained.furniture) >= 0.97 * len(house.furniture)
+    assert {place(piece) for piece in trained.furniture} <= {place(piece) for piece in house.furniture}
+
+
+def test_held_out_variants_are_wherever_a_kind_has_any(house):
+    tested = repainted(house, held_out=True)
+    assert [place(piece) for piece in tested.furniture] == [place(piece) for piece in house.furniture]
+    can = {piece.kind for piece in house.furniture if shows_held_out(piece)}
+    assert all(shows_held_out(piece) for piece in tested.furniture if piece.kind in can)
