@@ -17,7 +17,7 @@ def add_to(commands: Commands) -> None:
         commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --work encoder-training"
     )
     train.add_argument("--houses", type=positive, default=520, help="to train on (default: %(default)s)")
-    train.add_argument("--epochs", type=positive, default=9, help="of dense supervision (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=10, help="of dense supervision (default: %(default)s)")
     train.add_argument("--align-epochs", type=positive, default=4, help="of alignment with text (default: %(default)s)")
     SEED(train)
     train.add_argument(

@@ -35,7 +35,7 @@ class TrainingRun:
     houses: int = 520
     """To train on."""
     tuning_houses: int = 24
-    epochs: tuple[int, int] = (9, 4)
+    epochs: tuple[int, int] = (10, 4)
     """Of dense supervision and of alignment."""
     settling_steps: int = SETTLING_STEPS
     """Of the projection alone, at the end."""
