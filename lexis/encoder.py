@@ -79,7 +79,7 @@ class OpenClipEncoder:
 
     def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
         """f_CLIP of RGB images, unit norm: in batches, less what the cache knows. Raises EncoderError without any image."""
-        if self._cache is None:
+        if self._cache is None or len(images) == 0:
             return self._embedded_images(images)
         keys = [image_key(image) for image in images]
         known = self._cache.find(keys)

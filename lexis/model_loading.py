@@ -14,7 +14,7 @@ from safetensors import safe_open
 
 from lexis.errors import EncoderError
 from lexis.hub import one_line
-from lexis.model_source import MINI_CONFIG, ModelSource
+from lexis.model_source import ModelSource
 from lexis.preprocessing import Preprocessing, as_open_clip, squashing
 
 _POSITIONS = ("visual.positional_embedding", "positional_embedding")
@@ -25,6 +25,8 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
     with open_clip_quiet():
         try:
             weights = source.weights()
+            if source.config is not None:
+                open_clip.add_model_config(source.config)
             network = open_clip.create_model(
                 source.architecture,
                 pretrained=None if weights is None else str(weights),
@@ -48,7 +50,7 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
 def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
     """As stated, resized to what the network takes. Raises ValueError where the two contradict each other."""
     height, width = _pair(network.visual.image_size)
-    if source.architecture == MINI_CONFIG.stem:
+    if source.config is not None:
         return squashing(height, width)
     stated = source.preprocess.get("size")
     if stated is not None and _pair(stated) != (height, width):

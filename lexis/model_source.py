@@ -44,6 +44,8 @@ class ModelSource:
     """None where the weights come from the hub, or the architecture's name says from where."""
     hub: tuple[str, tuple[str, ...]] | None = None
     """Repository, and the names that the weights may have there."""
+    config: Path | None = None
+    """Of a mini alone: its architecture, for open_clip to register under the name of the file."""
     quick_gelu: bool = False
     """Whether these weights were trained with OpenAI's activation; open_clip would only warn."""
 
@@ -56,7 +58,7 @@ def parse_model(model: str) -> ModelSource:
     """Resolve `mini`, MODEL, MODEL:PRETRAINED, MODEL:PATH, hf-hub:OWNER/NAME or local-dir:PATH. Raises EncoderError."""
     _register_mini()
     if model == MINI:
-        return _checkpoint(MINI_CONFIG.stem, MINI_CONFIG.with_suffix(".safetensors"), "mini")
+        return _mini(MINI_CONFIG.with_suffix(".safetensors"), "mini")
     if model.startswith(_FOLDER):
         return ModelSource(model, "the folder", _stated(Path(model.removeprefix(_FOLDER)) / CONFIG_FILE)["preprocess_cfg"])
     if model.startswith(_HUB):
@@ -74,7 +76,7 @@ def parse_model(model: str) -> ModelSource:
     if wanted in tags:
         return _published(architecture, wanted)
     if rest and Path(rest).suffix in _CHECKPOINTS:
-        return _checkpoint(architecture, Path(rest), model)
+        return _mini(Path(rest), model) if architecture == MINI_CONFIG.stem else _checkpoint(architecture, Path(rest), model)
     raise EncoderError(
         f"encoder {model!r}: no weights {wanted!r} of {architecture}; valid: {', '.join(tags)}{', or ' if tags else ''}"
         f"the path of a checkpoint ({', '.join(_CHECKPOINTS)})"
@@ -91,11 +93,21 @@ def _published(architecture: str, tag: str) -> ModelSource:
     )
 
 
-def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
+def _mini(path: Path, model: str) -> ModelSource:
+    """Of the architecture that is written beside the weights, else of the package's."""
+    _check_exists(path, model)
+    beside = path.with_suffix(".json")
+    config = beside if os.path.isfile(beside) else MINI_CONFIG
+    return ModelSource(config.stem, "the checkpoint", {}, path, config=config)
+
+
+def _check_exists(path: Path, model: str) -> None:
     if not os.path.isfile(path):
         raise EncoderError(f"encoder {model}: no checkpoint at {path}; valid: an existing file, or another model")
-    if architecture == MINI_CONFIG.stem:
-        return ModelSource(architecture, "the checkpoint", {}, path)
+
+
+def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
+    _check_exists(path, model)
     beside = path.parent / CONFIG_FILE
     stated = _stated(beside) if os.path.isfile(beside) else {}
     preprocess = stated.get("preprocess_cfg") or _agreed(architecture)
@@ -126,7 +138,8 @@ def _activation(architecture: str, stated: Mapping[str, Any], path: Path) -> boo
 def _stated(path: Path) -> dict[str, dict[str, Any]]:
     """The configuration that belongs to weights; its `preprocess_cfg` states mean and std. Raises EncoderError."""
     try:
-        config = json.loads(path.read_bytes()[: _MAX_CONFIG_BYTES + 1])
+        with path.open("rb") as file:
+            config = json.loads(file.read(_MAX_CONFIG_BYTES + 1))
         preprocess = config["preprocess_cfg"]
         mean, std = ([float(value) for value in preprocess[key]] for key in ("mean", "std"))
         if not (len(mean) == len(std) == 3 and all(map(math.isfinite, mean + std)) and min(std) > 0):

@@ -3,6 +3,7 @@
 import json
 import pickle
 
+import cv2
 import numpy as np
 import open_clip
 import pytest
@@ -100,13 +101,31 @@ def test_squash_averages_pixels_without_keeping_the_aspect():
     np.testing.assert_allclose(squash(image, 2, 2).numpy(), expected.transpose(2, 0, 1), atol=rounding)
 
 
+def test_a_mini_is_of_the_architecture_written_beside_its_weights(tmp_path, image):
+    for name, size in (("wide", [32, 64]), ("high", [64, 32])):
+        config = TINY | {"vision_cfg": TINY["vision_cfg"] | {"image_size": size}}
+        (tmp_path / f"{name}.json").write_text(json.dumps(config))
+        save_file(open_clip.CLIP(**config).state_dict(), tmp_path / f"{name}.safetensors")
+    wide, high, mini = (
+        load_encoder(model)
+        for model in (f"lexis-mini:{tmp_path}/wide.safetensors", f"lexis-mini:{tmp_path}/high.safetensors", "mini")
+    )
+    seen = []
+    for encoder, shape in ((wide, (32, 64)), (high, (64, 32))):
+        squashed = cv2.resize(image, shape[::-1], interpolation=cv2.INTER_AREA)
+        seen.append(encoder.encode_image(image))
+        np.testing.assert_allclose(encoder.encode_image(squashed), seen[-1], atol=1e-5)
+        assert np.abs(encoder.encode_image(cv2.resize(image, shape)) - seen[-1]).max() > 1e-4
+    assert mini.encode_image(image).shape != seen[0].shape == (16,)
+
+
 def test_another_checkpoint_of_the_mini_needs_no_config(tmp_path, image):
     with pytest.raises(EncoderError, match="no checkpoint"):
         load_encoder(f"{MINI_CONFIG.stem}:{tmp_path / 'absent.safetensors'}")
     model = open_clip.create_model(MINI_CONFIG.stem)
     save_file(model.state_dict(), tmp_path / "fresh.safetensors")
     encoder = load_encoder(f"{MINI_CONFIG.stem}:{tmp_path / 'fresh.safetensors'}")
-    expected = model.eval().encode_image(squash(image, 96, 128)[None], normalize=True).detach().numpy()[0]
+    expected = model.eval().encode_image(squash(image, *model.visual.image_size)[None], normalize=True).detach().numpy()[0]
     np.testing.assert_allclose(encoder.encode_image(image), expected, atol=1e-6)
 
 

@@ -32,7 +32,7 @@ PATCHES = (4, 5)
 BARE = 0.03
 """Frames with less than this share of things and of other rooms show walls only."""
 
-_IDS_SIZE = (80, 64)
+_IDS_SIZE = (80, 60)
 _NONE = -1
 
 
@@ -104,9 +104,8 @@ def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
 
 def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = TRAINING_VIEWS) -> Frames:
     """Frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
-    size = views.size[0] * views.supersampling, views.size[1] * views.supersampling
-    camera, plain = wide_camera(*size), wide_camera(*_IDS_SIZE)
-    scene = build_scene(house, size, fovy_deg(camera.intrinsics))
+    camera, plain = wide_camera(*views.rendered), wide_camera(*_IDS_SIZE)
+    scene = build_scene(house, views.rendered, fovy_deg(camera.intrinsics))
     images, ids = [], []
     with Raster(scene) as raster:
         for T_W_B in poses:
@@ -130,10 +129,10 @@ def _told(
 ) -> tuple[UInt8[np.ndarray, "n rows columns things"], Float32[np.ndarray, "n labels"], Float32[np.ndarray, "n"]]:
     """Things, views and content of frames."""
     things, seen = thing_of_geom[ids], room_of_geom[ids]
-    n, (rows, columns) = len(ids), PATCHES
-    patches = things.reshape(n, rows, ids.shape[1] // rows, columns, -1).swapaxes(2, 3).reshape(n, rows, columns, -1)
-    shares = _histogram(patches, len(THINGS))
-    views = _histogram(np.where(seen == _NONE, _NONE, labels[seen]).reshape(n, -1), len(ROOM_LABELS))
+    (n, height, width), (rows, columns) = ids.shape, PATCHES
+    patches = things.reshape(n, rows, height // rows, columns, width // columns).swapaxes(2, 3)
+    shares = _histogram(patches.reshape(n, rows, columns, height * width // (rows * columns)), len(THINGS))
+    views = _histogram(np.where(seen == _NONE, _NONE, labels[seen]).reshape(n, height * width), len(ROOM_LABELS))
     bare = ((things == _NONE) & ((seen == rooms[:, None, None]) | (seen == _NONE))).mean(axis=(1, 2))
     patch_shares = np.rint(shares * 255).astype(np.uint8)
     return patch_shares, views.astype(np.float32), (1.0 - bare).astype(np.float32)

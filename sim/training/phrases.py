@@ -13,6 +13,7 @@ import numpy as np
 
 from lexis.prompts import with_article
 from sim.training.lexicon import ACTIVITIES, ROOMS, SYNONYMS, THINGS
+from worlds.furniture.catalogue import CATALOGUE
 
 Table = Mapping[str, tuple[str, ...]]
 _TABLES = (ROOMS, ACTIVITIES, THINGS, SYNONYMS)
@@ -23,7 +24,7 @@ def _holding(phrases: Sequence[str]) -> re.Pattern[str]:
     return re.compile(r"\b(?:" + "|".join(sorted(map(re.escape, phrases))) + r")\b", re.IGNORECASE)
 
 
-_KEYS = " , ".join(chain.from_iterable(_TABLES))
+_KEYS = " , ".join(chain(*_TABLES, CATALOGUE))
 HELD_OUT_PHRASES = tuple(
     sorted(
         {

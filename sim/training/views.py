@@ -27,8 +27,8 @@ class Views:
 
     size: tuple[int, int] = IMAGE_SIZE
     """Width and height of the images that are kept [px]."""
-    supersampling: int = 3
-    """How many times larger they are rendered."""
+    rendered: tuple[int, int] = (480, 360)
+    """And of what is rendered and squashed to that size: LEXIS's camera."""
     spacing_m: float = 2.0
     """Between pairs of frames along the tour [m]."""
     most: int = 110
@@ -36,7 +36,7 @@ class Views:
 
 
 TRAINING_VIEWS = Views()
-LEXIS_VIEWS = Views(size=(480, 360), supersampling=1)
+LEXIS_VIEWS = Views(size=(480, 360))
 """As LEXIS sees houses."""
 
 

@@ -13,6 +13,7 @@ from worlds.furniture.palette import (
     METALS,
     STONES,
     UPHOLSTERY,
+    WALNUT,
     WHITE,
     WHITES,
     WOODS,
@@ -209,7 +210,7 @@ def fireplace(s: Size, rng: Generator) -> Parts:
         ),
         box(inset(s.x, 0.3), (s.back, s.front - 0.04), (0.72, s.height - 0.06), brick, "brick"),
         box(inset(s.x, 0.3), (s.back, s.back + 0.06), (0.0, 0.72), BLACK),
-        *(cylinder(about(x, 0.12), about(0.0, 0.12), (0.0, 0.15), WOODS[2], "wood") for x in (-0.12, 0.0, 0.12)),
+        *(cylinder(about(x, 0.12), about(0.0, 0.12), (0.0, 0.15), WALNUT, "wood") for x in (-0.12, 0.0, 0.12)),
         cone(about(0.0, 0.3), about(0.0, 0.14), (0.12, 0.5), (1.0, 0.5, 0.1), "leaves"),
         box(s.x, s.y, (s.height - 0.06, s.height), pick(rng, DARK_WOODS), "wood"),
     )
