@@ -1,8 +1,11 @@
 """Held-out variants of furniture: never in training, everywhere they can be in tests, and nothing else moves."""
 
+from dataclasses import replace
+
 import pytest
 
 from sim.training.variants import repainted, shows_held_out
+from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import build_house
 from worlds.presets import sample_house
 
@@ -29,3 +32,11 @@ def test_held_out_variants_are_wherever_a_kind_has_any(house):
     assert [place(piece) for piece in tested.furniture] == [place(piece) for piece in house.furniture]
     can = {piece.kind for piece in house.furniture if shows_held_out(piece)}
     assert all(shows_held_out(piece) for piece in tested.furniture if piece.kind in can)
+
+
+def test_every_kind_of_furniture_is_trained_in_some_colour(house):
+    one = house.furniture[0]
+    sizes = {name: tuple(sum(r) / 2 for r in (kind.width, kind.depth, kind.height)) for name, kind in CATALOGUE.items()}
+    often = [replace(one, kind=name, size=size, seed=seed) for name, size in sizes.items() for seed in range(5)]
+    kept = {piece.kind for piece in repainted(replace(house, furniture=tuple(often)), held_out=False).furniture}
+    assert set(CATALOGUE) - kept == set()

@@ -143,8 +143,9 @@ print room: print documents, make photocopies, scan papers, copy a document, pri
 """What is done there, to be read after "to"."""
 
 THINGS = _table("""
-kitchen: stove, fridge, kitchen sink, oven, kitchen counter, dishwasher, kettle, cooker hood, toaster, microwave, kitchen
-    island, spice rack, pots and pans, kitchen cabinets, dish rack
+kitchen: stove, fridge, cooking hob, oven, kitchen counter, kitchen appliances, kettle, cooker hood, pots and pans,
+    microwave, kitchen island, cooking utensils, dishwasher, kitchen cabinets, crockery, kitchen sink, toaster, fridge
+    freezer, spice rack, dish rack
 dining room: dining table, dining chairs, set table, china cabinet, chandelier above a table, plates and glasses, dinner
     table, long table with chairs, candlestick on a table
 living room: sofa, television, couch, coffee table, armchair, TV set, fireplace, TV stand, settee, piano, sofa and a rug,

@@ -1,8 +1,8 @@
 """What captions say: rooms, things and what is done there, in the frames that people put them in.
 
-Every third entry of the lexicon and of the frames is held out: it stands in no caption, not even within another phrase, and
-measures how far the text tower understands words and wordings that it was never aligned with. Everything is drawn from an
-explicit generator.
+Every third entry of the lexicon, and every third frame of activities and things, is held out: it stands in no caption, not
+even within another phrase, and measures how far the text tower understands words and wordings that images were never
+aligned with. Everything is drawn from an explicit generator.
 """
 
 import re

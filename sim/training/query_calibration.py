@@ -83,7 +83,7 @@ class CalibrationFigures:
     best_calibration_error: float
     """And of that of the best room alone."""
     right: float
-    """Questions with an answer whose best room is one."""
+    """Questions with an answer whose best room is one, or shows the thing from afar."""
     unknown_auc: float
     """Probability that the best room of a question with an answer is held likelier than that of one without."""
     found: float

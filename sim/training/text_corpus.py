@@ -1,6 +1,7 @@
 """Texts that the text tower is distilled on: every word it may meet, alone, joined and in sentences, and our captions.
 
-No label is attached to any of them: the teacher alone says what they mean. Phrases that are held out are left out.
+No label is attached to any of them: the teacher alone says what they mean. Held-out phrases of several words are left out,
+alone and within others; a held-out single word is one of the vocabulary's, and stands here as all of these do.
 """
 
 import re
