@@ -17,7 +17,7 @@ from lexis.hub import one_line
 from lexis.model_source import ModelSource
 from lexis.preprocessing import Preprocessing, as_open_clip, squashing
 
-_POSITIONS = ("visual.positional_embedding", "positional_embedding")
+_POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.positional_embedding")
 
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
@@ -35,7 +35,7 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
                 weights_only=True,
             )
             tokenizer = open_clip.get_tokenizer(source.architecture)
-            if weights is not None and source.hub is None:
+            if weights is not None and not source.published:
                 _check_positions(network, weights)
             return network, tokenizer, _preprocessing(source, network)
         except EncoderError as error:
@@ -62,11 +62,10 @@ def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
 def _check_positions(network: Any, checkpoint: Path) -> None:
     """Raise ValueError where open_clip has resized embeddings of positions: it would only log that."""
     stored, own = _shapes(checkpoint), network.state_dict()
-    for name in _POSITIONS:
-        if name in stored and name in own and stored[name] != tuple(own[name].shape):
-            raise ValueError(
-                f"of another architecture: its {name} is {stored[name]}, that of the model {tuple(own[name].shape)}"
-            )
+    for name, shape in stored.items():
+        mine = own.get(name, own.get(f"text.{name}"))  # in some architectures the text tower is a module of its own
+        if mine is not None and shape != tuple(mine.shape):
+            raise ValueError(f"of another architecture: its {name} is {shape}, that of the model {tuple(mine.shape)}")
 
 
 def _shapes(checkpoint: Path) -> dict[str, tuple[int, ...]]:

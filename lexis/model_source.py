@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import open_clip
+from open_clip.factory import _find_checkpoint_in_dir
 
 from lexis.errors import EncoderError
 from lexis.hub import fetch
@@ -41,16 +42,18 @@ class ModelSource:
     preprocess: Mapping[str, Any]
     """Mean and deviation of the image and, where stated, size [px] and resizing; empty for the mini."""
     checkpoint: Path | None = None
-    """None where the weights come from the hub, or the architecture's name says from where."""
+    """None where the weights come from the hub, and where a folder has none."""
     hub: tuple[str, tuple[str, ...]] | None = None
     """Repository, and the names that the weights may have there."""
     config: Path | None = None
     """Of a mini alone: its architecture, for open_clip to register under the name of the file."""
+    published: bool = False
+    """Whether open_clip itself lists these weights for this architecture."""
     quick_gelu: bool = False
     """Whether these weights were trained with OpenAI's activation; open_clip would only warn."""
 
     def weights(self) -> Path | None:
-        """The checkpoint, fetched if need be; None where the architecture's name says where it is. Raises EncoderError."""
+        """The checkpoint, fetched if need be; None where a folder has none. Raises EncoderError."""
         return fetch(*self.hub) if self.hub else self.checkpoint
 
 
@@ -60,7 +63,7 @@ def parse_model(model: str) -> ModelSource:
     if model == MINI:
         return _mini(MINI_CONFIG.with_suffix(".safetensors"), "mini")
     if model.startswith(_FOLDER):
-        return ModelSource(model, "the folder", _stated(Path(model.removeprefix(_FOLDER)) / CONFIG_FILE)["preprocess_cfg"])
+        return _folder(Path(model.removeprefix(_FOLDER)), model)
     if model.startswith(_HUB):
         repo = model.removeprefix(_HUB)
         stated = _stated(fetch(repo, (CONFIG_FILE,)))
@@ -83,13 +86,25 @@ def parse_model(model: str) -> ModelSource:
     )
 
 
+def _folder(path: Path, model: str) -> ModelSource:
+    """With the checkpoint that open_clip takes of those in the folder."""
+    stated = _stated(path / CONFIG_FILE)
+    found = _find_checkpoint_in_dir(path)
+    return ModelSource(model, "the folder", stated["preprocess_cfg"], checkpoint=Path(found) if found else None)
+
+
 def _published(architecture: str, tag: str) -> ModelSource:
     known = open_clip.get_pretrained_cfg(architecture, tag)
     repo, _, name = known["hf_hub"].rpartition("/")
     names = (str(Path(name).with_suffix(".safetensors")), name) if name else _HUB_WEIGHTS
     preprocess = {key: known[key] for key in _SETTINGS}
     return ModelSource(
-        architecture, f"weights {tag!r}", preprocess, hub=(repo, names), quick_gelu=bool(known.get("quick_gelu"))
+        architecture,
+        f"weights {tag!r}",
+        preprocess,
+        hub=(repo, names),
+        published=True,
+        quick_gelu=bool(known.get("quick_gelu")),
     )
 
 

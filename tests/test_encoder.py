@@ -170,6 +170,19 @@ def test_a_damaged_or_foreign_checkpoint_is_never_loaded(tiny, tmp_path, damage)
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("prefix", ["", "text."])
+def test_positions_of_longer_texts_are_refused_where_the_text_tower_is_a_module_of_its_own(tiny, tmp_path, prefix):
+    config = {"model_cfg": TINY | {"custom_text": True}, "preprocess_cfg": PREPROCESS}
+    (tmp_path / "open_clip_config.json").write_text(json.dumps(config))
+    own = ("positional_embedding", "token_embedding", "transformer", "ln_final", "text_projection")
+    named = {prefix * name.startswith(own) + name: values for name, values in _weights(tiny).items()}
+    save_file(named, tmp_path / "weights.safetensors")
+    load_encoder(f"local-dir:{tmp_path}")
+    save_file(named | {f"{prefix}positional_embedding": torch.zeros(20, 16)}, tmp_path / "weights.safetensors")
+    with pytest.raises(EncoderError, match=r"positional_embedding is \(20, 16\), that of the model \(16, 16\)"):
+        load_encoder(f"local-dir:{tmp_path}")
+
+
 def _weights(folder):
     from safetensors.torch import load_file
 

@@ -4,11 +4,13 @@ The trap: given a checkpoint's path, open_clip takes its own default for what th
 """
 
 import json
+import shutil
 
 import numpy as np
 import open_clip
 import pytest
 import torch
+from huggingface_hub import constants
 from open_clip.factory import load_state_dict
 from PIL import Image as PILImage
 from safetensors.torch import save_file
@@ -108,15 +110,31 @@ def test_what_the_weights_were_trained_with_is_never_guessed(tmp_path):
     assert parse_model(f"RN50:{weights}").preprocess == STATED
 
 
-@pytest.mark.parametrize("suffix", [".safetensors", ".pt"])
-def test_positions_of_another_image_size_are_not_silently_stretched(small, tmp_path, suffix):
+@pytest.mark.parametrize("suffix", [".safetensors", ".pth"])
+@pytest.mark.parametrize("model", [f"{SMALLEST}:{{weights}}", "local-dir:{weights.parent}"])
+def test_positions_of_another_image_size_are_not_silently_stretched(small, tmp_path, model, suffix):
     weights = load_state_dict(str(small / "open_clip_model.safetensors"))
     positions = weights["visual.positional_embedding"]
     larger = weights | {"visual.positional_embedding": positions[:1].repeat(65, 1)}
     (save_file if suffix == ".safetensors" else torch.save)(larger, tmp_path / f"weights{suffix}")
     (tmp_path / "open_clip_config.json").write_bytes((small / "open_clip_config.json").read_bytes())
     with pytest.raises(EncoderError, match=r"of another architecture: its visual.positional_embedding is \(65"):
-        load_encoder(f"{SMALLEST}:{tmp_path / f'weights{suffix}'}")
+        load_encoder(model.format(weights=tmp_path / f"weights{suffix}"))
+
+
+def test_positions_on_the_hub_are_not_silently_stretched_either(small, tmp_path, monkeypatch):
+    snapshot = tmp_path / "models--a--b" / "snapshots" / "1"
+    (snapshot.parents[1] / "refs").mkdir(parents=True)
+    (snapshot.parents[1] / "refs" / "main").write_text("1")
+    shutil.copytree(small, snapshot)
+    monkeypatch.setattr(constants, "HF_HUB_CACHE", str(tmp_path))
+    monkeypatch.setattr(constants, "HF_HUB_OFFLINE", True)
+    load_encoder("hf-hub:a/b")
+    weights = load_state_dict(str(small / "open_clip_model.safetensors"))
+    longer = weights | {"positional_embedding": weights["positional_embedding"][:1].repeat(90, 1)}
+    save_file(longer, snapshot / "open_clip_model.safetensors")
+    with pytest.raises(EncoderError, match=r"of another architecture: its positional_embedding is \(90"):
+        load_encoder("hf-hub:a/b")
 
 
 def test_every_published_tag_says_what_its_images_look_like():
