@@ -130,6 +130,25 @@ def test_an_architecture_is_timed_with_random_weights_that_leave_nothing_behind(
         pass
 
 
+def test_an_architecture_that_cannot_be_made_costs_its_own_row_alone(tmp_path, capsys, monkeypatch):
+    def unreachable(*_, **__):
+        raise OSError("no network\nto fetch a tokenizer from")
+
+    monkeypatch.setattr("open_clip.create_model", unreachable)
+    monkeypatch.setattr("lexis.encoder.load_encoder", lambda model: Knowing(0.1))
+    monkeypatch.setattr("sim.bench.encoder_runs.encoder_runs", lambda *_: RUNS)
+    monkeypatch.setattr("sim.baselines.orb_vocabulary.orb_vocabulary", lambda work: None)
+    monkeypatch.setattr(encoder_times, "timed", lambda model, way, image: Timing(1.0, 2.0, 3.0))
+    csv_file, plot = tmp_path / "table.csv", tmp_path / "plot.png"
+    asked = ["--preset", "uh2-apt", "--architectures", "roberta-ViT-B-32", "--csv", str(csv_file), "--plot", str(plot)]
+    assert main(["bench", "encoders", *asked]) == 0
+    assert "no network" in capsys.readouterr().out and plot.exists()
+    with csv_file.open(newline="") as file:
+        mini, failed = csv.DictReader(file)
+    assert float(mini["uh2-apt accuracy mean"]) == 1.0 and float(mini["cpu image_ms"]) == 1.0
+    assert (failed["encoder"], failed["weights"], failed["cpu image_ms"]) == ("roberta-ViT-B-32", RANDOM, "")
+
+
 def test_what_cannot_be_written_or_timed_is_said_before_anything_is_measured(tmp_path, capsys):
     for options in (["--csv", str(tmp_path / "none" / "a.csv")], ["--architectures", "ViT-Z"]):
         assert main(["bench", "encoders", "--houses", "1", *options]) == 2

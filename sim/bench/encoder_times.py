@@ -3,7 +3,7 @@
 import json
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,6 +58,15 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
     return timing(encoder, image, time.perf_counter() - start)
 
 
+def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
+    """The same of an architecture of open_clip, in several ways; the reason in all of them where it cannot be made here."""
+    try:
+        with random_weights(architecture) as model:
+            return {way: timed(model, way, image) for way in ways}
+    except EncoderError as error:
+        return dict.fromkeys(ways, str(error))
+
+
 def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
     """Both times of an encoder that took so long to load. Every name is a new one, so that no cache answers."""
     rounds = range(_WARM_UP + _TIMES)
@@ -84,19 +93,22 @@ def random_weights(architecture: str) -> Iterator[str]:
     """
     check_architecture(architecture)
     with tempfile.TemporaryDirectory() as folder:
+        weights = Path(folder) / "random.safetensors"
         try:
             with open_clip_quiet():
-                network = open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
-        except (RuntimeError, OSError, ValueError) as error:
+                _write_random(architecture, weights)
+        except Exception as error:  # what is missing makes timm, transformers and the hub's client raise nearly everything
             raise EncoderError(
                 f"architecture {architecture}: cannot be made with random weights: {one_line(error)}"
             ) from None
-        weights = Path(folder) / "random.safetensors"
-        save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
-        config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
-        (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
-        del network
         yield f"{architecture}:{weights}"
+
+
+def _write_random(architecture: str, weights: Path) -> None:
+    network = open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
+    save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
+    config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
+    (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
 
 
 def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:

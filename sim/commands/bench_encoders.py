@@ -151,15 +151,14 @@ def _worst(houses: Sequence["Measured"], count: int) -> Table:
 
 def _timed_rows(accuracy: Mapping[str, Mapping[str, "Accuracy"]], arguments: argparse.Namespace) -> Iterator["TableRow"]:
     from sim.bench.encoder_table import RANDOM, TRAINED, TableRow
-    from sim.bench.encoder_times import example_image, random_weights, timed
+    from sim.bench.encoder_times import example_image, timed, timed_with_random_weights
 
     image = example_image()
     ways = [*_WAYS, *(_COMPILED if arguments.compiled else ())]
     for model, found in accuracy.items():
         yield TableRow(model, TRAINED, found, {way: timed(model, way, image) for way in ways})
     for architecture in arguments.architectures:
-        with random_weights(architecture) as model:
-            yield TableRow(architecture, RANDOM, {}, {way: timed(model, way, image) for way in ways})
+        yield TableRow(architecture, RANDOM, {}, timed_with_random_weights(architecture, ways, image))
 
 
 def _table_one(rows: Sequence["TableRow"]) -> Table:
