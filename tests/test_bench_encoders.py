@@ -2,7 +2,6 @@
 
 import csv
 import zlib
-from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -17,8 +16,10 @@ from sim.bench.encoder_times import Timing, example_image, random_weights, timed
 from sim.bench.encoders import References, measure, overall_calibration_error
 from sim.cli import main
 from sim.errors import SimError
-from sim.training.frames import Frames
+from sim.training.frames import frames_origin
+from sim.training.kept import kept
 from sim.training.phrases import ROOM_ACTIVITIES, ROOM_NAMES
+from sim.training.views import LEXIS_VIEWS, TRAINING_VIEWS
 from worlds.labels import ROOM_LABELS
 
 RUNS = [painted_run(900_004), painted_run(900_005)]
@@ -81,11 +82,13 @@ def test_the_ceiling_is_what_visible_things_tell(tmp_path):
     pytest.importorskip("sklearn")
     with pytest.raises(SimError, match="no frames"):
         ceiling_of(tmp_path)
-    (tmp_path / "frames").mkdir()
     rng = np.random.default_rng(0)
     frames = painted(np.repeat(ROOMS, 5), rng)
-    np.savez(tmp_path / "frames" / "a.npz", **{f.name: getattr(frames, f.name) for f in fields(Frames)})
+    kept(tmp_path / "frames" / "a.npz", (frames_origin(TRAINING_VIEWS), "a house"), lambda: frames.arrays)
     assert (ceiling_of(tmp_path)(painted(ROOMS, rng)) == ROOMS).all()
+    kept(tmp_path / "frames" / "b.npz", (frames_origin(LEXIS_VIEWS), "a house"), lambda: frames.arrays)
+    with pytest.raises(SimError, match=r"b\.npz: made of other"):
+        ceiling_of(tmp_path)
 
 
 def test_bands_of_the_own_room_share_out_all_frames():

@@ -1,5 +1,7 @@
 """Runs that encoders are measured on: keyframes, looks, questions that truly have one answer, and files."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from painted_runs import painted_run
@@ -51,8 +53,12 @@ def test_runs_are_kept_in_a_folder_and_damaged_ones_are_said_so(tmp_path, monkey
         np.testing.assert_array_equal(getattr(again, name), getattr(first, name))
     np.testing.assert_array_equal(again.frames.things, first.frames.things)
     (path,) = tmp_path.iterdir()
+    with monkeypatch.context() as other:
+        other.setattr(module, "LEXIS_VIEWS", replace(module.LEXIS_VIEWS, size=(240, 180)))
+        with pytest.raises(SimError, match="delete its folder"):
+            list(encoder_runs("uh2-apt", [SEED], tmp_path))
     path.write_bytes(path.read_bytes()[:1000])
-    with pytest.raises(SimError, match="delete it to have it rendered again"):
+    with pytest.raises(SimError, match="delete it"):
         list(encoder_runs("uh2-apt", [SEED], tmp_path))
 
 

@@ -2,21 +2,20 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from jaxtyping import Float64, Int, UInt8
 
 from lexis.config import KeyframeConfig
-from lexis.files import replaced_file
 from lexis.types import Poses
-from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
-from sim.training.frames import PATCHES, THINGS, Frames, frames_at
+from sim.training.frames import Frames, frames_at, frames_origin
 from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
+from sim.training.kept import Arrays, house_origin, kept, origin
 from sim.training.variants import repainted
 from sim.training.views import LEXIS_VIEWS, evenly_along
 from worlds.house import House, build_house
@@ -65,18 +64,15 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
     """Walks as `lexis-sim run` takes them, one by one.
 
     Keyframes are as far apart as LEXIS's, or as evenly as 400 can be on longer walks. With a `folder`, frames that lie there
-    are taken from it and others are left in it. Raises `SimError` for files in it that cannot be read.
+    are taken from it and others are left in it. Raises `SimError` for files in it that cannot be read, or were made of other
+    houses or in another way.
     """
     for seed in seeds:
         draw = HouseDraw(preset, seed)
         if folder is None:
             yield _rendered(draw)
-            continue
-        path = folder / f"{preset}-{seed}.npz"
-        if not path.exists():
-            folder.mkdir(parents=True, exist_ok=True)
-            _save(_rendered(draw), path)
-        yield _load(draw, path)
+        else:
+            yield _run(draw, kept(folder / f"{preset}-{seed}.npz", _origins(draw), partial(_rendered_arrays, draw)))
 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
@@ -105,20 +101,19 @@ def _in_looks(draw: HouseDraw, looks: Sequence[tuple[Any, Any]], T_W_B: Poses) -
     return np.stack([frames_at(house, T_W_B, LEXIS_VIEWS).images for house in houses])
 
 
-def _save(run: EncoderRun, path: Path) -> None:
-    arrays = {f.name: getattr(run, f.name) for f in fields(run) if f.name not in ("draw", "frames")}
-    frames = {f"frames.{f.name}": getattr(run.frames, f.name) for f in fields(Frames)}
-    with replaced_file(path) as beside, beside.open("wb") as file:
-        np.savez(file, **arrays, **frames)
+def _origins(draw: HouseDraw) -> tuple[str, str]:
+    chosen = (RunConfig(preset=draw.preset, seed=draw.seed).tour(), KeyframeConfig().spacing_m, _MOST, _LOOKED_AT)
+    own = (HELD_OUT_LOOKS, TRAINED_LOOKS, [f.name for f in fields(EncoderRun)])
+    return origin(frames_origin(LEXIS_VIEWS), chosen, own), house_origin(draw)
 
 
-def _load(draw: HouseDraw, path: Path) -> EncoderRun:
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            frames = Frames(*(data[f"frames.{f.name}"] for f in fields(Frames)))
-            own = {f.name: data[f.name] for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
-    except (OSError, ValueError, KeyError, BadZipFile) as error:
-        raise SimError(f"{path}: no run in it: {error}; delete it to have it rendered again") from None
-    if frames.things.shape[1:] != (*PATCHES, len(THINGS)):
-        raise SimError(f"{path}: frames of other things than today's {len(THINGS)}; delete its folder to render again")
+def _rendered_arrays(draw: HouseDraw) -> Arrays:
+    run = _rendered(draw)
+    own = {f.name: getattr(run, f.name) for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
+    return own | {f"frames.{name}": values for name, values in run.frames.arrays.items()}
+
+
+def _run(draw: HouseDraw, arrays: Arrays) -> EncoderRun:
+    frames = Frames(*(arrays[f"frames.{f.name}"] for f in fields(Frames)))
+    own = {f.name: arrays[f.name] for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
     return EncoderRun(draw=draw, frames=frames, **own)

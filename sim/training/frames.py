@@ -5,19 +5,19 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
-from zipfile import BadZipFile
 
 import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
-from lexis.files import replaced_file
 from sim.camera import fovy_deg, wide_camera
 from sim.errors import SimError
 from sim.raster import NO_GEOM, Raster
-from sim.scene import Scene, build_scene
+from sim.scene import LIGHTS, Scene, build_scene
+from sim.tour import TourConfig
 from sim.training.houses import HouseDraw
-from sim.training.variants import repainted
+from sim.training.kept import Arrays, house_origin, kept, loaded, origin
+from sim.training.variants import HELD_OUT_COLOURS, repainted
 from sim.training.views import TRAINING_VIEWS, Views, poses_along_tour
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House, build_house
@@ -32,6 +32,8 @@ PATCHES = (4, 5)
 BARE = 0.03
 """Frames with less than this share of things and of other rooms show walls only."""
 
+_FORMAT = 1
+"""Of kept frames. Raise it where textures, ways or renderers change; what else decides is in their origins."""
 _IDS_SIZE = (80, 60)
 _NONE = -1
 
@@ -59,6 +61,11 @@ class Frames:
         """All frames of several sets, in order."""
         return Frames(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Frames)))
 
+    @property
+    def arrays(self) -> Arrays:
+        """All of them, by name."""
+        return {f.name: getattr(self, f.name) for f in fields(Frames)}
+
     @cached_property
     def shares(self) -> Float32[np.ndarray, "n things"]:
         """The share of the image that shows each of `THINGS`."""
@@ -72,15 +79,13 @@ class Frames:
 def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Iterator[Frames]:
     """Frames of every house, in order; those that lie in `folder` are taken from there, others are left there.
 
-    Raises `SimError` for files in the folder that cannot be read.
+    Raises `SimError` for files in the folder that cannot be read, or were made of other houses or in another way.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     if workers == 1:
-        yield from (_load(_render_into(folder, house)) for house in houses)
+        yield from map(partial(_kept, folder), houses)
         return
     with ProcessPoolExecutor(workers) as pool:
-        for path in pool.map(partial(_render_into, folder), houses):
-            yield _load(path)
+        yield from pool.map(partial(_kept, folder), houses)
 
 
 def frames_in(folder: Path) -> Frames:
@@ -93,7 +98,14 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise SimError(f"{folder}: no frames in it; valid: the frames of lexis-sim train-encoder")
-    yield from map(_load, paths)
+    yield from (Frames(**loaded(path, (frames_origin(TRAINING_VIEWS),))) for path in paths)
+
+
+def frames_origin(views: Views) -> str:
+    """A digest of how frames are taken and told, whatever house they are of."""
+    told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
+    looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
+    return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)
 
 
 def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
@@ -159,21 +171,6 @@ def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np
     return np.array([*things, _NONE]), np.array([*rooms, _NONE])
 
 
-def _render_into(folder: Path, draw: HouseDraw) -> Path:
-    path = folder / f"{draw.preset}-{draw.seed}.npz"
-    if not path.exists():
-        frames = frames_of_house(draw)
-        with replaced_file(path) as beside, beside.open("wb") as file:
-            np.savez(file, **{f.name: getattr(frames, f.name) for f in fields(Frames)})
-    return path
-
-
-def _load(path: Path) -> Frames:
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            frames = Frames(*(data[f.name] for f in fields(Frames)))
-    except (OSError, ValueError, KeyError, BadZipFile) as error:
-        raise SimError(f"{path}: no frames in it: {error}; delete it to have it rendered again") from None
-    if frames.things.shape[1:] != (*PATCHES, len(THINGS)):
-        raise SimError(f"{path}: frames of other things than today's {len(THINGS)}; delete its folder to render again")
-    return frames
+def _kept(folder: Path, draw: HouseDraw) -> Frames:
+    path, origins = folder / f"{draw.preset}-{draw.seed}.npz", (frames_origin(TRAINING_VIEWS), house_origin(draw))
+    return Frames(**kept(path, origins, lambda: frames_of_house(draw).arrays))
