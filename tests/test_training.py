@@ -1,6 +1,7 @@
 """The image tower's training: frames tell the truth, houses stay apart, both stages learn, resume and ship."""
 
 import json
+import pickle
 from dataclasses import fields, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from sim.training.fit import Progress, Schedule, fit
 from sim.training.frames import BARE, THINGS, Frames, Views, frames_at, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
-from sim.training.text_tower import EMBED_DIM, TEXT_CFG, save_text_tower
+from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
 from sim.training.views import IMAGE_SIZE
 from worlds.errors import WorldsError
 from worlds.house import build_house
@@ -94,6 +95,9 @@ def test_frames_are_the_same_each_time_and_are_kept(tmp_path):
     for again in (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2)):  # rendered, then loaded
         assert np.array_equal(frames.images, again.images) and np.array_equal(frames.things, again.things)
     (file,) = tmp_path.iterdir()
+    for workers in (1, 2):
+        with pytest.raises(SimError, match="delete its folder"):
+            list(rendered([HOUSE._replace(light="dim")], tmp_path, workers))
     file.write_bytes(b"no frames")
     with pytest.raises(SimError, match="delete it"):
         list(rendered([HOUSE], tmp_path))
@@ -175,6 +179,52 @@ def test_a_stage_learns_and_resumes_to_the_same_weights(frames, text, stage, tmp
     fit(resumed, half, frames, schedule, lambda progress: None, tmp_path / "checkpoint.pt")
     for name, value in whole.module.state_dict().items():
         assert torch.equal(value, resumed.module.state_dict()[name]), name
+
+
+@pytest.mark.parametrize("content", [b"no checkpoint", pickle.dumps({"epoch": 1}), "other parts", "a tensor", "cut"])
+def test_a_checkpoint_that_nothing_can_go_on_from_is_named_on_one_line(content, tmp_path):
+    path = tmp_path / "dense.pt"
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        other = {"epoch": 1, "parts": [{"weight": torch.zeros(2)}] * 3}
+        torch.save(torch.zeros(2) if content == "a tensor" else other, path)
+        path.write_bytes(path.read_bytes()[: -200 if content == "cut" else None])
+    frames = _made_up(np.zeros((8, 96, 128, 3), np.uint8), np.arange(8))
+    with pytest.raises(SimError, match=r"dense\.pt: cannot go on from it.*delete it") as error:
+        fit(DenseLearner(frames), frames, frames, Schedule(1, 1e-3, batch=8), print, path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["settings.json", "text-tower.safetensors"])
+@pytest.mark.parametrize("content", [b'{"seed": 0, "epo', b"\xff\x00", b"[1]", "a narrower tower"])
+def test_what_is_damaged_in_the_work_folder_is_named_on_one_line(name, content, tmp_path):
+    path = tmp_path / name
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        save_text_tower(TextTransformer(output_dim=EMBED_DIM, **{**TEXT_CFG, "width": 20}), path)
+    with pytest.raises(SimError, match=f"{path}: no .*delete it") as error:
+        train_encoder(TrainingRun(1, 1, work=tmp_path), Console(quiet=True))
+    assert "\n" not in str(error.value)
+
+
+def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_path):
+    path = tmp_path / "text-tower.safetensors"
+    path.write_bytes(b"damaged")  # what comes after the settings
+    run = TrainingRun(1, 1, work=tmp_path)
+    for same in ({}, {"workers": 1}, {"teacher": tmp_path}, {"out": tmp_path / "b.safetensors"}):
+        with pytest.raises(SimError, match="no text tower"):
+            train_encoder(replace(run, **same), Console(quiet=True))
+    other = {
+        "houses": 2, "tuning_houses": 2, "epochs": (1, 1), "settling_steps": 1, "seed": 1, "batch": 64, "wordings": (2, 1),
+        "start": tmp_path / "a.safetensors", "distillation": DistilConfig(epochs=1),
+    }  # fmt: skip
+    for name, value in other.items():
+        with pytest.raises(
+            SimError, match=rf"belongs to a run with {name} [^;]*; valid: the same settings, or another folder"
+        ):
+            train_encoder(replace(run, **{name: value}), Console(quiet=True))
 
 
 def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):

@@ -1,16 +1,17 @@
 """`lexis-sim train-encoder`: frames, text tower, both stages of the image tower, the weights; every step resumes."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from open_clip.transformer import TextTransformer
 from rich.console import Console
-from safetensors.torch import load_file
 
 from lexis.encoder import load_encoder
+from lexis.files import replaced_file
 from lexis.model_source import MINI_CONFIG
 from sim.errors import SimError
 from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
@@ -22,7 +23,15 @@ from sim.training.houses import TRAINING_SEEDS, TUNING_SEEDS, draw_houses
 from sim.training.query_calibration import write_calibration
 from sim.training.teacher import load_teacher
 from sim.training.temperature import fit_temperature
-from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, DistilProgress, distil, save_text_tower
+from sim.training.text_tower import (
+    EMBED_DIM,
+    TEXT_CFG,
+    DistilConfig,
+    DistilProgress,
+    distil,
+    load_text_tower,
+    save_text_tower,
+)
 
 MINI_WEIGHTS = MINI_CONFIG.with_suffix(".safetensors")
 _SETTINGS = "settings.json"
@@ -108,19 +117,27 @@ def _schedules(run: TrainingRun) -> tuple[Schedule, Schedule]:
 
 def _check_settings(run: TrainingRun) -> None:
     path = run.work / _SETTINGS
-    asked = {
-        "seed": run.seed,
-        "epochs": list(run.epochs),
-        "houses": run.houses,
-        "batch": run.batch,
-        "start": run.start and str(run.start),
-    }
+    asked = json.dumps(_deciding(run))
     if not path.exists():
-        path.write_text(json.dumps(asked) + "\n")
-    elif (before := json.loads(path.read_text())) != asked:
-        raise SimError(
-            f"{run.work} belongs to a run with {before}, not {asked}; valid: the same settings, or another folder"
-        )
+        with replaced_file(path) as beside:
+            beside.write_text(asked + "\n")
+        return
+    try:
+        before = dict(json.loads(path.read_text()))
+    except (OSError, ValueError, TypeError) as error:
+        raise SimError(f"{path}: no settings in it: {error}; delete it where they are those of this run") from None
+    differs = [
+        f"{key} {before.get(key)}, not {value}" for key, value in json.loads(asked).items() if before.get(key) != value
+    ]
+    if differs:
+        raise SimError(f"{run.work} belongs to a run with {'; '.join(differs)}; valid: the same settings, or another folder")
+
+
+def _deciding(run: TrainingRun) -> dict[str, Any]:
+    """All that the result follows from, but for the teacher: wherever it lies, it is the same."""
+    names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
+    own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
+    return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}
 
 
 def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
@@ -131,9 +148,7 @@ def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
             console.print(f"text epoch {progress.epoch}: cosine to the teacher {progress.cosine:.3f}")
 
         save_text_tower(distil(load_teacher(run.teacher), run.distillation, report), path)
-    tower = TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
-    tower.load_state_dict({name: value.float() for name, value in load_file(path).items()})
-    return tower
+    return load_text_tower(path)
 
 
 def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: range) -> Frames:

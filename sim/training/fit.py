@@ -11,6 +11,7 @@ import torch
 from torch import Tensor, nn
 
 from lexis.files import replaced_file
+from lexis.hub import one_line
 from sim.errors import SimError
 from sim.training.batches import Batch, batches
 from sim.training.frames import Frames
@@ -118,6 +119,6 @@ def _resume(path: Path | None, *parts: object) -> int:
         state = torch.load(path, weights_only=True, map_location=PROCESSOR)
         for part, values in zip(parts, state["parts"], strict=True):
             part.load_state_dict(values)  # type: ignore[attr-defined]
-    except (RuntimeError, ValueError, KeyError, EOFError, OSError) as error:
-        raise SimError(f"{path}: cannot go on from it: {error}; delete it to begin the stage anew") from None
-    return int(state["epoch"])
+        return int(state["epoch"])
+    except Exception as error:  # a damaged or foreign file makes torch raise nearly everything
+        raise SimError(f"{path}: cannot go on from it: {one_line(error)}; delete it to begin the stage anew") from None

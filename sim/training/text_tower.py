@@ -18,9 +18,13 @@ import open_clip.tokenizer
 import torch
 from jaxtyping import Float, Float32, Int
 from open_clip.transformer import TextTransformer
-from safetensors.torch import save_file
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
+from lexis.files import replaced_file
+from lexis.hub import one_line
+from sim.errors import SimError
 from sim.training.teacher import SentenceEncoder, load_teacher
 from sim.training.text_corpus import captions, compositions, near_words, plain_words, room_scenes
 from sim.training.text_target import fit_target_map, labelled_captions
@@ -140,9 +144,20 @@ def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.nda
 
 def save_text_tower(tower: TextTransformer, path: Path) -> None:
     """Write the tower in half precision, under the names that it has within an open_clip model."""
-    beside = path.with_name(path.name + ".part")
-    save_file({name: value.half().contiguous() for name, value in tower.state_dict().items()}, beside)
-    beside.replace(path)
+    with replaced_file(path) as beside:
+        save_file({name: value.half().contiguous() for name, value in tower.state_dict().items()}, beside)
+
+
+def load_text_tower(path: Path) -> TextTransformer:
+    """The tower that `save_text_tower` wrote. Raises `SimError` for a damaged file, or a tower of another shape."""
+    tower = TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
+    try:
+        tower.load_state_dict({name: value.float() for name, value in load_file(path).items()})
+    except (OSError, RuntimeError, SafetensorError) as error:
+        raise SimError(
+            f"{path}: no text tower of today's shape: {one_line(error)}; delete it to have it distilled again"
+        ) from None
+    return tower
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
