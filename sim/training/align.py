@@ -30,12 +30,13 @@ TEXT_NOISE = 1.25
 """Length of the noise added to unit text embeddings."""
 WORDINGS = (200, 32)
 """Captions drawn of every room label and of every thing, once; of these, every step draws one each."""
-SETTLING_STEPS = 2000
+SETTLING_STEPS = 1000
 """Of the projection alone, at the end."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
-_PLACES_WEIGHT = 1.0
+_PLACES_WEIGHT, _SETTLING_PLACES_WEIGHT = 1.0, 4.0
+"""While the projection alone settles, places cost rooms next to nothing."""
 _ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
 """Of images found by captions of rooms and of things."""
 _BATCH = 256
@@ -105,7 +106,7 @@ class AlignLearner:
             told = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen], frames.rooms[chosen])
             same, apart = map(torch.from_numpy, told)
             loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
-            loss = loss + _PLACES_WEIGHT * place_loss(embedding @ embedding.T, same.to(PROCESSOR), apart.to(PROCESSOR))
+            loss = loss + _SETTLING_PLACES_WEIGHT * place_loss(embedding @ embedding.T, same.to(PROCESSOR), apart.to(PROCESSOR))
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
