@@ -20,8 +20,6 @@ MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
 DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
-ALIKE = 0.05
-"""Keyframes with so much less evidence than the best one, relative to it, are as good."""
 EVIDENCE_NEIGHBOURS = 5
 """Keyframes whose images tell together how deep inside its room a keyframe is."""
 
@@ -71,11 +69,9 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where the images around a keyframe tell the room from the others most clearly; of as good ones, far from other rooms."""
-    evidence, own = _evidence(map, room), np.array(room.keyframes)
-    best = evidence[own].max()
-    clear = own[evidence[own] >= best - ALIKE * abs(best)]
-    keyframe = int(clear[_to_other_rooms(map, room, clear).argmax()])
+    """Where in a room the images around a keyframe tell it from the others most clearly."""
+    evidence = _evidence(map, room)
+    keyframe = max(room.keyframes, key=lambda k: (evidence[k], -k))
     return Inside(room, keyframe, float(evidence[keyframe]))
 
 
@@ -106,15 +102,6 @@ def _ends(map: LexisMap, name: str) -> list[Inside]:
         raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
     clear = DOUBTFUL * max(end.evidence for end in ends)
     return [end for end in ends if end.evidence > 0.0 and end.evidence >= clear] or ends
-
-
-def _to_other_rooms(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
-    """From keyframes of a room to the nearest of any other [m]; infinite where there is none."""
-    positions = map.T_W_B[:, :3, 3]
-    others = positions[map.room_of != room.id]
-    if not len(others):
-        return np.full(len(keyframes), np.inf)
-    return np.asarray(cKDTree(others).query(positions[keyframes])[0], np.float64)
 
 
 def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:

@@ -106,7 +106,8 @@ def drawn_samples(model, seeds, frames):
 
 @pytest.fixture(scope="module")
 def fitted(truth):
-    return fit_embedding(list(drawn_samples(truth, range(8), 40)), Labels())
+    """From frames that are nearer to each other than the narrowest kernel is wide, so that it is told from the next."""
+    return fit_embedding(list(drawn_samples(truth, range(8), 80)), Labels())
 
 
 def test_fitting_finds_what_was_drawn_from(truth, fitted):

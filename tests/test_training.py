@@ -59,17 +59,14 @@ def test_more_houses_begin_with_the_same_ones():
     assert many[:10] == few
 
 
-def test_walls_too_short_to_open_stay_as_they_are():
-    def refused(seed):
-        try:
-            return sample_house("random", seed, openness=1.0) is None
-        except WorldsError:
-            return True
+def test_walls_that_cannot_be_opened_stay_as_they_are(monkeypatch):
+    def closed(preset, seed, openness=None, clutter=1.0):
+        if openness is not None:
+            raise WorldsError("no wall can be opened")
+        return sample_house(preset, seed, clutter=clutter)
 
-    some = [seed for seed in range(TRAINING_SEEDS[0], TRAINING_SEEDS[0] + 12) if refused(seed)]
-    assert some and all(
-        HouseDraw("random", s, openness=1.0).spec().storeys == sample_house("random", s).storeys for s in some
-    )
+    monkeypatch.setattr("sim.training.houses.sample_house", closed)
+    assert HouseDraw("uh2-apt", 5, openness=1.0).spec() == HouseDraw("uh2-apt", 5).spec()
 
 
 def test_frames_show_the_rooms_and_things_of_the_house(frames):
@@ -232,7 +229,7 @@ def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):
     align.module.eval()
     dense = {name: value.clone() for name, value in align.module.dense.state_dict().items()}
     before = align.accuracy(frames)
-    align.settle(frames, seed=0, steps=200)
+    align.settle(frames, seed=0, steps=1500)
     assert align.accuracy(frames) > before + 0.2
     for name, value in align.module.dense.state_dict().items():
         assert torch.equal(value, dense[name]), name
@@ -244,7 +241,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    tiny = {"epochs": (1, 1), "settling_steps": 200, "batch": 16, "wordings": (2, 1)}
+    tiny = {"epochs": (1, 1), "settling_steps": 1500, "batch": 16, "wordings": (2, 1)}
     run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
