@@ -60,6 +60,10 @@ class EncoderRun:
         return build_house(self.draw.spec())
 
 
+_OWN = tuple(f.name for f in fields(EncoderRun) if f.name not in ("draw", "frames"))
+"""What is kept of a run beside its frames; what it is drawn from is known."""
+
+
 def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) -> Iterator[EncoderRun]:
     """Walks as `lexis-sim run` takes them, one by one.
 
@@ -109,11 +113,10 @@ def _origins(draw: HouseDraw) -> tuple[str, str]:
 
 def _rendered_arrays(draw: HouseDraw) -> Arrays:
     run = _rendered(draw)
-    own = {f.name: getattr(run, f.name) for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
+    own = {name: getattr(run, name) for name in _OWN}
     return own | {f"frames.{name}": values for name, values in run.frames.arrays.items()}
 
 
 def _run(draw: HouseDraw, arrays: Arrays) -> EncoderRun:
     frames = Frames(*(arrays[f"frames.{f.name}"] for f in fields(Frames)))
-    own = {f.name: arrays[f.name] for f in fields(EncoderRun) if f.name not in ("draw", "frames")}
-    return EncoderRun(draw=draw, frames=frames, **own)
+    return EncoderRun(draw=draw, frames=frames, **{name: arrays[name] for name in _OWN})

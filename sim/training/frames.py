@@ -98,7 +98,8 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise SimError(f"{folder}: no frames in it; valid: the frames of lexis-sim train-encoder")
-    yield from (Frames(**loaded(path, (frames_origin(TRAINING_VIEWS),))) for path in paths)
+    taken = frames_origin(TRAINING_VIEWS)
+    yield from (Frames(**loaded(path, (taken,))) for path in paths)
 
 
 def frames_origin(views: Views) -> str:
