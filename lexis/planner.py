@@ -20,7 +20,7 @@ MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
 DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
-EVIDENCE_NEIGHBOURS = 5
+EVIDENCE_NEIGHBOURS = 9
 """Keyframes whose images tell together how deep inside its room a keyframe is."""
 
 

@@ -70,6 +70,12 @@ def test_passing_the_end_of_a_plan_is_not_arriving():
     assert not driven.touched
 
 
+@pytest.mark.parametrize("x", [3.3, 3.7, 4.0, 4.2])
+def test_the_robot_stops_where_its_plan_ends_on_either_side_of_a_door_or_in_it(x):
+    driven = go(two_rooms(), (1.0, 1.5), (x, 1.5))
+    np.testing.assert_allclose(driven.path[-1, :2], [x, 1.5], atol=0.12)
+
+
 def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan():
     house, way, off = two_rooms(), [(1.0, 1.5), (7.0, 1.5)], (0.0, 0.35, 0.0)
     blind, seeing = (go(house, *way, off=off, blind=blind) for blind in (True, False))

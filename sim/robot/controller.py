@@ -26,9 +26,6 @@ _EASY_M = RADIUS_M + 0.15
 """With this much room the route itself is followed; with less, a way is sought that has the most room."""
 _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
-_ENTER_M = 0.5
-_ROOMY_M = 0.6
-"""With less room at its last waypoint, the robot goes on a bit: many plans end just behind a door."""
 _ARRIVED_M = 0.1
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
@@ -39,7 +36,7 @@ class Controller:
     """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
-        self._route, self._map = Route(waypoints, _ENTER_M), LocalMap(_LEAST_M)
+        self._route, self._map = Route(waypoints), LocalMap(_LEAST_M)
         self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
@@ -65,9 +62,8 @@ class Controller:
 
     def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
         # Near the end alone is not enough: a plan may pass below its end, or above.
-        if self._route.length_m - self._route.progress_m <= _SKIP_M and np.linalg.norm(self._route.end - here) <= _ARRIVED_M:
-            return True
-        return self._route.progress_m >= self._route.planned_m and self._map.clearance(here, here) >= _ROOMY_M
+        left_m = self._route.length_m - self._route.progress_m
+        return left_m <= _SKIP_M and bool(np.linalg.norm(self._route.end - here) <= _ARRIVED_M)
 
     def _has_lost_patience(self) -> bool:
         self._since_s += STEP_S

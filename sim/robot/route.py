@@ -11,11 +11,9 @@ _WINDOW_M = 0.8
 
 
 class Route:
-    """A polyline, straight on `beyond_m` past its end, sampled evenly; progress along it only grows."""
+    """A polyline, sampled evenly; progress along it only grows."""
 
-    def __init__(self, waypoints: Float64[np.ndarray, "k 3"], beyond_m: float = 0.0) -> None:
-        self.planned_m = float(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1).sum())
-        waypoints = np.concatenate([waypoints, _beyond(waypoints, beyond_m)])
+    def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1)))
         samples = np.append(np.arange(0.0, along[-1], _SAMPLE_M), along[-1])
         x, y, z = (np.interp(samples, along, column) for column in waypoints.T)
@@ -47,13 +45,3 @@ class Route:
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
         """The next stretch of the line, from where the robot is."""
         return self.points[self._at : self._at + round(metres / _SAMPLE_M) + 1]
-
-
-def _beyond(waypoints: Float64[np.ndarray, "k 3"], metres: float) -> Float64[np.ndarray, "_ 3"]:
-    """A place in the level direction of the last leg; none where no leg has a length."""
-    legs = np.diff(waypoints, axis=0) * [1.0, 1.0, 0.0]
-    lengths = np.linalg.norm(legs, axis=1)
-    if not (lengths > 0.0).any():
-        return np.zeros((0, 3))
-    last = int(np.flatnonzero(lengths > 0.0)[-1])
-    return np.asarray(waypoints[-1:] + metres * legs[last] / lengths[last])
