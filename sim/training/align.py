@@ -35,8 +35,9 @@ SETTLING_STEPS = 1000
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
-_PLACES_WEIGHT, _SETTLING_PLACES_WEIGHT = 1.0, 4.0
-"""While the projection alone settles, places weigh more: found again more often, at 0.02 of the tuning accuracy of rooms."""
+_PLACES_WEIGHT = 1.0
+_SETTLING_PLACES_WEIGHT, _SETTLING_PLACES_TEMPERATURE = 8.0, 0.03
+"""While the projection alone settles, places weigh more, and the likest other places most."""
 _ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
 """Of images found by captions of rooms and of things."""
 _BATCH = 256
@@ -106,7 +107,8 @@ class AlignLearner:
             told = pairs_of_places(frames.T_W_B[chosen], frames.houses[chosen], frames.rooms[chosen])
             same, apart = (torch.from_numpy(pairs).to(PROCESSOR) for pairs in told)
             loss = self._caption_loss(embedding, rooms[chosen], things[chosen], rng)
-            loss = loss + _SETTLING_PLACES_WEIGHT * place_loss(embedding @ embedding.T, same, apart)
+            places = place_loss(embedding @ embedding.T, same, apart, _SETTLING_PLACES_TEMPERATURE)
+            loss = loss + _SETTLING_PLACES_WEIGHT * places
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()

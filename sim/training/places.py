@@ -41,13 +41,18 @@ def _distances(T_W_B: Poses) -> tuple[Float64[np.ndarray, "n n"], Float64[np.nda
     return away, np.arccos(np.clip(cosines, -1.0, 1.0))
 
 
-def place_loss(cosines: Float[Tensor, "b b"], same: Bool[Tensor, "b b"], apart: Bool[Tensor, "b b"]) -> Tensor:
+def place_loss(
+    cosines: Float[Tensor, "b b"],
+    same: Bool[Tensor, "b b"],
+    apart: Bool[Tensor, "b b"],
+    temperature: float = _TEMPERATURE,
+) -> Tensor:
     """How far every frame is from being likest to those of its own place (1).
 
     The supervised contrastive loss (Khosla 2020), over the frames that have another one of their place in the batch; each
-    of these is weighed against the frames of other places.
+    of these is weighed against the frames of other places, the likest ones above all where the temperature is low.
     """
-    similarities = cosines / _TEMPERATURE
+    similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)
     wrong = nn.functional.softplus(others - similarities)
     counts = same.sum(dim=1)
