@@ -2,6 +2,7 @@
 
 import csv
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from painted_runs import painted, painted_run
 from lexis.errors import EncoderError
 from lexis.prompts import prompts
 from sim.bench import encoder_times
-from sim.bench.encoder_ceiling import by_own_room, ceiling_of
+from sim.bench.encoder_ceiling import by_own_room, ceiling_of, own_room, own_room_prevails
 from sim.bench.encoder_table import RANDOM, TRAINED, Accuracy, TableRow, draw_plot, write_csv
 from sim.bench.encoder_times import Timing, example_image, random_weights, timed
 from sim.bench.encoders import References, measure, overall_calibration_error
@@ -95,10 +96,21 @@ def test_bands_of_the_own_room_share_out_all_frames():
     rng = np.random.default_rng(1)
     own, right, ceiling = rng.random(500), rng.random(500) < 0.7, rng.random(500) < 0.5
     own[:2] = 0.0, 1.0
-    bands = by_own_room(own, right, ceiling)
-    assert sum(band.share for band in bands) == pytest.approx(1.0)
-    assert sum(band.share * band.accuracy for band in bands) == pytest.approx(right.mean())
-    assert sum(band.share * band.ceiling for band in bands) == pytest.approx(ceiling.mean())
+    answers = {"right": right, "ceiling": ceiling}
+    *bands, all_frames = by_own_room(own, answers)
+    assert sum(band.share for band in bands) == pytest.approx(all_frames.share) == 1.0
+    for name, each in answers.items():
+        assert sum(band.share * band.right[name] for band in bands) == pytest.approx(all_frames.right[name])
+        assert all_frames.right[name] == each.mean()
+
+
+def test_a_room_prevails_that_fills_half_of_the_image_and_none_that_another_fills_more_of():
+    frames = painted(np.repeat(ROOMS, 20), np.random.default_rng(2))
+    views = np.random.default_rng(3).dirichlet(np.full(len(ROOM_LABELS), 0.2), len(frames.rooms)).astype(np.float32)
+    seen = replace(frames, views=views)
+    own, prevails = own_room(seen), own_room_prevails(seen)
+    assert prevails[own > 0.5].all() and (own > 0.5).any()
+    assert np.array_equal(prevails, views.argmax(axis=1) == frames.rooms)
 
 
 ROWS = (

@@ -1,10 +1,11 @@
 """How much of the room one frame can tell: a random forest on the true visible share of every thing.
 
 A camera that looks through an opening shows the next room, and by the paper's definition only the room that holds the camera
-is right. So the report tells frames that their own room fills from those that it does not.
+is right. So the report tells frames that their own room fills from those that it does not, and has beside the ceiling what
+an eye would get that knew the label of every pixel's room, and named the one that fills most of the image.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -32,8 +33,8 @@ class Band:
     high: float
     share: float
     """Of all frames."""
-    accuracy: float | None
-    ceiling: float | None
+    right: Mapping[str, float | None]
+    """Share of right answers, by who answers; None without frames."""
 
 
 def ceiling_of(work: Path) -> Ceiling:
@@ -63,17 +64,19 @@ def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
     return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
 
 
-def by_own_room(
-    own: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], ceiling_right: Bool[np.ndarray, "n"] | None
-) -> list[Band]:
-    """Accuracy by how much of the image the camera's own room fills."""
+def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
+    """Whether no other label's rooms fill more of the image than those of the camera's own label."""
+    return np.asarray(own_room(frames) >= frames.views.max(axis=1))
+
+
+def by_own_room(own: Float[np.ndarray, "n"], right: Mapping[str, Bool[np.ndarray, "n"]]) -> list[Band]:
+    """Right answers by how much of the image the camera's own room fills; at the end, of all frames."""
     edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
-    bands = []
-    for i, (low, high) in enumerate(pairwise(edges)):
-        inside = np.digitize(own, OWN_ROOM) == i
-        ceiling = None if ceiling_right is None else _mean(ceiling_right[inside])
-        bands.append(Band(low, high, float(inside.mean()), _mean(right[inside]), ceiling))
-    return bands
+    inside = [(low, high, np.digitize(own, OWN_ROOM) == i) for i, (low, high) in enumerate(pairwise(edges))]
+    return [
+        Band(low, high, float(band.mean()), {name: _mean(answers[band]) for name, answers in right.items()})
+        for low, high, band in (*inside, (0.0, 1.0, np.ones(len(own), bool)))
+    ]
 
 
 def _mean(right: Bool[np.ndarray, "n"]) -> float | None:

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Float32, Int, UInt8
 from scipy.special import softmax
 
 from sim.baselines.orb_words import OrbWords
-from sim.bench.encoder_ceiling import Ceiling, own_room
+from sim.bench.encoder_ceiling import Ceiling, own_room, own_room_prevails
 from sim.bench.encoder_questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
 from sim.bench.encoder_runs import EncoderRun
 from sim.bench.encoder_texts import EmbeddedTexts, ImageTextEncoder
@@ -73,6 +73,8 @@ class Measured:
     """By what they are sought with, as in the row: whether every revisit is found."""
     own_room: Float[np.ndarray, "n"]
     """The share of the image that shows rooms of the camera's own label."""
+    prevails: Bool[np.ndarray, "n"]
+    """Whether no other label's rooms fill more of it."""
     asked: Sequence[Asked]
 
 
@@ -146,7 +148,8 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         recall_orb=share(found["recall_orb"]) if "recall_orb" in found else None,
         calibration_error=calibration_error(confidence, right),
     )
-    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, own_room(frames), asked)
+    seen = own_room(frames), own_room_prevails(frames)
+    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked)
 
 
 def overall_calibration_error(houses: Sequence[Measured]) -> float:

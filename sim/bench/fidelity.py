@@ -30,7 +30,7 @@ FIGURES = ("accuracy", "baseline", "pq")
 _FRAME_RATE_HZ = 1.3
 """A frame every 0.54 m: every one is a keyframe, but in turns."""
 _SPEED_FRAMES, _WARM_UP = 2000, 100
-_IMAGE_PX = (160, 120)
+_IMAGE_PX = (480, 360)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
 """What the feature sensor knows nothing of."""
 _LOOKS_SHARE = 5

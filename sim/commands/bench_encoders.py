@@ -127,12 +127,13 @@ def _questions(houses: Sequence["Measured"]) -> Table:
 def _bands(houses: Sequence["Measured"]) -> Table:
     from sim.bench.encoder_ceiling import by_own_room
 
-    own, right = (np.concatenate([getattr(house, name) for house in houses]) for name in ("own_room", "right"))
-    ceilings = [house.ceiling_right for house in houses if house.ceiling_right is not None]
+    fields = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
+    answers = {name: [getattr(house, field) for house in houses] for name, field in fields.items()}
+    known = {name: np.concatenate(each) for name, each in answers.items() if each[0] is not None}
     title = "by how much of the image shows the room that holds the camera"
-    table = Table("share of image", "share of frames", "accuracy", "ceiling", title=title, title_justify="left")
-    for band in by_own_room(own, right, np.concatenate(ceilings) if ceilings else None):
-        table.add_row(f"{band.low:.0%} ... {band.high:.0%}", *_shares((band.share, band.accuracy, band.ceiling)))
+    table = Table("share of image", "share of frames", *known, title=title, title_justify="left")
+    for band in by_own_room(np.concatenate([house.own_room for house in houses]), known):
+        table.add_row(f"{band.low:.0%} ... {band.high:.0%}", *_shares((band.share, *band.right.values())))
     return table
 
 
