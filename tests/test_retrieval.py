@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexis.se3 import between, rotation_angle
-from sim.bench.retrieval import recall_at_1
+from sim.bench.retrieval import found_at_1, share
 
 STAMPS = np.arange(40) * 1.5
 
@@ -42,19 +42,19 @@ def test_agrees_with_the_definition(seed):
     rng = np.random.default_rng(seed)
     T_W_B = poses(rng.uniform(0, 3, 40), rng.uniform(0, 3, 40), rng.uniform(-0.6, 0.6, 40))
     descriptors, groups = unit(rng.normal(size=(40, 5))), rng.integers(0, 3, 40)
-    assert recall_at_1(descriptors, T_W_B, STAMPS) == pytest.approx(by_definition(descriptors, T_W_B, np.zeros(40)))
-    assert recall_at_1(descriptors, T_W_B, STAMPS, groups) == pytest.approx(by_definition(descriptors, T_W_B, groups))
+    assert share(found_at_1(descriptors, T_W_B, STAMPS)) == pytest.approx(by_definition(descriptors, T_W_B, np.zeros(40)))
+    assert share(found_at_1(descriptors, T_W_B, STAMPS, groups)) == pytest.approx(by_definition(descriptors, T_W_B, groups))
 
 
 def test_who_knows_the_place_finds_it_and_who_knows_only_the_moment_does_not():
     place = np.tile(np.arange(20), 2)
     T_W_B = poses(2.0 * place, 0.0 * place, 0.0 * place)
     where, when = unit(np.eye(20)[place] + 0.1), unit(np.column_stack([np.cos(STAMPS / 40), np.sin(STAMPS / 40)]))
-    assert recall_at_1(where, T_W_B, STAMPS) == 1.0
-    assert recall_at_1(when, T_W_B, STAMPS) < 0.2
-    assert recall_at_1(where, T_W_B, STAMPS, np.arange(40)) == 0.0  # alone in its room: nothing to find
+    assert share(found_at_1(where, T_W_B, STAMPS)) == 1.0
+    assert share(found_at_1(when, T_W_B, STAMPS)) < 0.2
+    assert share(found_at_1(where, T_W_B, STAMPS, np.arange(40))) == 0.0  # alone in its room: nothing to find
 
 
 def test_a_walk_that_never_comes_back_has_no_recall():
     x = np.arange(40) * 2.0
-    assert recall_at_1(unit(np.ones((40, 3))), poses(x, 0 * x, 0 * x), STAMPS) is None
+    assert share(found_at_1(unit(np.ones((40, 3))), poses(x, 0 * x, 0 * x), STAMPS)) is None

@@ -35,16 +35,6 @@ def found_at_1(
     return np.asarray(_same_place(T_W_B, queries, best) & eligible.any(axis=1))
 
 
-def recall_at_1(
-    descriptors: Float[np.ndarray, "n d"],
-    T_W_B: Poses,
-    stamps: Float64[np.ndarray, "n"],
-    groups: Int[np.ndarray, "n"] | None = None,
-) -> float | None:
-    """The share of the revisits that `found_at_1` finds; None without a revisit."""
-    return share(found_at_1(descriptors, T_W_B, stamps, groups))
-
-
 def share(found: Bool[np.ndarray, "n"]) -> float | None:
     """How many of them; None of none."""
     return float(found.mean()) if len(found) else None

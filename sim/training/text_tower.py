@@ -5,7 +5,6 @@ The tower is open_clip's own text transformer over CLIP's vocabulary. It learns 
 Stage 2 trains the image tower against it and leaves it as it is.
 """
 
-import argparse
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,7 +24,7 @@ from torch import Tensor, nn
 from lexis.files import replaced_file
 from lexis.hub import one_line
 from sim.errors import SimError
-from sim.training.teacher import SentenceEncoder, load_teacher
+from sim.training.teacher import SentenceEncoder
 from sim.training.text_corpus import captions, compositions, near_words, plain_words, room_scenes
 from sim.training.text_target import fit_target_map, labelled_captions
 
@@ -206,23 +205,3 @@ def _batches(tokens: Int[Tensor, "n t"], size: int, rng: np.random.Generator) ->
     sorted_pools = (pool[np.argsort(lengths[pool], kind="stable")] for pool in pools)
     batches = [pool[i : i + size] for pool in sorted_pools for i in range(0, len(pool) - size + 1, size)]
     yield from (batches[i] for i in rng.permutation(len(batches)))
-
-
-def main(argv: Sequence[str] | None = None) -> None:
-    """Distil the text tower and write it: `python -m sim.training.text_tower --out text-tower.safetensors`."""
-    parser = argparse.ArgumentParser(prog="python -m sim.training.text_tower", description=main.__doc__)
-    parser.add_argument("--out", type=Path, required=True, help="file for the weights, .safetensors")
-    parser.add_argument("--teacher", type=Path, help="folder with MiniLM's weights; default: the installed package")
-    parser.add_argument("--seed", type=int, default=0)
-    chosen = parser.parse_args(argv)
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    torch.set_num_threads(1)
-
-    def report(progress: DistilProgress) -> None:
-        _log.info("epoch %d: cosine to the teacher %.3f", progress.epoch, progress.cosine)
-
-    save_text_tower(distil(load_teacher(chosen.teacher), DistilConfig(seed=chosen.seed), report), chosen.out)
-
-
-if __name__ == "__main__":
-    main()
