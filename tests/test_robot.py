@@ -9,6 +9,7 @@ from sim.errors import SimError
 from sim.odometry import PRESETS, OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
+from sim.robot.local_map import CELL_M, LocalMap
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
@@ -87,6 +88,19 @@ def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan
 def test_without_a_way_the_robot_stops_in_front_of_the_wall():
     result = go(two_rooms(door=False), (1.0, 1.5), (7.0, 1.5))
     assert (result.room, result.touched) == ("office", ())
+
+
+@pytest.mark.parametrize(("wall_ends_at", "goes_round"), [(0.7, True), (1.4, False)])
+def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_far_one(wall_ends_at, goes_round):
+    """As behind the wall between two flights of stairs, where the drifted route runs."""
+    around, start, target = LocalMap(0.2), np.array([0.0, 0.6]), np.array([0.0, -0.6])
+    wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
+    around.add(wall - start, *start, 0.0, 0.0)
+    way = around.way(start, target)
+    lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    assert np.allclose(way[0], start) and lengths.max() < 1.5 * CELL_M
+    assert (np.linalg.norm(way[-1] - target) < CELL_M) == goes_round
+    assert (way[-1, 1] < 0.0) == goes_round
 
 
 def test_stairs_are_climbed_and_descended_without_a_touch(home):

@@ -25,6 +25,8 @@ _CROWDING = 5.0
 """How much more a metre costs at the least distance."""
 _MISS_COST = 30.0
 """Of every metre that is missing to the target; more than a crowded metre costs."""
+_LONGEST_M = 3.4
+"""No way is longer: one that has to go so far round is not the stretch of the route that it stands for, but a way back."""
 
 
 class LocalMap:
@@ -61,6 +63,7 @@ class LocalMap:
         graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
         costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
         cells = start + _cells() * CELL_M
+        costs = np.where(_lengths(before) <= _LONGEST_M, costs, np.inf)
         path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - target, axis=1)))]
         while before[path[-1]] >= 0:
             path.append(int(before[path[-1]]))
@@ -77,6 +80,15 @@ class LocalMap:
         free[pixels[:, 1], pixels[:, 0]] = 0
         distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[::_FINE, ::_FINE]
         return distance.astype(np.float64) * (CELL_M / _FINE)
+
+
+def _lengths(before: Int[np.ndarray, "cells"]) -> Float64[np.ndarray, "cells"]:
+    """Of the way to every cell, from what comes before each; zero where nothing does [m]."""
+    parent = np.where(before < 0, np.arange(len(before)), before)
+    length = CELL_M * np.linalg.norm(_cells() - _cells()[parent], axis=1)
+    while (parent != parent[parent]).any():
+        length, parent = length + length[parent], parent[parent]
+    return np.asarray(length)
 
 
 @cache
