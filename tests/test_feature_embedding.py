@@ -13,6 +13,7 @@ from sim.features.fit_embedding import fit_embedding
 from sim.features.samples import Sample
 from sim.features.surroundings import KINDS, survey
 from sim.features.views import SIZE, look
+from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_house
@@ -86,11 +87,10 @@ class Labels:
 
 @pytest.fixture(scope="module")
 def truth():
-    """An encoder that sees surfaces of rooms, and errs by whole rooms and from place to place."""
+    """An encoder that sees furniture and where it belongs, and errs by whole rooms and from place to place."""
     weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
-    for i, kind in enumerate(KINDS):
-        if "/" in kind:
-            weights[i, ROOM_LABELS.index(kind.partition("/")[0])] = 1.0
+    for kind in CATALOGUE.values():
+        weights[KINDS.index(kind.name), [ROOM_LABELS.index(label) for label in kind.rooms]] = 1.0
     shares = np.array([0.0, 0.5, 0.0, 0.0, 0.5, 0.0])
     offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
     return EmbeddingModel(weights, offset, 0.3 * np.eye(len(ROOM_LABELS), dtype=np.float32), shares)
@@ -107,7 +107,7 @@ def drawn_samples(model, seeds, frames):
 @pytest.fixture(scope="module")
 def fitted(truth):
     """From frames that are nearer to each other than the narrowest kernel is wide, so that it is told from the next."""
-    return fit_embedding(list(drawn_samples(truth, range(8), 80)), Labels())
+    return fit_embedding(list(drawn_samples(truth, range(14), 80)), Labels())
 
 
 def test_fitting_finds_what_was_drawn_from(truth, fitted):

@@ -17,8 +17,7 @@ from sim.features.loops import LoopModel, Measured
 from sim.features.model import MINI_FEATURES, FeatureModel, fingerprint, load_features, save_features
 from sim.features.oracle import Oracle
 from sim.features.sensor import FeatureSensor
-from sim.features.surroundings import KINDS
-from sim.features.views import SIZE
+from sim.features.views import LABEL_WEIGHT, LABELS, SIZE
 from sim.harness import RunConfig, evaluate, run
 from sim.harness.walk import walk
 from sim.report.findings import unseen
@@ -46,9 +45,7 @@ class LabelEncoder:
 def fitted():
     """Of an encoder that sees surfaces of rooms, with some error; loops are mostly found."""
     weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
-    for i, kind in enumerate(KINDS):
-        if "/" in kind:
-            weights[i, ROOM_LABELS.index(kind.partition("/")[0])] = 1.0
+    weights[LABELS] = np.eye(len(ROOM_LABELS)) / LABEL_WEIGHT
     errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)
     offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
     embedding = EmbeddingModel(weights, offset, errors, np.full(len(KERNELS), 1 / len(KERNELS)))

@@ -9,11 +9,12 @@ from viewpoints import viewpoints
 from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.features.eyes import RayGrid
 from sim.features.rays import cast
-from sim.features.surroundings import KINDS, survey
+from sim.features.surroundings import KINDS, SURFACES, survey
 from sim.features.views import COLUMNS, ROWS, look, shares_of
 from sim.scene import build_scene
 from worlds.house import build_house
 from worlds.presets import sample_house
+from worlds.sheets import finishes
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 from worlds.truth import NOWHERE, room_at
 
@@ -81,9 +82,12 @@ def test_without_furniture_and_openings_it_is_exact(rng):
     with np.errstate(divide="ignore"):
         expected = (np.where(directions > 0, high - start, low - start) / directions).min(axis=-1)
     np.testing.assert_allclose(hits.depth, expected, rtol=2e-3)
-    assert {KINDS[survey(build_house(spec)).kind[i]] for i in np.unique(hits.thing)} == {
-        "office/wall", "office/floor", "office/ceiling",
-    }  # fmt: skip
+    around = survey(build_house(spec))
+    assert {around.names[i] for i in np.unique(hits.thing)} == {"a/wall", "a/floor", "a/ceiling"}
+    made_of = finishes(build_house(spec))["a"]
+    for i, surface in enumerate(SURFACES):
+        pattern, colour = getattr(made_of, surface)
+        assert KINDS[around.kind[i]] == f"{pattern} {surface}" and np.allclose(around.colour[i], colour)
 
 
 def test_a_view_does_not_depend_on_the_others(views, poses):

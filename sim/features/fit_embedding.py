@@ -12,7 +12,7 @@ from lexis.room_labels import similarities
 from sim.features.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 from sim.features.samples import Sample
 
-RIDGES = (0.3, 1.0, 3.0, 10.0, 30.0)
+RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
 """Penalties on weights that are tried, for descriptions in their own units."""
 RANK = 64
 _FOLDS = 5

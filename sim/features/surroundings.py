@@ -9,15 +9,16 @@ from jaxtyping import Float32, Int
 
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House
-from worlds.labels import ROOM_LABELS
+from worlds.materials import PATTERNS
+from worlds.sheets import finishes
 from worlds.surfaces import rectangles
 from worlds.truth import NOWHERE
 from worlds.visuals import STAIRS_OBJECT
 
 SURFACES = ("wall", "floor", "ceiling")
 OBJECTS = (*sorted(CATALOGUE), "door", "window", STAIRS_OBJECT)
-KINDS = (*OBJECTS, *(f"{label}/{surface}" for label in ROOM_LABELS for surface in SURFACES))
-"""What a thing can be: an object, or a surface of a room of some label."""
+KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
+"""What a thing can be by its looks: an object, or a surface of some pattern."""
 CELL_M = 0.05
 """Of the map that tells the room of a place."""
 _LEAST_M = 0.08
@@ -50,6 +51,8 @@ class Surroundings:
     """As in `sim.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
     kind: Int[np.ndarray, "things"]
     """Index into `KINDS`."""
+    colour: Float32[np.ndarray, "things 3"]
+    """Of surfaces, RGB in [0, 1]; zero for objects."""
     room: Int[np.ndarray, "things"]
     """Index into `House.rooms` of the room that each belongs to."""
     blocks: Blocks
@@ -66,8 +69,12 @@ def survey(house: House) -> Surroundings:
     rows = [*_walls(house), *_objects(house)]
     # By name: all flights of stairs are one object, as they are when rendered.
     objects = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
-    surfaces = [(f"{room.id}/{surface}", f"{room.label}/{surface}", room.id) for room in house.rooms for surface in SURFACES]
+    finish = finishes(house)
+    covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
+    surfaces = [(f"{room}/{surface}", f"{pattern} {surface}", room) for room, surface, (pattern, _) in covered]
     things = [*surfaces, *objects.values()]
+    colour = np.zeros((len(things), 3), np.float32)
+    colour[: len(covered)] = [shade for _, _, (_, shade) in covered]
     row_of = {name: i for i, (name, _, _) in enumerate(things)}
     kinds = {kind: i for i, kind in enumerate(KINDS)}
     values = np.array([box for box, *_ in rows], np.float32).reshape(-1, 7)
@@ -76,6 +83,7 @@ def survey(house: House) -> Surroundings:
         house,
         tuple(name for name, _, _ in things),
         np.array([kinds[kind] for _, kind, _ in things]),
+        colour,
         np.array([index[house.room_by_id[room].id] for _, _, room in things]),
         Blocks(values[:, :2], values[:, 2:4], values[:, 4], values[:, 5:], thing),
     )

@@ -8,15 +8,20 @@ from jaxtyping import Float32, Float64, Int
 from lexis.types import Camera, Poses
 from sim.features.eyes import RayGrid
 from sim.features.rays import Hits, cast
-from sim.features.surroundings import KINDS, Surroundings
+from sim.features.surroundings import KINDS, SURFACES, Surroundings
+from worlds.labels import ROOM_LABELS
 from worlds.truth import NOWHERE
 
 COLUMNS, ROWS = 40, 30
 """Rays of an image: a thing that fills 1 % of it is met by a dozen."""
-PRESENT = 0.004
-"""Share of the image from which on an object counts as present."""
+LABEL_WEIGHT = 0.05
+"""Of labels in a description, against what is visible: a ridge regression on descriptions uses them that much less."""
+_NEAR_M = 2.5
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-SIZE = 2 * len(KINDS) + len(_DEPTHS_M) + 1
+_COLOUR_WEIGHT, _LEAST_SHARE = 2.0, 0.02
+LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
+"""Where a description holds what rooms of every label fill."""
+SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 """Length of a description."""
 
 
@@ -38,12 +43,34 @@ class Views:
         return _summed(self.shares, self.around.kind, len(KINDS))
 
     def described(self) -> Float32[np.ndarray, "n size"]:
-        """Kinds of things by the root of their share and by presence, and how the depths are distributed."""
-        kinds = self.of_kinds()
-        depth = self.hits.depth.reshape(len(kinds), -1)
+        """What an encoder can go by: kinds of things, colours of walls, floors and ceilings, how the depths are distributed.
+
+        Kinds by the root of the share that all of them fill, and that the near ones do. Labels of rooms come last and
+        least: they stand for looks that nothing else here tells.
+        """
+        depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]
         sky = (~np.isfinite(depth)).mean(axis=1)
-        return np.column_stack([np.sqrt(kinds), kinds > PRESENT, *nearer, sky]).astype(np.float32)
+        near = shares_of(np.where(self.hits.depth < _NEAR_M, self.hits.thing, NOWHERE), len(self.around.names))
+        kinds = [np.sqrt(_summed(shares, self.around.kind, len(KINDS))) for shares in (self.shares, near)]
+        labels = LABEL_WEIGHT * np.sqrt(self._of_labels())
+        return np.column_stack([*kinds, labels, self._colours(), *nearer, sky]).astype(np.float32)
+
+    def _of_labels(self) -> Float64[np.ndarray, "n labels"]:
+        """Shares of the surfaces of all rooms of a label."""
+        labels = np.array([ROOM_LABELS.index(room.label) for room in self.around.house.rooms])
+        surfaces = len(SURFACES) * len(labels)
+        return _summed(self.shares[:, :surfaces], np.repeat(labels, len(SURFACES)), len(ROOM_LABELS))
+
+    def _colours(self) -> Float32[np.ndarray, "n rgb"]:
+        """Mean colours of walls, of floors and of ceilings, fading where hardly any of them is in view."""
+        ends = len(SURFACES) * len(self.around.house.rooms)
+        means = []
+        for kind in range(len(SURFACES)):
+            seen = self.shares[:, kind : ends : len(SURFACES)]
+            total = np.maximum(seen.sum(axis=1, keepdims=True), _LEAST_SHARE)
+            means.append(_COLOUR_WEIGHT * (seen @ self.around.colour[kind : ends : len(SURFACES)]) / total)
+        return np.concatenate(means, axis=1)
 
 
 def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> Views:
