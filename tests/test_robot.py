@@ -93,14 +93,27 @@ def test_without_a_way_the_robot_stops_in_front_of_the_wall():
 @pytest.mark.parametrize(("wall_ends_at", "goes_round"), [(0.7, True), (1.4, False)])
 def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_far_one(wall_ends_at, goes_round):
     """As behind the wall between two flights of stairs, where the drifted route runs."""
-    around, start, target = LocalMap(0.2), np.array([0.0, 0.6]), np.array([0.0, -0.6])
+    around, start = LocalMap(0.2), np.array([0.0, 0.6])
+    route = np.linspace(start, [0.0, -0.6], 13)
     wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
     around.add(wall - start, *start, 0.0, 0.0)
-    way = around.way(start, target)
+    way = around.way(start, route)
     lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
     assert np.allclose(way[0], start) and lengths.max() < 1.5 * CELL_M
-    assert (np.linalg.norm(way[-1] - target) < CELL_M) == goes_round
+    assert (np.linalg.norm(way[-1] - route[-1]) < CELL_M) == goes_round
     assert (way[-1, 1] < 0.0) == goes_round
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_of_two_ways_round_something_the_one_by_the_route_is_taken(side):
+    """Though the other one is no longer, and nothing says that it is barred."""
+    around, start = LocalMap(0.2), np.zeros(2)
+    y = np.arange(-0.6, 0.6, 0.02)
+    around.add(np.stack([np.full(len(y), 0.8), y], axis=1), 0.0, 0.0, 0.0, 0.0)
+    route = np.concatenate([np.linspace([0.0, 0.0], [0.8, side], 13), np.linspace([0.8, side], [1.6, 0.0], 13)])
+    way = around.way(start, route)
+    beside = np.abs(way[:, 0] - 0.8) < CELL_M
+    assert beside.any() and (side * way[beside, 1] > 0.6).all()
 
 
 def test_stairs_are_climbed_and_descended_without_a_touch(home):

@@ -80,7 +80,7 @@ class Controller:
             self._planned_at = np.full(2, np.inf)
             return np.asarray(carrot)
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
-            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)[-1]), here
+            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)), here
         if len(self._way) < 2:
             self._planned_at = np.full(2, np.inf)
             return None

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial.distance import cdist
 
 CELL_M = 0.08
 _FINE = 4
@@ -25,8 +26,9 @@ _CROWDING = 5.0
 """How much more a metre costs at the least distance."""
 _MISS_COST = 30.0
 """Of every metre that is missing to the target; more than a crowded metre costs."""
-_LONGEST_M = 3.4
-"""No way is longer: one that has to go so far round is not the stretch of the route that it stands for, but a way back."""
+_STRAYING = 8.0
+_STRAYED_M = 0.3
+"""A metre costs so much more per metre that it is farther from the route than drift explains: who walked it found it free."""
 
 
 class LocalMap:
@@ -54,17 +56,18 @@ class LocalMap:
         share = np.clip(to @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
-    def way(self, start: Float64[np.ndarray, "2"], target: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "j 2"]:
-        """A way that keeps clear, as near to the target as is worth its length."""
+    def way(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
+        """A way that keeps clear and by the route, as near to its end as is worth the length."""
+        cells = start + _cells() * CELL_M
+        strayed = cdist(cells, route).min(axis=1)
         distance = self._distances(start)
         lack = np.clip(1.0 - (distance - self._least_m) / _PREFERRED_M, 0.0, 1.0)
         cost = np.where(distance < self._least_m, _BLOCKED, 1.0 + _CROWDING * lack**2).ravel()
+        cost += _STRAYING * np.maximum(strayed - _STRAYED_M, 0.0)
         a, b, length, indptr = _grid()
         graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
         costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
-        cells = start + _cells() * CELL_M
-        costs = np.where(_lengths(before) <= _LONGEST_M, costs, np.inf)
-        path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - target, axis=1)))]
+        path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1)))]
         while before[path[-1]] >= 0:
             path.append(int(before[path[-1]]))
         return cells[path[::-1]]
@@ -80,15 +83,6 @@ class LocalMap:
         free[pixels[:, 1], pixels[:, 0]] = 0
         distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[::_FINE, ::_FINE]
         return distance.astype(np.float64) * (CELL_M / _FINE)
-
-
-def _lengths(before: Int[np.ndarray, "cells"]) -> Float64[np.ndarray, "cells"]:
-    """Of the way to every cell, from what comes before each; zero where nothing does [m]."""
-    parent = np.where(before < 0, np.arange(len(before)), before)
-    length = CELL_M * np.linalg.norm(_cells() - _cells()[parent], axis=1)
-    while (parent != parent[parent]).any():
-        length, parent = length + length[parent], parent[parent]
-    return np.asarray(length)
 
 
 @cache
