@@ -14,12 +14,12 @@ from sim.bench import encoder_times
 from sim.bench.encoder_ceiling import by_own_room, ceiling_of, own_room, own_room_prevails
 from sim.bench.encoder_table import RANDOM, TRAINED, Accuracy, TableRow, draw_plot, write_csv
 from sim.bench.encoder_times import Timing, example_image, random_weights, timed
-from sim.bench.encoders import References, measure, overall_calibration_error
+from sim.bench.encoders import References, measure, overall_calibration_error, worst_names
 from sim.cli import main
 from sim.errors import SimError
 from sim.training.frames import frames_origin
 from sim.training.kept import kept
-from sim.training.phrases import ROOM_ACTIVITIES, ROOM_NAMES
+from sim.training.phrases import HELD_OUT_NAMES, ROOM_ACTIVITIES, ROOM_NAMES
 from sim.training.views import LEXIS_VIEWS, TRAINING_VIEWS
 from worlds.labels import ROOM_LABELS
 
@@ -77,6 +77,30 @@ def test_doubt_of_what_is_right_is_a_calibration_error_and_encoders_do_not_mix()
     sure, doubting = measured(Knowing(0.1), Knowing(10.0))
     assert [house.row.accuracy for house in doubting] == [1.0, 1.0]
     assert overall_calibration_error(doubting) > 0.6 > 1e-3 > overall_calibration_error(sure)
+
+
+class Opposed(Knowing):
+    """Takes one held-out name of a label for the label, and another one for its opposite."""
+
+    def __init__(self, label):
+        super().__init__(0.1)
+        self._label, (self.good, self.bad) = ROOM_LABELS.index(label), HELD_OUT_NAMES[label][:2]
+
+    def encode_rooms(self, names):
+        sign = {self.good: 1.0, self.bad: -1.0}
+        said = super().encode_rooms(names)
+        return np.array([sign[n] * self._one(self._label) if n in sign else row for n, row in zip(names, said, strict=True)])
+
+
+def test_a_name_costs_the_frames_that_it_loses():
+    label = ROOM_LABELS[RUNS[0].frames.rooms[0]]
+    encoder = Opposed(label)
+    (houses,) = measured(encoder)
+    found = {(room, name): loss for room, name, loss in worst_names(houses)}
+    shares = [np.mean(run.frames.rooms == ROOM_LABELS.index(label)) for run in RUNS]
+    assert found[label, encoder.good] == 0.0
+    assert found[label, encoder.bad] == pytest.approx(np.mean([share for share in shares if share > 0.0]))
+    assert list(found.values()) == sorted(found.values(), reverse=True)
 
 
 def test_the_ceiling_is_what_visible_things_tell(tmp_path):

@@ -1,5 +1,6 @@
 """`lexis-sim bench encoders`: what an encoder tells of the keyframes of test houses, before LEXIS refines anything."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -76,6 +77,8 @@ class Measured:
     prevails: Bool[np.ndarray, "n"]
     """Whether no other label's rooms fill more of it."""
     asked: Sequence[Asked]
+    held_out_losses: Mapping[tuple[str, str], float]
+    """By label and held-out name: what accuracy loses where the rooms of that label alone go by that name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +152,8 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         calibration_error=calibration_error(confidence, right),
     )
     seen = own_room(frames), own_room_prevails(frames)
-    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked)
+    losses = _held_out_losses(images, texts, names, own)
+    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked, losses)
 
 
 def overall_calibration_error(houses: Sequence[Measured]) -> float:
@@ -179,6 +183,30 @@ def _renamed(
     rng = np.random.default_rng(seed)
     lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
     return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
+
+
+def _held_out_losses(
+    images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts, names: Sequence[str], own: Int[np.ndarray, "n"]
+) -> dict[tuple[str, str], float]:
+    similarities = images @ texts.rooms(names).T
+    before = (similarities.argmax(axis=1) == own).mean()
+    losses = {}
+    for room, label in enumerate(names):
+        for name, embedding in zip(HELD_OUT_NAMES[label], texts.rooms(HELD_OUT_NAMES[label]), strict=True):
+            renamed = similarities.copy()
+            renamed[:, room] = images @ embedding
+            losses[label, name] = float(before - (renamed.argmax(axis=1) == own).mean())
+    return losses
+
+
+def worst_names(houses: Sequence[Measured]) -> list[tuple[str, str, float]]:
+    """(label, held-out name, loss of accuracy in a house that has such rooms, on average), the worst first."""
+    losses: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for house in houses:
+        for key, loss in house.held_out_losses.items():
+            losses[key].append(loss)
+    means = ((label, name, float(np.mean(each))) for (label, name), each in losses.items())
+    return sorted(means, key=lambda row: -row[2])
 
 
 def _mean(shares: Sequence[float | None]) -> float | None:

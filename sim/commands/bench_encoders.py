@@ -34,7 +34,12 @@ def add_arguments(bench: argparse.ArgumentParser) -> None:
     group.add_argument("--compiled", action="store_true", help="time compiled networks, too: a minute or more for each")
     group.add_argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times")
     group.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it")
-    group.add_argument("--worst", type=positive, metavar="N", help="list the N questions that fail most")
+    group.add_argument(
+        "--worst",
+        type=positive,
+        metavar="N",
+        help="list the N questions that fail most, and the N held-out names that cost most",
+    )
 
 
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -87,6 +92,7 @@ def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> I
     yield _bands(houses)
     if worst:
         yield _worst(houses, worst)
+        yield _worst_names(houses, worst)
 
 
 def _houses(title: str, houses: Sequence["Measured"]) -> Table:
@@ -188,3 +194,13 @@ def _table_one(rows: Sequence["TableRow"]) -> Table:
 
 def _shares(values: Iterable[float | None]) -> list[str]:
     return [shown(value, "{:.3f}") for value in values]
+
+
+def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
+    from sim.bench.encoders import worst_names
+
+    title = "held-out names that cost most, where all other rooms keep theirs"
+    table = Table("rooms", "called", "loss of accuracy", title=title, title_justify="left")
+    for label, name, loss in worst_names(houses)[:count]:
+        table.add_row(label, name, f"{loss:.3f}")
+    return table

@@ -28,7 +28,7 @@ _MISS_COST = 30.0
 """Of every metre that is missing to the target; more than a crowded metre costs."""
 _STRAYING = 8.0
 _STRAYED_M = 0.3
-"""A metre costs so much more per metre that it is farther from the route than drift explains: who walked it found it free."""
+"""A metre costs so much more per metre that it is farther from the route than drift explains: the route was walked."""
 
 
 class LocalMap:
