@@ -20,8 +20,8 @@ MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
 DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
-EVIDENCE_NEIGHBOURS = 9
-"""Keyframes whose images tell together how deep inside its room a keyframe is."""
+EVIDENCE_NEIGHBOURS = (5, 9)
+"""Keyframes whose images tell together how deep inside its room a keyframe is: least, and most in rooms of as many."""
 
 
 @dataclass(frozen=True)
@@ -137,5 +137,6 @@ def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
     outside = map.room_of != room.id
     margin[outside] = np.minimum(margin[outside], 0.0)
     positions = map.T_W_B[:, :3, 3]
-    nearest = cKDTree(positions).query(positions, k=np.arange(1, min(EVIDENCE_NEIGHBOURS, len(positions)) + 1))[1]
+    count = min(int(np.clip(len(room.keyframes), *EVIDENCE_NEIGHBOURS)), len(positions))
+    nearest = cKDTree(positions).query(positions, k=np.arange(1, count + 1))[1]
     return np.asarray(margin[np.asarray(nearest)].mean(axis=1), np.float64)

@@ -98,7 +98,7 @@ def test_a_name_costs_the_frames_that_it_loses():
     (houses,) = measured(encoder)
     found = {(room, name): loss for room, name, loss in worst_names(houses)}
     shares = [np.mean(run.frames.rooms == ROOM_LABELS.index(label)) for run in RUNS]
-    assert found[label, encoder.good] == 0.0
+    assert (label, encoder.good) not in found
     assert found[label, encoder.bad] == pytest.approx(np.mean([share for share in shares if share > 0.0]))
     assert list(found.values()) == sorted(found.values(), reverse=True)
 

@@ -43,7 +43,7 @@ class LabelEncoder:
 
 @pytest.fixture(scope="module")
 def fitted():
-    """Of an encoder that sees surfaces of rooms, with some error; loops are mostly found."""
+    """Of an encoder that sees what rooms of every label fill, with some error; loops are mostly found."""
     weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
     weights[LABELS] = np.eye(len(ROOM_LABELS)) / LABEL_WEIGHT
     errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)

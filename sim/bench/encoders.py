@@ -206,7 +206,7 @@ def worst_names(houses: Sequence[Measured]) -> list[tuple[str, str, float]]:
         for key, loss in house.held_out_losses.items():
             losses[key].append(loss)
     means = ((label, name, float(np.mean(each))) for (label, name), each in losses.items())
-    return sorted(means, key=lambda row: -row[2])
+    return sorted((row for row in means if row[2] > 0.0), key=lambda row: -row[2])
 
 
 def _mean(shares: Sequence[float | None]) -> float | None:

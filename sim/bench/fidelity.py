@@ -1,7 +1,7 @@
 """`lexis-sim bench fidelity`: whether runs on features predict runs on renders, house by house.
 
 Both fidelities map the same walks of the same houses. Label accuracy is compared, since loops change little of it; images
-are small and few, since the encoder scales them down anyway.
+are few, and of the size that LEXIS takes.
 """
 
 import collections

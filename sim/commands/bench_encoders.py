@@ -133,13 +133,14 @@ def _questions(houses: Sequence["Measured"]) -> Table:
 def _bands(houses: Sequence["Measured"]) -> Table:
     from sim.bench.encoder_ceiling import by_own_room
 
-    fields = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
-    answers = {name: [getattr(house, field) for house in houses] for name, field in fields.items()}
+    columns = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
+    answers = {name: [getattr(house, field) for house in houses] for name, field in columns.items()}
     known = {name: np.concatenate(each) for name, each in answers.items() if each[0] is not None}
     title = "by how much of the image shows the room that holds the camera"
     table = Table("share of image", "share of frames", *known, title=title, title_justify="left")
     for band in by_own_room(np.concatenate([house.own_room for house in houses]), known):
-        table.add_row(f"{band.low:.0%} ... {band.high:.0%}", *_shares((band.share, *band.right.values())))
+        share = "all" if band.share == 1.0 else f"{band.low:.0%} ... {band.high:.0%}"
+        table.add_row(share, *_shares((band.share, *band.right.values())))
     return table
 
 
@@ -153,6 +154,16 @@ def _worst(houses: Sequence["Measured"], count: int) -> Table:
     for failure in failures([asked for house in houses for asked in house.asked])[:count]:
         counts = str(failure.asked), str(failure.right)
         table.add_row(failure.about, failure.answer, failure.topic, failure.wording, *counts, failure.instead)
+    return table
+
+
+def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
+    from sim.bench.encoders import worst_names
+
+    title = "held-out names that cost most, where all other rooms keep theirs"
+    table = Table("rooms", "called", "loss of accuracy", title=title, title_justify="left")
+    for label, name, loss in worst_names(houses)[:count]:
+        table.add_row(label, name, f"{loss:.3f}")
     return table
 
 
@@ -194,13 +205,3 @@ def _table_one(rows: Sequence["TableRow"]) -> Table:
 
 def _shares(values: Iterable[float | None]) -> list[str]:
     return [shown(value, "{:.3f}") for value in values]
-
-
-def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
-    from sim.bench.encoders import worst_names
-
-    title = "held-out names that cost most, where all other rooms keep theirs"
-    table = Table("rooms", "called", "loss of accuracy", title=title, title_justify="left")
-    for label, name, loss in worst_names(houses)[:count]:
-        table.add_row(label, name, f"{loss:.3f}")
-    return table

@@ -18,7 +18,8 @@ from worlds.visuals import STAIRS_OBJECT
 SURFACES = ("wall", "floor", "ceiling")
 OBJECTS = (*sorted(CATALOGUE), "door", "window", STAIRS_OBJECT)
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
-"""What a thing can be by its looks: an object, or a surface of some pattern."""
+"""What a thing can be by its looks: an object, or a surface of the pattern that its room is finished in. That the appearance
+of a house asks for another `texture` is not seen."""
 CELL_M = 0.05
 """Of the map that tells the room of a place."""
 _LEAST_M = 0.08

@@ -17,8 +17,12 @@ COLUMNS, ROWS = 40, 30
 LABEL_WEIGHT = 0.05
 """Of labels in a description, against what is visible: a ridge regression on descriptions uses them that much less."""
 _NEAR_M = 2.5
+"""Depth up to which things are near: in the camera's own room, mostly [m]."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-_COLOUR_WEIGHT, _LEAST_SHARE = 2.0, 0.02
+_COLOUR_WEIGHT = 2.0
+"""Of colours in [0, 1] in a description."""
+_LEAST_SHARE = 0.02
+"""Of the image; surfaces of less have fainter colours."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
 """Where a description holds what rooms of every label fill."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
@@ -45,14 +49,14 @@ class Views:
     def described(self) -> Float32[np.ndarray, "n size"]:
         """What an encoder can go by: kinds of things, colours of walls, floors and ceilings, how the depths are distributed.
 
-        Kinds by the root of the share that all of them fill, and that the near ones do. Labels of rooms come last and
-        least: they stand for looks that nothing else here tells.
+        Kinds by the root of the share that all of them fill, and that the near ones do. Labels of rooms weigh least
+        (`LABEL_WEIGHT`): they stand for looks that nothing else here tells.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]
         sky = (~np.isfinite(depth)).mean(axis=1)
         near = shares_of(np.where(self.hits.depth < _NEAR_M, self.hits.thing, NOWHERE), len(self.around.names))
-        kinds = [np.sqrt(_summed(shares, self.around.kind, len(KINDS))) for shares in (self.shares, near)]
+        kinds = np.sqrt([self.of_kinds(), _summed(near, self.around.kind, len(KINDS))])
         labels = LABEL_WEIGHT * np.sqrt(self._of_labels())
         return np.column_stack([*kinds, labels, self._colours(), *nearer, sky]).astype(np.float32)
 

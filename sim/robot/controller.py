@@ -26,7 +26,8 @@ _EASY_M = RADIUS_M + 0.15
 """With this much room the route itself is followed; with less, a way is sought that has the most room."""
 _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
-_ARRIVED_M = 0.1
+_ARRIVED_M, _NEARLY_M = 0.1, 0.5
+"""From the end in the plan, once so much of the route is left."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
 """After some time without progress, so much of the route is left out; after more, the robot gives up."""
@@ -63,7 +64,7 @@ class Controller:
     def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
         # Near the end alone is not enough: a plan may pass below its end, or above.
         left_m = self._route.length_m - self._route.progress_m
-        return left_m <= _SKIP_M and bool(np.linalg.norm(self._route.end - here) <= _ARRIVED_M)
+        return left_m <= _NEARLY_M and bool(np.linalg.norm(self._route.end - here) <= _ARRIVED_M)
 
     def _has_lost_patience(self) -> bool:
         self._since_s += STEP_S

@@ -20,15 +20,16 @@ _SAME_M = 0.4
 """Scans from heights that differ by more show other things, on stairs [m]."""
 _PREFERRED_M = 0.25
 """Beyond the least distance, from which on more room is no better [m]."""
-_BLOCKED = 100.0
+_BLOCKED = 1000.0
 """Cost of a metre that is too near to something: a way out is always found, and any other way is preferred."""
 _CROWDING = 5.0
 """How much more a metre costs at the least distance."""
 _MISS_COST = 30.0
 """Of every metre that is missing to the target; more than a crowded metre costs."""
-_STRAYING = 8.0
 _STRAYED_M = 0.3
-"""A metre costs so much more per metre that it is farther from the route than drift explains: the route was walked."""
+"""From the route, as far as drift explains."""
+_STRAYING = 20.0
+"""How much more a metre costs per metre that it is farther from the route, which was walked and so is free."""
 
 
 class LocalMap:

@@ -134,7 +134,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
-    """All that the result follows from, but for the teacher: wherever it lies, it is the same."""
+    """All settings that the result follows from, but for the teacher: wherever it lies, it is the same."""
     names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}

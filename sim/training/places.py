@@ -50,7 +50,7 @@ def place_loss(
     """How far every frame is from being likest to those of its own place (1).
 
     The supervised contrastive loss (Khosla 2020), over the frames that have another one of their place in the batch; each
-    of these is weighed against the frames of other places, the likest ones above all where the temperature is low.
+    of these is weighed against the frames of other places, at a low `temperature` against the likest ones above all.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)
