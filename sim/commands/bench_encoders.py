@@ -139,7 +139,7 @@ def _bands(houses: Sequence["Measured"]) -> Table:
     title = "by how much of the image shows the room that holds the camera"
     table = Table("share of image", "share of frames", *known, title=title, title_justify="left")
     for band in by_own_room(np.concatenate([house.own_room for house in houses]), known):
-        share = "all" if band.share == 1.0 else f"{band.low:.0%} ... {band.high:.0%}"
+        share = "all" if (band.low, band.high) == (0.0, 1.0) else f"{band.low:.0%} ... {band.high:.0%}"
         table.add_row(share, *_shares((band.share, *band.right.values())))
     return table
 
