@@ -10,7 +10,7 @@ from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.features.eyes import RayGrid
 from sim.features.rays import cast
 from sim.features.surroundings import KINDS, SURFACES, survey
-from sim.features.views import COLUMNS, ROWS, look, shares_of
+from sim.features.views import COLUMNS, LABELS, ROWS, look, shares_of
 from sim.scene import build_scene
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -144,3 +144,14 @@ def test_names_are_the_renderers(house, views):
     unknown = {name for name in scene.object_of_geom if not name.startswith("(outside)")} - set(views.around.names)
     small = {piece.id for piece in house.furniture if max(piece.size) < 0.08}
     assert unknown <= small
+
+
+def test_labels_of_rooms_stand_in_their_columns_of_a_description_and_nowhere_else(views):
+    """What is visible must not tell them: an encoder sees coverings and furniture."""
+    around = views.around
+    others = tuple(replace(room, label="garage") for room in around.house.rooms)
+    relabelled = replace(views, around=replace(around, house=replace(around.house, rooms=others)))
+    before, after = views.described(), relabelled.described()
+    differs = np.flatnonzero((before != after).any(axis=0))
+    assert len(differs) > 1 and differs.min() >= LABELS.start and differs.max() < LABELS.stop
+    assert np.ptp(np.delete(before, np.r_[LABELS], axis=1)) > 1.0 > np.ptp(before[:, LABELS])
