@@ -57,15 +57,12 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
     """
     starts, goals = _ends(map, start), _ends(map, goal)
     graph = adjacency(map, config or PlannerConfig())
-    distances, before = dijkstra(graph, indices=np.array([end.keyframe for end in starts]), return_predecessors=True)
-    lengths = distances[:, [end.keyframe for end in goals]]
+    lengths = dijkstra(graph, indices=[end.keyframe for end in starts])[:, [end.keyframe for end in goals]]
     s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))
     if not np.isfinite(lengths[s, g]):
         raise PlanError(f"no way from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
-    path = [goals[g].keyframe]
-    while path[-1] != starts[s].keyframe:
-        path.append(int(before[s, path[-1]]))
-    return Plan(starts[s].room, goals[g].room, tuple(reversed(path)), float(lengths[s, g]))
+    keyframes = _path(graph, starts[s].keyframe, goals[g].keyframe)
+    return Plan(starts[s].room, goals[g].room, keyframes, float(lengths[s, g]))
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
@@ -93,6 +90,16 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
     lengths = np.maximum(_lengths(ways, positions), 1e-9)
     both = np.concatenate([ways, ways[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
+
+
+def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
+    """Keyframes of a shortest way; of several that are equally short, the same one there and back."""
+    first, last = sorted((start, goal))
+    before = dijkstra(graph, indices=[first], return_predecessors=True)[1][0]
+    path = [last]
+    while path[-1] != first:
+        path.append(int(before[path[-1]]))
+    return tuple(path if start == last else reversed(path))
 
 
 def _ends(map: LexisMap, name: str) -> list[Inside]:
