@@ -9,7 +9,7 @@ from sim.errors import SimError
 from sim.odometry import PRESETS, OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
-from sim.robot.controller import _HORIZON_M, _LEAST_M
+from sim.robot.controller import HORIZON_M, LEAST_M
 from sim.robot.local_map import CELL_M, LocalMap
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
@@ -94,8 +94,8 @@ def test_without_a_way_the_robot_stops_in_front_of_the_wall():
 @pytest.mark.parametrize(("wall_ends_at", "goes_round"), [(0.7, True), (1.4, False)])
 def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_far_one(wall_ends_at, goes_round):
     """As behind the wall between two flights of stairs, where the drifted route runs."""
-    around, start = LocalMap(_LEAST_M), np.array([0.0, 0.6])
-    route = np.linspace(start, [0.0, 0.6 - _HORIZON_M], 18)
+    around, start = LocalMap(LEAST_M), np.array([0.0, 0.6])
+    route = np.linspace(start, [0.0, 0.6 - HORIZON_M], 18)
     wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
     around.add(wall - start, *start, 0.0, 0.0)
     way = around.way(start, route)
@@ -107,16 +107,16 @@ def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_fa
 
 @pytest.mark.parametrize("away_m", [0.26, 0.3, 0.6])
 def test_no_way_leads_through_a_wall(away_m):
-    around = LocalMap(_LEAST_M)
+    around = LocalMap(LEAST_M)
     wall = np.stack([np.full(200, away_m), np.linspace(-2.0, 2.0, 200)], axis=1)
     around.add(wall, 0.0, 0.0, 0.0, 0.0)
-    assert around.way(np.zeros(2), np.linspace([0.0, 0.0], [_HORIZON_M, 0.0], 18))[:, 0].max() < away_m
+    assert around.way(np.zeros(2), np.linspace([0.0, 0.0], [HORIZON_M, 0.0], 18))[:, 0].max() < away_m
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_of_two_ways_round_something_the_one_by_the_route_is_taken(side):
     """Though the other one is no longer, and nothing says that it is barred."""
-    around, start = LocalMap(_LEAST_M), np.zeros(2)
+    around, start = LocalMap(LEAST_M), np.zeros(2)
     y = np.arange(-0.6, 0.6, 0.02)
     around.add(np.stack([np.full(len(y), 0.8), y], axis=1), 0.0, 0.0, 0.0, 0.0)
     route = np.concatenate([np.linspace([0.0, 0.0], [0.8, side], 13), np.linspace([0.8, side], [1.6, 0.0], 13)])

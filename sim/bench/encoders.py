@@ -152,7 +152,7 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
         calibration_error=calibration_error(confidence, right),
     )
     seen = own_room(frames), own_room_prevails(frames)
-    losses = _held_out_losses(images, texts, names, own)
+    losses = _held_out_losses(images, texts, names, own, similarities)
     return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked, losses)
 
 
@@ -186,9 +186,13 @@ def _renamed(
 
 
 def _held_out_losses(
-    images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts, names: Sequence[str], own: Int[np.ndarray, "n"]
+    images: Float32[np.ndarray, "n d"],
+    texts: EmbeddedTexts,
+    names: Sequence[str],
+    own: Int[np.ndarray, "n"],
+    similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    similarities = images @ texts.rooms(names).T
+    """Against the `similarities` to all rooms by their own names."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):

@@ -47,9 +47,8 @@ class Oracle:
 
 def true_embeddings(views: Views, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
     """What the oracle's percepts hold: the shares of labels and of objects, unit norm."""
-    labels = np.array([ROOM_LABELS.index(room.label) for room in views.around.house.rooms])
     rows = np.zeros((len(T_W_B), _SIZE), np.float32)
-    np.add.at(rows.T, labels, views.of_rooms().T.astype(np.float32))
+    np.add.at(rows.T, views.around.labels, views.of_rooms().T.astype(np.float32))
     rows[:, _NOTHING + 1 :] = views.of_kinds()[:, : len(OBJECTS)]
     rows[~rows.any(axis=1), _NOTHING] = 1.0
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

@@ -9,6 +9,7 @@ from jaxtyping import Float32, Int
 
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House
+from worlds.labels import ROOM_LABELS
 from worlds.materials import PATTERNS
 from worlds.sheets import finishes
 from worlds.surfaces import rectangles
@@ -52,11 +53,16 @@ class Surroundings:
     """As in `sim.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
     kind: Int[np.ndarray, "things"]
     """Index into `KINDS`."""
-    colour: Float32[np.ndarray, "things 3"]
-    """Of surfaces, RGB in [0, 1]; zero for objects."""
+    colour: Float32[np.ndarray, "rooms surfaces 3"]
+    """Of every room's surfaces, RGB in [0, 1]."""
     room: Int[np.ndarray, "things"]
     """Index into `House.rooms` of the room that each belongs to."""
     blocks: Blocks
+
+    @cached_property
+    def labels(self) -> Int[np.ndarray, "rooms"]:
+        """Index into `ROOM_LABELS` of every room."""
+        return np.array([ROOM_LABELS.index(room.label) for room in self.house.rooms])
 
     @cached_property
     def rooms_at(self) -> "RoomMap":
@@ -74,8 +80,7 @@ def survey(house: House) -> Surroundings:
     covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
     surfaces = [(f"{room}/{surface}", f"{pattern} {surface}", room) for room, surface, (pattern, _) in covered]
     things = [*surfaces, *objects.values()]
-    colour = np.zeros((len(things), 3), np.float32)
-    colour[: len(covered)] = [shade for _, _, (_, shade) in covered]
+    colour = np.array([shade for _, _, (_, shade) in covered], np.float32).reshape(-1, len(SURFACES), 3)
     row_of = {name: i for i, (name, _, _) in enumerate(things)}
     kinds = {kind: i for i, kind in enumerate(KINDS)}
     values = np.array([box for box, *_ in rows], np.float32).reshape(-1, 7)

@@ -60,21 +60,21 @@ class Views:
         labels = LABEL_WEIGHT * np.sqrt(self._of_labels())
         return np.column_stack([*kinds, labels, self._colours(), *nearer, sky]).astype(np.float32)
 
+    def _of_surfaces(self) -> Float32[np.ndarray, "n rooms surfaces"]:
+        """Shares of the walls, the floor and the ceiling of every room."""
+        rooms = len(self.around.labels)
+        return self.shares[:, : rooms * len(SURFACES)].reshape(len(self.shares), rooms, len(SURFACES))
+
     def _of_labels(self) -> Float64[np.ndarray, "n labels"]:
         """Shares of the surfaces of all rooms of a label."""
-        labels = np.array([ROOM_LABELS.index(room.label) for room in self.around.house.rooms])
-        surfaces = len(SURFACES) * len(labels)
-        return _summed(self.shares[:, :surfaces], np.repeat(labels, len(SURFACES)), len(ROOM_LABELS))
+        return _summed(self._of_surfaces().sum(axis=2), self.around.labels, len(ROOM_LABELS))
 
     def _colours(self) -> Float32[np.ndarray, "n rgb"]:
         """Mean colours of walls, of floors and of ceilings, fading where hardly any of them is in view."""
-        ends = len(SURFACES) * len(self.around.house.rooms)
-        means = []
-        for kind in range(len(SURFACES)):
-            seen = self.shares[:, kind : ends : len(SURFACES)]
-            total = np.maximum(seen.sum(axis=1, keepdims=True), _LEAST_SHARE)
-            means.append(_COLOUR_WEIGHT * (seen @ self.around.colour[kind : ends : len(SURFACES)]) / total)
-        return np.concatenate(means, axis=1)
+        seen = self._of_surfaces()
+        total = np.maximum(seen.sum(axis=1), np.float32(_LEAST_SHARE))
+        means = np.einsum("nrs,rsc->nsc", seen, self.around.colour) / total[:, :, None]
+        return np.asarray(_COLOUR_WEIGHT * means.reshape(len(seen), 3 * len(SURFACES)))
 
 
 def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> Views:

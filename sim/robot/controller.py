@@ -15,10 +15,10 @@ SPEED_M_S = 0.7
 _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
-_HORIZON_M = 1.7
+HORIZON_M = 1.7
 _KEEP_M = RADIUS_M + 0.05
 """Kept from the straight line to the next place of a way, if it can be."""
-_LEAST_M = RADIUS_M + 0.03
+LEAST_M = RADIUS_M + 0.03
 """No way is nearer to anything."""
 _REACH = 6
 """Cells of a way that are looked ahead."""
@@ -37,7 +37,7 @@ class Controller:
     """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
-        self._route, self._map = Route(waypoints), LocalMap(_LEAST_M)
+        self._route, self._map = Route(waypoints), LocalMap(LEAST_M)
         self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
@@ -81,7 +81,7 @@ class Controller:
             self._planned_at = np.full(2, np.inf)
             return np.asarray(carrot)
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
-            self._way, self._planned_at = self._map.way(here, self._route.ahead(_HORIZON_M)), here
+            self._way, self._planned_at = self._map.way(here, self._route.ahead(HORIZON_M)), here
         if len(self._way) < 2:
             self._planned_at = np.full(2, np.inf)
             return None
