@@ -14,6 +14,7 @@ from pathlib import Path
 
 from sim.errors import GraphicsError
 from sim.gl_probe import PROBES
+from sim.llvm import load_triton_library
 
 _PROBE_TIMEOUT_S = 20.0
 
@@ -76,6 +77,9 @@ def _works(backend: str) -> bool:
 
 
 _CHOSEN = choose_backend()
+
+if _CHOSEN != DISABLED:
+    load_triton_library()  # before `import mujoco`, which loads OSMesa; EGL loads its driver with the first context
 
 try:
     import mujoco
