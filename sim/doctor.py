@@ -9,12 +9,18 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import numpy as np
+from threadpoolctl import threadpool_info
+
 _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
 """Of a rendered run: at most 1.2 GB apart from torch, and torch."""
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP_MAX, _CGROUP_USED = Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")
-PACKAGES = ("mujoco", "torch", "open-clip-torch", "opencv-python-headless", "gtsam", "poselib", "numpy", "scipy")
+PACKAGES = (
+    *("mujoco", "torch", "torchvision", "open-clip-torch", "timm", "opencv-python-headless", "gtsam", "poselib"),
+    *("numpy", "scipy", "shapely"),
+)
 PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
@@ -31,21 +37,35 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Look at the interpreter, cores, memory, packages, off-screen OpenGL and the shipped encoder."""
+    """Look at the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
     drawing = probe("off-screen OpenGL", "draw")
     return [
-        Finding("python", True, platform.python_version()),
+        Finding("python", True, f"{platform.python_version()}, {platform.machine()}"),
         Finding("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
+        Finding("OpenBLAS kernels", True, _openblas_kernels() or "none: numpy has another BLAS"),
         drawing,
         probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # a run does both in one process
     ]
 
 
-def versions() -> dict[str, str]:
-    """Versions of the packages that shape a result, for result.json."""
-    return {"python": platform.python_version()} | {package: version(package) for package in PACKAGES}
+def versions() -> dict[str, str | None]:
+    """What shapes the last digits of a result, for result.json: packages, processor, BLAS kernels, GL back end."""
+    return {
+        "python": platform.python_version(),
+        **{package: version(package) for package in PACKAGES},
+        "machine": platform.machine(),
+        "openblas_kernels": _openblas_kernels(),
+        "gl": os.environ.get("MUJOCO_GL"),
+    }
+
+
+def _openblas_kernels() -> str | None:
+    """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy brings no OpenBLAS."""
+    directory = str(Path(np.__file__).resolve().parent.with_name("numpy.libs"))  # OpenCV and scipy bring their own
+    found = (library for library in threadpool_info() if library["filepath"].startswith(directory))
+    return next((library["architecture"] for library in found if library["internal_api"] == "openblas"), None)
 
 
 def _package(name: str) -> Finding:

@@ -1,6 +1,7 @@
 """The doctor finds what is missing, and says what to change; probes that crash or hang do not take it with them."""
 
 import os
+import platform
 
 import pytest
 
@@ -104,3 +105,11 @@ def test_the_encoder_is_tried_after_rendering_where_that_works(probing, fine, st
 def test_a_missing_package_is_found(monkeypatch):
     monkeypatch.setattr(doctor, "PACKAGES", ("no-such-package",))
     assert finding("no-such-package").detail == "missing; install it: pip install no-such-package"
+
+
+def test_versions_name_what_shapes_a_result():
+    found = doctor.versions()
+    assert {"torch", "torchvision", "timm", "scipy", "shapely", "numpy"} <= set(found)
+    assert found["machine"] == platform.machine()
+    assert found["gl"] == os.environ.get("MUJOCO_GL")
+    assert all(value is None or value == value.strip() != "" for value in found.values())
