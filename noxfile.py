@@ -1,7 +1,7 @@
 """One way to run everything: `nox -s demo | tests | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
 
-All sessions share one environment (torch makes it several gigabytes). The session `env` makes it, and is a no-op until
-pyproject.toml changes.
+All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
+tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.
 """
 
 import hashlib
@@ -22,6 +22,8 @@ SUPPORTED = nox.project.python_versions(PYPROJECT)
 RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
 PYTHON = None if RUNNING in SUPPORTED else SUPPORTED[-1]  # None: the interpreter that runs nox
 
+CONSTRAINTS = Path("tests", "constraints.txt")
+
 GL_PACKAGES = {"egl": ("libegl1", "libgl1-mesa-dri"), "osmesa": ("libosmesa6",)}
 QUIET_THREADS = {"OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}  # spinning threads starve each other on few cores
 
@@ -31,10 +33,10 @@ def env(session: nox.Session) -> None:
     """Make the environment that the other sessions share, and see that something renders off-screen."""
     ensure_gl(session)
     stamp = session.env_dir / "installed.sha256"
-    wanted = hashlib.sha256(Path("pyproject.toml").read_bytes()).hexdigest()
+    wanted = hashlib.sha256(Path("pyproject.toml").read_bytes() + CONSTRAINTS.read_bytes()).hexdigest()
     if not stamp.exists() or stamp.read_text() != wanted:
         groups = nox.project.dependency_groups(PYPROJECT, "tests", "lint")
-        session.install("--editable", ".", *groups)
+        session.install("--editable", ".", *groups, "--constraint", str(CONSTRAINTS))
         session.run("python", "-m", "sim.gl")
         stamp.write_text(wanted)
 
@@ -69,6 +71,23 @@ def lint(session: nox.Session) -> None:
 def bench(session: nox.Session) -> None:
     """Benchmarks; `nox -s bench -- encoders` and so on."""
     run(session, "lexis-sim", "bench", *(session.posargs or ["speed"]))
+
+
+@nox.session(venv_backend="uv|virtualenv", reuse_venv=True)
+def lock(session: nox.Session) -> None:
+    """Write tests/constraints.txt, one set of versions for all Pythons; it keeps what fits, `-- --upgrade` renews all."""
+    session.install("uv")
+    options = ["--universal", "--python-version", SUPPORTED[0], "--fork-strategy", "fewest", "--no-annotate", "--quiet"]
+    groups = ["--group", "tests", "--group", "lint"]
+    output = ["--custom-compile-command", "nox -s lock", "--output-file", str(CONSTRAINTS)]
+    command = ["uv", "pip", "compile", "pyproject.toml", *options, *groups, *output, *session.posargs]
+    session.run(*command, env={"UV_CONSTRAINT": pip_constraint()})
+
+
+def pip_constraint() -> str:
+    """The file with which pip is configured to cap versions here, or "": uv does not know it, and pip must agree."""
+    command = [sys.executable, "-m", "pip", "config", "get", "global.constraint"]
+    return subprocess.run(command, capture_output=True, text=True).stdout.strip()
 
 
 def run(session: nox.Session, command: str, *args: str) -> None:

@@ -2,23 +2,28 @@
 
 import os
 import platform
-from collections.abc import Callable
+import signal
+import subprocess
+import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
-
-from lexis.errors import LexisError
-from sim.errors import GraphicsError, SimError
+from threadpoolctl import threadpool_info
 
 _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
 """Of a rendered run: at most 1.2 GB apart from torch, and torch."""
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP_MAX, _CGROUP_USED = Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")
-_SCENE = '<mujoco><worldbody><light pos="0 0 3"/><geom size=".3 .3 .3" type="box"/></worldbody></mujoco>'
-PACKAGES = ("mujoco", "torch", "open-clip-torch", "opencv-python-headless", "gtsam", "poselib", "numpy", "scipy")
+PACKAGES = (
+    *("mujoco", "torch", "torchvision", "open-clip-torch", "timm", "opencv-python-headless", "gtsam", "poselib"),
+    *("numpy", "scipy", "shapely"),
+)
+PROBES = "sim.doctor_probes"
+PROBE_TIMEOUT_S = 300.0
+_BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
 @dataclass(frozen=True)
@@ -32,21 +37,35 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Look at the interpreter, cores, memory, packages, off-screen OpenGL and the shipped encoder."""
-    findings = [
-        Finding("python", True, platform.python_version()),
+    """Look at the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
+    drawing = probe("off-screen OpenGL", "draw")
+    return [
+        Finding("python", True, f"{platform.python_version()}, {platform.machine()}"),
         Finding("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
-        _attempt("off-screen OpenGL", _render),
-        _attempt("encoder mini", _encode),
+        Finding("OpenBLAS kernels", True, _openblas_kernels() or "none: numpy has another BLAS"),
+        drawing,
+        probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # a run does both in one process
     ]
-    return findings
 
 
-def versions() -> dict[str, str]:
-    """Versions of the packages that shape a result, for result.json."""
-    return {"python": platform.python_version()} | {package: version(package) for package in PACKAGES}
+def versions() -> dict[str, str | None]:
+    """What shapes the last digits of a result, for result.json: packages, processor, BLAS kernels, GL back end."""
+    return {
+        "python": platform.python_version(),
+        **{package: version(package) for package in PACKAGES},
+        "machine": platform.machine(),
+        "openblas_kernels": _openblas_kernels(),
+        "gl": os.environ.get("MUJOCO_GL"),
+    }
+
+
+def _openblas_kernels() -> str | None:
+    """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy brings no OpenBLAS."""
+    directory = str(Path(np.__file__).resolve().parent.with_name("numpy.libs"))  # OpenCV and scipy bring their own
+    found = (library for library in threadpool_info() if library["filepath"].startswith(directory))
+    return next((library["architecture"] for library in found if library["internal_api"] == "openblas"), None)
 
 
 def _package(name: str) -> Finding:
@@ -56,11 +75,17 @@ def _package(name: str) -> Finding:
         return Finding(name, False, f"missing; install it: pip install {name}")
 
 
-def _attempt(subject: str, attempt: Callable[[], str]) -> Finding:
+def probe(subject: str, *steps: str) -> Finding:
+    """Take steps of `sim.doctor_probes` in a child process, which a broken driver or library may crash or hang."""
+    command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P ignores a folder `sim` in the working directory
     try:
-        return Finding(subject, True, attempt())
-    except (SimError, LexisError) as error:
-        return Finding(subject, False, str(error))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        return Finding(subject, False, f"no answer after {PROBE_TIMEOUT_S:g} s; {_BROKEN}")
+    if done.returncode < 0:
+        return Finding(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {_BROKEN}")
+    said = (done.stderr if done.returncode else done.stdout).strip().splitlines()
+    return Finding(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
 
 
 def available_bytes() -> int | None:
@@ -83,26 +108,3 @@ def _memory(available: int | None) -> Finding:
     fine, detail = available >= NEEDED_BYTES, f"{available / _GIB:.1f} GiB free"
     needed = f"; a run needs {NEEDED_BYTES / _GIB:.1f} GiB: free some, or give the container more"
     return Finding("memory", fine, detail if fine else detail + needed)
-
-
-def _render() -> str:
-    from sim.gl import choose_backend, graphics_errors, mujoco, require_rendering
-
-    require_rendering()
-    model = mujoco.MjModel.from_xml_string(_SCENE)
-    with graphics_errors("a first picture"), mujoco.Renderer(model, 48, 64) as renderer:
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        renderer.update_scene(data)
-        if renderer.render().std() == 0.0:
-            raise GraphicsError(
-                f"{choose_backend()} draws nothing but one colour; update its driver or try another MUJOCO_GL"
-            )
-    return f"{choose_backend() or 'the own of this system'} draws"
-
-
-def _encode() -> str:
-    from lexis.encoder import load_encoder  # torch takes seconds, and `versions` does without
-
-    encoder = load_encoder("mini")
-    return f"{encoder.encode_image(np.zeros((96, 128, 3), np.uint8)).shape[0]} dimensions"

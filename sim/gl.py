@@ -14,6 +14,7 @@ from pathlib import Path
 
 from sim.errors import GraphicsError
 from sim.gl_probe import PROBES
+from sim.llvm import load_triton_library
 
 _PROBE_TIMEOUT_S = 20.0
 
@@ -77,6 +78,9 @@ def _works(backend: str) -> bool:
 
 _CHOSEN = choose_backend()
 
+if _CHOSEN != DISABLED:
+    load_triton_library()  # before `import mujoco`, which loads OSMesa; EGL loads its driver with the first context
+
 try:
     import mujoco
 except (AttributeError, ImportError, OSError) as error:  # PyOpenGL raises any of these where a library is missing
@@ -91,7 +95,15 @@ _OUT_OF_MEMORY = ("memory", "alloc", "0x505", "bad_alloc")
 _MEMORY = "too little memory; render smaller images, fewer houses at once, or free memory"
 _LOST = "OpenGL failed or its context is lost; make the renderer anew in the thread that uses it, and see `lexis-sim doctor`"
 
-__all__ = ["GraphicsError", "choose_backend", "graphics_errors", "mujoco", "require_rendering"]
+
+def device_name() -> str:
+    """The device or software that draws, and its version, in the current context: "llvmpipe (LLVM 15.0.6, 256 bits)"."""
+    from OpenGL.GL import GL_RENDERER, glGetString
+
+    return str((glGetString(GL_RENDERER) or b"an unknown device").decode())
+
+
+__all__ = ["GraphicsError", "choose_backend", "device_name", "graphics_errors", "mujoco", "require_rendering"]
 
 if __name__ == "__main__":
     require_rendering()

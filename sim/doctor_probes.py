@@ -1,0 +1,57 @@
+"""Steps that `sim.doctor` tries in child processes, since a broken driver or library may end the process that takes them.
+
+`python -m sim.doctor_probes draw encode` takes both in one process and prints what the last one found.
+"""
+
+import sys
+from collections.abc import Callable
+
+from lexis.errors import LexisError
+from sim.errors import GraphicsError, SimError
+
+_SCENE = '<mujoco><worldbody><light pos="0 0 3"/><geom size=".3 .3 .3" type="box"/></worldbody></mujoco>'
+
+
+def draw() -> str:
+    """Render a box off-screen; return the GL back end and its device. Raises `GraphicsError` where that fails."""
+    from sim.gl import choose_backend, device_name, graphics_errors, mujoco, require_rendering
+
+    require_rendering()
+    model = mujoco.MjModel.from_xml_string(_SCENE)
+    with graphics_errors("a first picture"), mujoco.Renderer(model, 48, 64) as renderer:
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        renderer.update_scene(data)
+        if renderer.render().std() == 0.0:
+            raise GraphicsError(
+                f"{choose_backend()} draws nothing but one colour; update its driver or try another MUJOCO_GL"
+            )
+        return f"{choose_backend() or 'the own of this system'} draws, on {device_name()}"
+
+
+def encode() -> str:
+    """Encode an image with the shipped encoder; return the size of the embedding. Raises `LexisError`."""
+    import numpy as np
+
+    from lexis.encoder import load_encoder
+
+    embedding = load_encoder("mini").encode_image(np.zeros((96, 128, 3), np.uint8))
+    return f"{embedding.shape[0]} dimensions"
+
+
+PROBES: dict[str, Callable[[], str]] = {"draw": draw, "encode": encode}
+
+
+def main(names: list[str]) -> int:
+    """Take the named steps in this process, in this order."""
+    try:
+        found = [PROBES[name]() for name in names]
+    except (SimError, LexisError) as error:
+        print(error, file=sys.stderr)
+        return 1
+    print(found[-1])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
