@@ -81,9 +81,7 @@ def with_own_poses(observation: Observation) -> Observation:
 
     The image is not copied: all that LEXIS keeps of it is made while the observation is processed.
     """
-    return replace(
-        observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy()
-    )
+    return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
 
 
 def pixels(observation: Observation) -> Image:
