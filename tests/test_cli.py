@@ -1,6 +1,7 @@
 """`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -180,6 +181,23 @@ def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, argume
     assert status == 2
     assert says in printed.err and printed.err.count("\n") == 1 and printed.err.startswith("lexis")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("buffering", [-1, 1], ids=["at the end", "line by line"])
+@pytest.mark.parametrize("arguments", [["plan", "{map}", "--from", "office", "--to", "corridor"], ["--help"]])
+def test_a_full_standard_output_is_one_line_and_exit_2(tmp_path, rng, capsys, monkeypatch, arguments, buffering):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    with open("/dev/full", "w", buffering=buffering) as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert cli.main([argument.format(map=tmp_path / "map") for argument in arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("lexis: standard output cannot be written: No space left") and error.count("\n") == 1
+
+
+def test_no_standard_output_is_no_error(tmp_path, rng, monkeypatch):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    monkeypatch.setattr(sys, "stdout", None)
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "corridor"]) == 0
 
 
 @pytest.mark.parametrize("command", ["run", "plan", "query", "relabel", "export"])
