@@ -48,20 +48,21 @@ real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return the exit status."""
-    return run_command(_parser(), argv, (LexisError,))
+    return run_command(parser(), argv, (LexisError,))
 
 
-def _parser() -> Parser:
-    parser = Parser(
+def parser() -> Parser:
+    """The parser of all commands."""
+    root = Parser(
         "lexis",
         description="Indoor SLAM that understands language: rooms, floors, loops and plans from RGB and odometry.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = root.add_subparsers(required=True, metavar="COMMAND")
     for add in (_add_run, _add_plan, _add_query, _add_relabel, _add_export):
         add(commands)
-    return parser
+    return root
 
 
 def _add_run(commands: Commands) -> None:

@@ -7,6 +7,7 @@ from jaxtyping import Bool
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.pose_graph import PoseGraph
+from lexis.ties import settled
 from lexis.types import Keyframe, RoomInstance
 
 
@@ -32,10 +33,11 @@ def propose(
     if not eligible:
         return ()
     position = graph.T_W_B[query.id, :3, 3]
-    closest = min(eligible, key=lambda room: float(np.linalg.norm(room.mean - position)))
+    distances = settled(np.linalg.norm([room.mean - position for room in eligible], axis=1))
+    closest = eligible[int(distances.argmin())]
     ids = np.array(members[closest.id])
-    similarity = graph.embeddings[ids] @ query.embedding
-    best = np.argsort(-similarity, kind="stable")[: config.candidates]
+    similarity = graph.embeddings[ids].astype(np.float64) @ query.embedding
+    best = np.argsort(-settled(similarity), kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 
 

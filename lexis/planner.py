@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.room_names import find_rooms, instance_names
+from lexis.ties import nearest_points, settled
 from lexis.types import LexisMap, RoomInstance
 
 MAX_STEP_M = 3.0
@@ -20,6 +21,8 @@ MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
 DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
+GRID_M = 2.0**-20
+"""Lengths are multiples of this power of two, about a micrometre, so that their sums are exact and equal ways tie [m]."""
 EVIDENCE_NEIGHBOURS = (5, 9)
 """Keyframes whose images tell together how deep inside its room a keyframe is: least, and most in rooms of as many."""
 
@@ -68,7 +71,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
     """Where in a room the images around a keyframe tell it from the others most clearly."""
     evidence = _evidence(map, room)
-    keyframe = max(room.keyframes, key=lambda k: (evidence[k], -k))
+    keyframe = room.keyframes[int(evidence[list(room.keyframes)].argmax())]
     return Inside(room, keyframe, float(evidence[keyframe]))
 
 
@@ -86,8 +89,8 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
         _within_rooms(map, positions, config.shortcut_m),
     ])  # fmt: skip
     ways = np.unique(np.sort(ways, axis=1), axis=0)
-    # A hair more than zero, since a sparse graph takes a zero for no way at all.
-    lengths = np.maximum(_lengths(ways, positions), 1e-9)
+    # At least one step of the grid, since a sparse graph takes a zero for no way at all.
+    lengths = GRID_M * np.maximum(np.rint(_lengths(ways, positions) / GRID_M), 1.0)
     both = np.concatenate([ways, ways[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
 
@@ -133,7 +136,7 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 
 
 def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
-    """How clearly the images around every keyframe tell the room from the others: it fades towards the room's edge.
+    """How clearly the images around every keyframe tell the room from the others, settled: it fades towards the room's edge.
 
     The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room; those of
     other rooms may speak against this one, not for it.
@@ -145,5 +148,4 @@ def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
     margin[outside] = np.minimum(margin[outside], 0.0)
     positions = map.T_W_B[:, :3, 3]
     count = min(int(np.clip(len(room.keyframes), *EVIDENCE_NEIGHBOURS)), len(positions))
-    nearest = cKDTree(positions).query(positions, k=np.arange(1, count + 1))[1]
-    return np.asarray(margin[np.asarray(nearest)].mean(axis=1), np.float64)
+    return settled(margin[nearest_points(positions, count)].mean(axis=1))

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Float64, Int
-from scipy.spatial import cKDTree
 
 from lexis.config import LabelConfig
 from lexis.stairs import on_stairs
+from lexis.ties import nearest_points, settled
 
 Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]
-Similarities = Float[np.ndarray, "n rooms"]
+Similarities = Float64[np.ndarray, "n rooms"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,15 +29,16 @@ class RoomLabels:
     """After the votes of neighbours, and stairs by height."""
 
 
-def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "rooms d"]) -> Float[np.ndarray, "n rooms"]:
-    """Cosine similarity S_c of every image encoding with every text encoding (Eq. 1)."""
-    norms = np.linalg.norm(embeddings, axis=1)[:, None] * np.linalg.norm(text, axis=1)
-    return np.asarray(embeddings @ text.T / norms)
+def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "rooms d"]) -> Similarities:
+    """Cosine similarity S_c of every image encoding with every text encoding (Eq. 1), in double precision."""
+    images, prompts = embeddings.astype(np.float64), text.astype(np.float64)
+    norms = np.linalg.norm(images, axis=1)[:, None] * np.linalg.norm(prompts, axis=1)
+    return np.asarray(images @ prompts.T / norms)
 
 
 def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
     """Index of the prompt that one image resembles most: its label before refinement."""
-    return int(similarities(embedding[None], text).argmax())
+    return int(settled(similarities(embedding[None], text)).argmax())
 
 
 def label_keyframes(
@@ -55,6 +56,7 @@ def label_keyframes(
         room_names: the vocabulary.
         config: whether to refine, C, and what counts as a climb.
     """
+    similarities = settled(similarities)
     baseline = similarities.argmax(axis=1)
     if not config.refine:
         return RoomLabels(baseline, baseline)
@@ -85,21 +87,10 @@ def propagate(labels: Labels, similarities: Similarities, positions: Positions, 
     """
     if len(labels) < 2:
         return labels.copy()
-    nearest = _nearest(positions, neighbours)
+    nearest = nearest_points(positions, neighbours, include_self=False)
     n, rooms = similarities.shape
     ballots = np.arange(n)[:, None] * rooms + labels[nearest]
     votes = np.bincount(ballots.ravel(), minlength=n * rooms).reshape(n, rooms)
     most_common = votes == votes.max(axis=1, keepdims=True)
-    resemblance = np.where(most_common, similarities[nearest].sum(axis=1), -np.inf)
+    resemblance = np.where(most_common, settled(similarities[nearest].sum(axis=1)), -np.inf)
     return np.where(most_common[np.arange(n), labels], labels, resemblance.argmax(axis=1))
-
-
-def _nearest(positions: Positions, count: int) -> Int[np.ndarray, "n c"]:
-    """Row i: the `count` nodes nearest to node i (fewer where there are no more), itself left out."""
-    n = len(positions)
-    found = min(count + 1, n)
-    nearest = np.asarray(cKDTree(positions).query(positions, k=np.arange(1, found + 1))[1])
-    others = nearest != np.arange(n)[:, None]
-    # Of nodes at one place, a node may miss itself among its nearest: then the last one goes.
-    others[others.all(axis=1), -1] = False
-    return np.asarray(nearest[others].reshape(n, found - 1))

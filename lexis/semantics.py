@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Float32, Float64, Int
 
 from lexis.config import Config
 from lexis.room_labels import label_keyframes, similarities
@@ -15,7 +15,7 @@ from lexis.types import Poses, RoomInstance
 class Semantics:
     """What the keyframes mean. Arrays are indexed by keyframe id, as in `LexisMap`."""
 
-    similarities: Float[np.ndarray, "n rooms"]
+    similarities: Float64[np.ndarray, "n rooms"]
     baseline_labels: Int[np.ndarray, "n"]
     labels: Int[np.ndarray, "n"]
     floors: Int[np.ndarray, "n"]

@@ -8,7 +8,7 @@ y down, z forward). ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b 
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int, UInt8
+from jaxtyping import Float32, Float64, Int, UInt8
 
 Pose = Float64[np.ndarray, "4 4"]
 Poses = Float64[np.ndarray, "n 4 4"]
@@ -154,7 +154,7 @@ class LexisMap:
     keyframes: tuple[Keyframe, ...]
     T_W_B: Poses
     """Optimised poses."""
-    similarities: Float[np.ndarray, "n rooms"]
+    similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every image with every room prompt (Eq. 1)."""
     baseline_labels: Int[np.ndarray, "n"]
     """Before refinement: the prompt with the largest similarity."""

@@ -19,20 +19,21 @@ GROUPS = (run, house, record, bench, training, calibration, features, doctor)
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return the exit status."""
-    return run_command(_parser(), argv, (WorldsError, SimError, LexisError))
+    return run_command(parser(), argv, (WorldsError, SimError, LexisError))
 
 
-def _parser() -> Parser:
-    parser = Parser(
+def parser() -> Parser:
+    """The parser of all commands."""
+    root = Parser(
         "lexis-sim",
         description="Test indoor semantic SLAM in generated houses, against exact truth.",
         epilog="example:\n  lexis-sim demo --seed 7",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = root.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:
         group.add_to(commands)
-    return parser
+    return root
 
 
 if __name__ == "__main__":

@@ -3,12 +3,14 @@
 from collections import deque
 from functools import cache
 
-import cv2
 import numpy as np
 from jaxtyping import Float64, Int
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
+
+from lexis.ties import settled
 
 CELL_M = 0.08
 _FINE = 4
@@ -68,22 +70,22 @@ class LocalMap:
         a, b, length, indptr = _grid()
         graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
         costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
-        path = [int(np.argmin(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1)))]
+        path = [int(np.argmin(settled(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1))))]
         while before[path[-1]] >= 0:
             path.append(int(before[path[-1]]))
         return cells[path[::-1]]
 
     def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
-        """Of every cell from the nearest point [m]; measured on a finer grid than ways are sought on."""
-        size = _FINE * (_N - 1) + 1
-        pixels = np.rint((self._points - centre) * (_FINE / CELL_M)).astype(int) + _FINE * _HALF
-        pixels = pixels[((pixels >= 0) & (pixels < size)).all(axis=1)]
-        if not len(pixels):
+        """Distance of every cell from the nearest point [m], infinite where there is none.
+
+        Points are rounded to a grid finer than the cells, so that equal distances are equal to the last bit.
+        """
+        points = np.rint((self._points - centre) * (_FINE / CELL_M))
+        points = points[(np.abs(points) <= _FINE * _HALF).all(axis=1)]
+        if not len(points):
             return np.full((_N, _N), np.inf)
-        free = np.ones((size, size), np.uint8)
-        free[pixels[:, 1], pixels[:, 0]] = 0
-        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[::_FINE, ::_FINE]
-        return distance.astype(np.float64) * (CELL_M / _FINE)
+        distances = cKDTree(points).query(_FINE * _cells())[0]
+        return np.asarray(distances.reshape(_N, _N) * (CELL_M / _FINE))
 
 
 @cache

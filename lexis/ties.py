@@ -1,0 +1,41 @@
+"""One rule for ties: values that differ by rounding errors alone are equal, and of equal ones the first is chosen.
+
+The last digits of a sum depend on the order of its terms, and so on the processor, the numerical library and the number
+of threads. A choice between candidates that are truly equal must not depend on them: it is made between settled values.
+"""
+
+import numpy as np
+from jaxtyping import Float, Float64, Int, Shaped
+from scipy.spatial import cKDTree
+
+DECIMALS = 6
+"""Decimals that count: a micrometre, or a millionth of a cosine similarity."""
+
+
+def settled(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
+    """The values in double precision, rounded so that `argmax`, `argmin` and stable sorting choose alike everywhere."""
+    return np.round(np.asarray(values, np.float64), DECIMALS)
+
+
+def nearest_points(points: Float[np.ndarray, "n d"], count: int, *, include_self: bool = True) -> Int[np.ndarray, "n k"]:
+    """Row i holds the indices of the `count` points nearest to point i (fewer where there are no more), ascending.
+
+    Points that are equally near, within `DECIMALS`, are taken in the order of their indices. The ascending order lets sums
+    over equal sets of points be equal to the last bit.
+
+    Args:
+        points: n points.
+        count: how many to find for each.
+        include_self: whether a point counts as the first of its own nearest points.
+    """
+    n, wanted = len(points), min(count if include_self else count + 1, len(points))
+    tree, looked_at = cKDTree(points), wanted
+    while True:
+        looked_at = min(2 * looked_at, n)
+        distances, indices = tree.query(points, k=np.arange(1, looked_at + 1))
+        distances = settled(distances)
+        if looked_at == n or (distances[:, -1] > distances[:, wanted - 1]).all():
+            break
+    distances[indices == np.arange(n)[:, None]] = -1.0
+    order = np.lexsort((indices, distances), axis=1)[:, 0 if include_self else 1 : wanted]
+    return np.sort(np.take_along_axis(indices, order, axis=1), axis=1)

@@ -1,0 +1,111 @@
+"""Ties: what is equal but for rounding is chosen alike, whatever the order of sums and neighbours."""
+
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from map_builder import build_map, corridor_with_offices
+
+from lexis.config import LabelConfig
+from lexis.map_io import load_map, save_map
+from lexis.planner import innermost, plan
+from lexis.room_labels import label_keyframes, similarities
+from lexis.ties import nearest_points, settled
+
+LAST_BITS = 1e-15
+"""Larger than what another order of summation changes."""
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_settled_values_of_any_order_of_summation_are_equal(seed):
+    rng = np.random.default_rng(seed)
+    terms = rng.uniform(-1.0, 1.0, 9)
+    sums = [settled(np.array([rng.permutation(terms).sum()]))[0] for _ in range(10)]
+    assert len(set(sums)) == 1
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 30), count=st.integers(1, 9), include_self=st.booleans())
+def test_nearest_points_are_the_first_by_distance_then_index(seed, n, count, include_self):
+    """On a grid most distances occur several times."""
+    points = np.random.default_rng(seed).integers(0, 4, (n, 2)).astype(float)
+    found = nearest_points(points, count, include_self=include_self)
+    for i, row in enumerate(found):
+        others = [j for j in range(n) if j != i]
+        ordered = sorted(others, key=lambda j, i=i: (np.linalg.norm(points[j] - points[i]), j))
+        expected = [i, *ordered] if include_self else ordered
+        assert row.tolist() == sorted(expected[:count])
+
+
+def test_nearest_points_do_not_depend_on_the_last_bits_of_positions(rng):
+    """A walk at constant speed: the keyframe before and the one after are equally near."""
+    points = np.stack([0.5 * np.arange(40), np.zeros(40), np.zeros(40)], axis=1)
+    shaken = points + rng.uniform(-LAST_BITS, LAST_BITS, points.shape)
+    assert (nearest_points(points, 4) == nearest_points(shaken, 4)).all()
+
+
+def one_room(margins, rng):
+    """A square of keyframes of one room, all of which share their nearest ones, and a far keyframe of another."""
+    positions = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0], [0.05, 0.05, 0], [9, 9, 0]], float)
+    rooms = [("office", range(5)), ("kitchen", [5])]
+    lexis_map = build_map(positions, [0, 0, 0, 0, 0, 1], rooms, ("office", "kitchen"), rng)
+    scores = np.zeros((6, 2))
+    scores[:5, 0], scores[5, 1] = margins, 1.0
+    return replace(lexis_map, similarities=scores)
+
+
+def test_of_keyframes_that_share_their_neighbours_the_first_is_innermost(rng):
+    """All five means are over the same five numbers, and no order of summation may choose between them."""
+    for margins in permutations([0.1, 0.2, 0.3, 0.7, 0.6]):
+        lexis_map = one_room(margins, rng)
+        assert innermost(lexis_map, lexis_map.rooms[0]).keyframe == 0
+
+
+def plans(lexis_map):
+    """All plans between labels."""
+    labels = sorted({room.label for room in lexis_map.rooms})
+    return {pair: plan(lexis_map, *pair).keyframes for pair in permutations(labels, 2)}
+
+
+def test_a_saved_map_plans_as_the_live_one_does(rng, tmp_path):
+    """Embeddings are stored in single precision; what follows from them is the same for the live map and the loaded one."""
+    built = corridor_with_offices(rng)
+    text = rng.normal(size=(3, 16)).astype(np.float32)
+    scores = similarities(np.array([keyframe.embedding for keyframe in built.keyframes]), text)
+    live = replace(built, similarities=scores)
+    save_map(live, tmp_path / "map")
+    loaded = load_map(tmp_path / "map")
+    assert loaded.similarities.dtype == live.similarities.dtype and (loaded.similarities == live.similarities).all()
+    assert plans(loaded) == plans(live)
+
+
+def test_of_ways_that_are_equally_long_the_same_is_taken_whatever_the_last_bits(rng):
+    """Round a square block, both ways are equally long."""
+    side = np.arange(0.0, 3.0, 0.5)
+    zero, end = np.zeros(6), np.full(6, 3.0)
+    x = np.concatenate([side, end, 3.0 - side, zero])
+    y = np.concatenate([zero, side, end, 3.0 - side])
+    positions = np.stack([x, y, np.zeros(24)], axis=1)
+    positions = np.concatenate([positions, positions[:1] + 1e-4])
+    labels = np.array([0] * 3 + [2] * 9 + [1] * 1 + [2] * 12)
+    rooms = [("office", range(3)), ("kitchen", [12]), ("corridor", [*range(3, 12), *range(13, 25)])]
+    lexis_map = build_map(positions, labels, rooms, ("office", "kitchen", "corridor"), rng)
+    chosen = plan(lexis_map, "office", "kitchen").keyframes
+    for _ in range(20):
+        poses = lexis_map.T_W_B.copy()
+        poses[:, :3, 3] += rng.uniform(-1e-12, 1e-12, (25, 3))
+        assert plan(replace(lexis_map, T_W_B=poses), "office", "kitchen").keyframes == chosen
+
+
+def test_labels_do_not_depend_on_the_last_bits(rng):
+    """A walk up and down a corridor at constant speed, with images that repeat exactly: ties everywhere."""
+    x = np.concatenate([np.arange(20), np.arange(20)[::-1]]) * 0.5
+    positions = np.stack([x, np.zeros(40), np.zeros(40)], axis=1)
+    scores = rng.choice([0.1, 0.2, 0.3], (40, 3))
+    expected = label_keyframes(scores, positions, ("kitchen", "office", "corridor"), LabelConfig())
+    for _ in range(20):
+        shaken = scores + rng.uniform(-LAST_BITS, LAST_BITS, scores.shape)
+        moved = positions + rng.uniform(-LAST_BITS, LAST_BITS, positions.shape)
+        labels = label_keyframes(shaken, moved, ("kitchen", "office", "corridor"), LabelConfig())
+        assert (labels.baseline == expected.baseline).all() and (labels.refined == expected.refined).all()
