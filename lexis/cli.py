@@ -11,13 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.command_line import Commands, Parser, add_command, positive, run_command, tell_of_replacement
+from lexis.directions import directions, place, plan_summary
 from lexis.encoder_options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.export import FORMATS, export_map
+from lexis.map_info import info_text, map_info
 from lexis.map_io import JSON_FILE, load_map, save_map
 from lexis.planner import plan
 from lexis.room_names import instance_names, unused_names
-from lexis.types import LexisMap, RoomInstance
+from lexis.types import LexisMap
 
 if TYPE_CHECKING:
     from lexis.encoder import OpenClipEncoder
@@ -29,7 +31,18 @@ TO_HELP = (
     "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
     "images look more like another room counts only where there is no other"
 )
-DATASET_HELP = "folder of a recording: TUM RGB-D (rgb.txt), EuRoC ASL (mav0) or ROS 2 bag; lexis.datasets says what is read"
+DATASET_HELP = "folder of a recording in one of the forms below"
+DATASET_NOTE = """\
+A dataset is a folder that holds one of:
+  TUM RGB-D   rgb.txt        lines of "stamp file"
+              odometry.tum   lines of "stamp tx ty tz qx qy qz qw": pose of the body by odometry [s, m]
+              camera.json    width, height, fx, fy, cx, cy [px], and T_B_C: 4x4 pose of the camera on the body
+  EuRoC ASL   mav0/cam0      sensor.yaml, data.csv and images in data
+              mav0/odom0     data.csv: stamp [ns], position [m], quaternion w x y z
+  ROS 2 bag   metadata.yaml beside the files of the bag, with the topics /cam0/image_raw (or /compressed),
+              /cam0/camera_info, /odom and /tf_static
+Images are PNG or JPEG, or raw in bags. Covariances of the odometry are read where there are any."""
+JSON_HELP = "print JSON for scripts instead of text for people"
 ROOMS_HELP = 'names of rooms, with commas between them; or a JSON file, of which only its list "labels" is read'
 ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry.tum, odom0, /odom)"
 CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
@@ -60,7 +73,7 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = root.add_subparsers(required=True, metavar="COMMAND")
-    for add in (_add_run, _add_plan, _add_query, _add_relabel, _add_export):
+    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export):
         add(commands)
     return root
 
@@ -69,6 +82,7 @@ def _add_run(commands: Commands) -> None:
     run = add_command(
         commands, "run", _run, "map a recorded run", 'lexis run recording --rooms "kitchen,office,corridor,stairs" -o map'
     )
+    run.epilog = f"{run.epilog}\n\n{DATASET_NOTE}"
     run.add_argument("dataset", type=Path, metavar="DATASET", help=DATASET_HELP)
     run.add_argument("--rooms", required=True, help=ROOMS_HELP)
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
@@ -80,6 +94,13 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
 
 
+def _add_info(commands: Commands) -> None:
+    info = add_command(commands, "info", _info, "what a map holds", "lexis info map --picture map.svg")
+    info.add_argument("map", type=Path, metavar="MAP")
+    info.add_argument("--json", action="store_true", help=JSON_HELP)
+    info.add_argument("--picture", type=Path, metavar="FILE", help="draw the map too, as an SVG file that browsers show")
+
+
 def _add_plan(commands: Commands) -> None:
     path = add_command(
         commands, "plan", _plan, "the shortest way between two rooms", "lexis plan map --from office --to kitchen"
@@ -87,6 +108,8 @@ def _add_plan(commands: Commands) -> None:
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
+    path.add_argument("--keyframes", action="store_true", help="list the keyframes on the way too, with their positions")
+    path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
 
 
 def _add_query(commands: Commands) -> None:
@@ -144,20 +167,33 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _plan(arguments: argparse.Namespace) -> int:
+def _info(arguments: argparse.Namespace) -> int:
+    picture = arguments.picture
+    if picture and picture.suffix.lower() != ".svg":
+        raise LexisError(f"--picture {picture}: only SVG is drawn; valid: a name that ends in .svg")
     lexis_map = load_map(arguments.map)
-    result = plan(lexis_map, arguments.start, arguments.goal)
-    start, goal = (_place(lexis_map, room) for room in (result.start, result.goal))
-    print(f"{start} to {goal}: {result.length_m:.1f} m, {_count(len(result.keyframes), 'keyframe')}")
-    for i in result.keyframes:
-        x, y, z = lexis_map.T_W_B[i, :3, 3]
-        print(f"{i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
+    info = map_info(lexis_map)
+    print(json.dumps(info, indent=1) if arguments.json else info_text(info))
+    if picture:
+        export_map(lexis_map, "svg", picture)
+        print(f"picture: {picture}", file=sys.stderr)
     return 0
 
 
-def _place(lexis_map: LexisMap, room: RoomInstance) -> str:
-    where = "between floors" if room.floor is None else f"floor {room.floor}"
-    return f"{instance_names(lexis_map.rooms)[room.id]} ({where})"
+def _plan(arguments: argparse.Namespace) -> int:
+    lexis_map = load_map(arguments.map)
+    result = plan(lexis_map, arguments.start, arguments.goal)
+    if arguments.json:
+        print(json.dumps(plan_summary(lexis_map, result), indent=1))
+        return 0
+    start, goal = (place(lexis_map, room.id) for room in (result.start, result.goal))
+    print(f"{start} to {goal}: {result.length_m:.1f} m, {_count(len(result.keyframes), 'keyframe')}")
+    for number, step in enumerate(directions(lexis_map, result), 1):
+        print(f"{number:3d}. {step.at_m:6.1f} m  {step.text}")
+    for i in result.keyframes if arguments.keyframes else ():
+        x, y, z = lexis_map.T_W_B[i, :3, 3]
+        print(f"keyframe {i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
+    return 0
 
 
 def _query(arguments: argparse.Namespace) -> int:

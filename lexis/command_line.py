@@ -1,6 +1,7 @@
 """What the console scripts share: bad input costs one line on stderr and exit status 2, and never a traceback."""
 
 import argparse
+import errno
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -15,6 +16,8 @@ Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """128 and the number of the signal, as shells have it."""
+_UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+"""Errors of writing; with no name of a file, it was to a stream that was open from the start."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -35,21 +38,49 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
-    """Parse and run; the exit status. Errors of the `expected` classes are bad input."""
-    arguments = parser.parse_args(argv)
+    """Parse and run; the exit status. Errors of the `expected` classes are bad input, and so is a full standard output."""
     try:
-        status = int(arguments.command(arguments))
-        sys.stdout.flush()
-        return status
+        return _run_and_flush(parser, argv)
     except BrokenPipeError:
-        # Who read has gone, as `head` does. What is still unwritten goes nowhere, or the interpreter would complain of it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader has gone, as `head` does.
+        _drop_output()
         return _BROKEN_PIPE
     except expected as error:
-        print(f"{parser.prog}: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
+        return _bad_input(parser, str(error))
+    except OSError as error:
+        if error.filename is not None or error.errno not in _UNWRITABLE:
+            raise
+        _drop_output()
+        return _bad_input(parser, f"standard output cannot be written: {error.strerror}; valid: a place with room for it")
     except KeyboardInterrupt:
         return _INTERRUPTED
+
+
+def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:
+    try:
+        arguments = parser.parse_args(argv)
+        status = int(arguments.command(arguments))
+    except SystemExit:
+        # Help was printed.
+        _flush()
+        raise
+    _flush()
+    return status
+
+
+def _bad_input(parser: Parser, message: str) -> int:
+    print(f"{parser.prog}: {' '.join(message.split())}", file=sys.stderr)
+    return 2
+
+
+def _flush() -> None:
+    if sys.stdout is not None:  # as it is for a process that was started without one
+        sys.stdout.flush()
+
+
+def _drop_output() -> None:
+    """Let what is unwritten go nowhere, or the interpreter would complain of it at the end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def tell_of_replacement(out: Path, marker: str) -> None:

@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.dataset_euroc import is_euroc, read_euroc
+from lexis.dataset_euroc import SENSORS, is_euroc, read_euroc
 from lexis.dataset_files import DatasetConfig, Recorded, odometry_at
-from lexis.dataset_ros2 import is_bag, read_bag
+from lexis.dataset_ros2 import METADATA, is_bag, read_bag
 from lexis.dataset_tum import CAMERA, IMAGE_LIST, ODOMETRY, read_tum_dataset, write_dataset
 from lexis.errors import DatasetError
 from lexis.se3 import between, rotation_angle
 from lexis.types import Camera, Observation, Poses
+from lexis.workshop import restore
 
 __all__ = ["Dataset", "DatasetConfig", "assumed_covariances", "open_dataset", "write_dataset"]
 
@@ -57,11 +58,8 @@ class Dataset:
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
     """Open a recorded run. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
     config = config or DatasetConfig()
-    if not os.path.isdir(directory):
-        raise DatasetError(
-            f"{directory}: no dataset there; valid: a folder with {IMAGE_LIST}, {ODOMETRY} and {CAMERA} (TUM RGB-D), "
-            "with mav0 (EuRoC), or of a ROS 2 bag"
-        )
+    restore(directory)
+    _check_contents(directory, config)
     if is_euroc(directory):
         recorded = read_euroc(directory, config)
     elif is_bag(directory):
@@ -71,6 +69,26 @@ def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Datase
     poses = odometry_at(recorded.odometry, recorded.stamps, config.max_odometry_gap_s)
     covariances = recorded.increment_covariances
     return Dataset(directory, recorded, poses, assumed_covariances(poses, config) if covariances is None else covariances)
+
+
+def _check_contents(directory: Path, config: DatasetConfig) -> None:
+    """Raise DatasetError unless `directory` is a folder that holds what one of the forms is known by."""
+    valid = (
+        f"valid: a folder with {IMAGE_LIST}, {ODOMETRY} and {CAMERA} (TUM RGB-D), with {SENSORS} (EuRoC), or with "
+        f"{METADATA} (ROS 2 bag); lexis run --help says more"
+    )
+    needed = (IMAGE_LIST, config.odometry or ODOMETRY, config.camera or CAMERA)
+    try:
+        empty = not os.listdir(directory)
+        other = is_euroc(directory) or is_bag(directory)
+        missing = [name for name in needed if not (directory / name).exists()]
+    except NotADirectoryError:
+        raise DatasetError(f"{directory}: is a file, no dataset; {valid}") from None
+    except OSError as error:
+        raise DatasetError(f"{directory}: no dataset there: {error.strerror}; {valid}") from None
+    if missing and not other:
+        what = "is empty" if empty else f"holds no {', no '.join(missing)}"
+        raise DatasetError(f"{directory}: {what}; {valid}")
 
 
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:

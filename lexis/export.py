@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from lexis.errors import LexisError
 from lexis.files import replaced_file
+from lexis.map_picture import map_svg
 from lexis.room_names import instance_names
 from lexis.se3 import between
 from lexis.tum import write_tum
@@ -50,7 +51,18 @@ def _json(map: LexisMap, path: Path) -> None:
     _write(path, [json.dumps(summary(map), indent=1)])
 
 
-FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {"tum": _tum, "kitti": _kitti, "g2o": _g2o, "json": _json}
+def _svg(map: LexisMap, path: Path) -> None:
+    """A picture: the plan of every floor with keyframes, rooms and loop edges."""
+    _write(path, [map_svg(map)])
+
+
+FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
+    "tum": _tum,
+    "kitti": _kitti,
+    "g2o": _g2o,
+    "json": _json,
+    "svg": _svg,
+}
 
 
 def summary(map: LexisMap) -> dict[str, Any]:

@@ -1,64 +1,61 @@
 """Files and folders that appear whole or not at all: written beside their place, then renamed; and text read by lines."""
 
+import errno
 import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
 from lexis.errors import LexisError
+from lexis.swap import swap, sync, sync_folder
+from lexis.workshop import clear, workshop
 
 MAX_TEXT_BYTES = 500_000_000
 """Larger files are not read."""
 
+_TRIES = 100
+"""How often a folder is put in its place while other processes put theirs there."""
+_OCCUPIED = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR)
+
 
 @contextmanager
 def replaced_file(path: Path) -> Iterator[Path]:
-    """A file beside `path` that takes its place when the block ends well. Raises LexisError where it cannot be written."""
-    try:
-        if path.is_dir():
+    """A path beside `path`, where nothing is yet; the file written there takes its place when the block ends well.
+
+    A symbolic link is followed. Raises LexisError where the file cannot be written. If it is written and cannot take its
+    place, it is kept under a similar name, which the error tells.
+    """
+    with _written(path, "a file in a folder that exists and has room for it"):
+        target = _followed(path)
+        if target.is_dir():
             raise LexisError(f"{path}: is a folder; valid: the name of a file")
-        if path.exists() and not path.is_file():
+        if target.exists() and not target.is_file():
             raise LexisError(f"{path}: is a device or a pipe, which cannot be replaced; valid: the name of a file")
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a file in a folder that exists") from None
-    os.close(handle)
-    beside = Path(name)
-    try:
-        yield beside
-        beside.chmod(0o644)
-        beside.replace(path)
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a place with room for it") from None
-    finally:
-        beside.unlink(missing_ok=True)
+        with workshop(target.parent) as folder:
+            new = folder / "new" / target.name
+            yield new
+            _put(path, new, target, lambda: new.replace(target))
 
 
 @contextmanager
 def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
-    """A folder beside `path` that takes its place when the block ends well.
+    """An empty folder beside `path` that takes its place when the block ends well.
 
-    An earlier one is only replaced if it holds the file `marker`, or nothing. Raises LexisError for any other, and where
-    `path` cannot be written.
+    An earlier one is only replaced if it holds the file `marker`, or nothing; whoever looks, or kills this process, finds
+    the earlier or the new one, whole. A symbolic link is followed. Raises LexisError for any other folder, and where `path`
+    cannot be written. If the new folder is written and cannot take its place, it is kept under a similar name, which the
+    error tells.
     """
     check_replaceable(path, marker)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
-    try:
-        yield beside
-        beside.chmod(0o755)
-        if path.exists():
-            shutil.rmtree(path)
-        beside.rename(path)
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a place with room for it") from None
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
+    target = _followed(path)
+    with _written(path, "a folder that can be made, in a place with room for it"):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with workshop(target.parent) as folder:
+            new = folder / "new" / target.name
+            new.mkdir()
+            yield new
+            _put(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, marker))
 
 
 def check_replaceable(path: Path, marker: str) -> None:
@@ -67,18 +64,85 @@ def check_replaceable(path: Path, marker: str) -> None:
     For long work, that it does not end in vain; nothing is left behind.
     """
     try:
-        ours = not path.exists() or (path.is_dir() and ((path / marker).is_file() or not any(path.iterdir())))
+        target = _followed(path)
+        clear(target.parent)
+        _check_ours(path, target, marker)
     except OSError as error:
         raise LexisError(f"{path}: cannot be looked into: {error.strerror}; valid: a folder that can be made") from None
-    if path.is_file():
+    if os.path.ismount(target):
+        raise LexisError(f"{path}: is a mount point, which cannot be replaced; valid: a folder inside it")
+    # What may be written is best found by writing: permissions say nothing of file systems.
+    place = next(folder for folder in target.parents if folder.exists())
+    with _written(path, "a folder that can be made"), workshop(place):
+        pass
+
+
+def _followed(path: Path) -> Path:
+    """Where `path` leads, all symbolic links followed. Raises OSError for a loop of them."""
+    target = Path(os.path.realpath(path))
+    with suppress(FileNotFoundError, NotADirectoryError):
+        target.stat()
+    return target
+
+
+def _check_ours(path: Path, target: Path, marker: str) -> None:
+    """Raise LexisError unless there is nothing at `target`, an empty folder, or one that holds `marker`."""
+    if target.is_file():
         raise LexisError(f"{path}: is a file; valid: the name of a folder")
-    if not ours:
+    if target.exists() and not (target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))):
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
+
+
+@contextmanager
+def _written(path: Path, valid: str) -> Iterator[None]:
+    """Errors of the system as LexisError."""
     try:
-        # What may be written is best found by writing: permissions say nothing of file systems.
-        tempfile.TemporaryDirectory(dir=next(folder for folder in path.resolve().parents if folder.exists())).cleanup()
+        yield
     except OSError as error:
-        raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
+        raise LexisError(f"{path}: cannot be written: {error.strerror or error}; valid: {valid}") from None
+
+
+def _put(path: Path, new: Path, target: Path, replace: Callable[[], object]) -> None:
+    """Replace `target` by `new`, which is on the disk before; if that fails, keep `new` under a similar name."""
+    sync(new)
+    try:
+        with _written(path, "a name that nobody else writes to"):
+            replace()
+    except LexisError as error:
+        kept = next(name for i in count(1) if not os.path.lexists(name := target.with_stem(f"{target.stem}-{i}")))
+        new.rename(kept)
+        raise LexisError(f"{error}; what was to be written there is kept as {kept}") from None
+    finally:
+        sync_folder(target.parent)
+
+
+def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
+    """Put the folder `new` in the place of `target`, whatever other processes put there meanwhile.
+
+    Raises LexisError if what is there is not ours, and OSError.
+    """
+    for _ in range(_TRIES):
+        try:
+            new.rename(target)
+            return
+        except OSError as error:
+            if error.errno not in _OCCUPIED:
+                raise
+        _check_ours(path, target, marker)
+        with suppress(FileNotFoundError):
+            _swap_with_ours(path, new, target, old, marker)
+            return
+    raise LexisError(f"{path}: other processes keep replacing it; valid: a name that nobody else writes to")
+
+
+def _swap_with_ours(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
+    """Swap two folders; swap them back, and raise LexisError, if what was there turns out not to be ours."""
+    replaced = swap(new, target, old)
+    try:
+        _check_ours(path, replaced, marker)
+    except LexisError:
+        swap(replaced, target, old if replaced == new else new)
+        raise
 
 
 def numbered_lines(path: Path) -> list[tuple[int, str]]:

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -73,6 +74,14 @@ def check_observation(observation: Observation, camera: Camera, previous: Observ
         raise ObservationError(
             f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before; valid: ascending stamps"
         )
+
+
+def with_own_poses(observation: Observation) -> Observation:
+    """The observation with copies of its pose and covariance, which are kept after its arrays may have been reused.
+
+    The image is not copied: all that LEXIS keeps of it is made while the observation is processed.
+    """
+    return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
 
 
 def pixels(observation: Observation) -> Image:

@@ -16,6 +16,7 @@ from lexis.files import replaced_folder
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
 from lexis.map_arrays import LAYOUT, Arrays, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
 from lexis.types import EncoderId, LexisMap, RoomInstance
+from lexis.workshop import restore
 
 JSON_FILE = "map.json"
 ARRAY_FILE = "arrays.npz"
@@ -75,6 +76,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
 
 def load_map(directory: Path) -> LexisMap:
     """Read a map that `save_map` has written. Raises MapError for anything else."""
+    restore(directory)
     header = _read_header(directory / JSON_FILE)
     arrays = _read_arrays(directory / ARRAY_FILE)
     camera = header.camera.camera()

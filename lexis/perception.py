@@ -43,12 +43,14 @@ class TextEncoder(Encoder, Protocol):
 
 
 def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:
-    """f_CLIP of an observation."""
+    """f_CLIP of an observation, in an array of its own: a sensor or an encoder may reuse the one that it hands over."""
     seen = observation.image
-    return seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)
+    return (seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()
 
 
 def features_of(observation: Observation, extractor: FeatureExtractor) -> Features:
-    """f_AKAZE of an observation."""
+    """f_AKAZE of an observation, in arrays of their own: a sensor may reuse those that it hands over."""
     seen = observation.image
-    return seen.features if isinstance(seen, Percept) else extractor.extract(seen)
+    if isinstance(seen, Percept):
+        return Features(seen.features.keypoints.copy(), seen.features.descriptors.copy())
+    return extractor.extract(seen)

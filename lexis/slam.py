@@ -5,11 +5,12 @@ select keyframe → encode + extract features → add to graph → label → ref
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
-from lexis.inputs import check_camera, check_observation, check_room_names
+from lexis.inputs import check_camera, check_observation, check_room_names, with_own_poses
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.perception import Encoder, embedding_of, features_of
@@ -48,7 +49,7 @@ class Slam:
         """
         check_camera(camera)
         check_room_names(room_names)
-        self._camera = camera
+        self._camera = replace(camera, T_B_C=camera.T_B_C.copy())
         self._encoder = encoder
         self._room_names = tuple(room_names)
         self._config = config or Config()
@@ -56,7 +57,7 @@ class Slam:
         self._text = encoder.encode_rooms(self._room_names)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
-        self._window = KeyframeWindow(camera, self._config)
+        self._window = KeyframeWindow(self._camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._rooms: tuple[RoomInstance, ...] = ()
@@ -66,10 +67,13 @@ class Slam:
     def process(self, observation: Observation) -> None:
         """Take the next observation; a keyframe enters the graph once the frames after it have arrived.
 
+        The caller may write the next observation into the same arrays: none of them is read after this returns.
+
         Raises:
             ObservationError: it does not fit the camera or the sequence.
         """
         check_observation(observation, self._camera, self._previous)
+        observation = with_own_poses(observation)
         self._previous = observation
         frame = self._selector.select(observation)
         if frame is None:

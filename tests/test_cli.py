@@ -1,6 +1,7 @@
 """`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -130,6 +131,31 @@ def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
     assert "made with encoder 'gone', whose text tower cannot be loaded" in capsys.readouterr().err
 
 
+def test_info_prints_figures_or_json_and_draws(mapped, tmp_path, capsys):
+    picture = tmp_path / "map.svg"
+    assert cli.main(["info", str(mapped), "--picture", str(picture)]) == 0
+    assert "\nkitchen       0" in capsys.readouterr().out and picture.read_text().startswith("<svg")
+    assert cli.main(["info", str(mapped), "--json"]) == 0
+    assert [room["name"] for room in json.loads(capsys.readouterr().out)["rooms"]] == ["kitchen", "office"]
+
+
+def test_a_plan_prints_directions_and_on_demand_keyframes_or_json(mapped, capsys):
+    command = ["plan", str(mapped), "--from", "kitchen", "--to", "office"]
+    assert cli.main(command) == 0
+    plain = capsys.readouterr().out.splitlines()
+    assert plain[0].startswith("kitchen (floor 0) to office (floor 0): ")
+    assert [line.split("m  ")[1] for line in plain[1:]] == [
+        "start in kitchen (floor 0)",
+        "enter office (floor 0)",
+        "arrive in office (floor 0)",
+    ]
+    assert cli.main([*command, "--json"]) == 0
+    ids = [keyframe["id"] for keyframe in json.loads(capsys.readouterr().out)["keyframes"]]
+    assert cli.main([*command, "--keyframes"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert listed[: len(plain)] == plain and [int(line.split()[1]) for line in listed[len(plain) :]] == ids
+
+
 @pytest.mark.parametrize(
     ("floor", "says"), [(2, "office 1 (floor 2) to office 1 (floor 2)"), (None, "office 1 (between floors) to office 1 (")]
 )
@@ -152,6 +178,8 @@ def test_a_plan_says_which_rooms_on_which_floors_it_joins(rng, tmp_path, capsys,
         (["plan", "{tmp}/nowhere", "--from", "office", "--to", "corridor"], "no map there"),
         (["plan", "{tmp}/map", "--from", "garage", "--to", "corridor"], "valid: corridor, office 1, office 2"),
         (["query", "{tmp}/map", " "], "blank"),
+        (["info", "{tmp}/nowhere"], "no map there"),
+        (["info", "{tmp}/map", "--picture", "{tmp}/map.png"], "valid: a name that ends in .svg"),
         (["query", "{tmp}/map", "x"], "similarities across weights mean nothing"),
         (["query", "{tmp}/map", "x", "--calibration", "{tmp}/none"], "none: cannot be read"),
         (["relabel", "{tmp}/map", "--rooms", "a,a", "-o", "{tmp}/out"], "more than once"),
@@ -182,12 +210,37 @@ def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, argume
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("command", ["run", "plan", "query", "relabel", "export"])
+@pytest.mark.parametrize("buffering", [-1, 1], ids=["at the end", "line by line"])
+@pytest.mark.parametrize("arguments", [["plan", "{map}", "--from", "office", "--to", "corridor"], ["--help"]])
+def test_a_full_standard_output_is_one_line_and_exit_2(tmp_path, rng, capsys, monkeypatch, arguments, buffering):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    with open("/dev/full", "w", buffering=buffering) as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert cli.main([argument.format(map=tmp_path / "map") for argument in arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("lexis: standard output cannot be written: No space left") and error.count("\n") == 1
+
+
+def test_no_standard_output_is_no_error(tmp_path, rng, monkeypatch):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    monkeypatch.setattr(sys, "stdout", None)
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "corridor"]) == 0
+
+
+@pytest.mark.parametrize("command", ["run", "info", "plan", "query", "relabel", "export"])
 def test_help_has_an_example(command, capsys):
     with pytest.raises(SystemExit) as left:
         cli.main([command, "--help"])
     assert left.value.code == 0
     assert f"lexis {command} " in capsys.readouterr().out.split("example:")[1]
+
+
+def test_the_help_of_run_says_what_a_dataset_must_hold(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["run", "--help"])
+    said = capsys.readouterr().out
+    for name in ("rgb.txt", "odometry.tum", "camera.json", "mav0/cam0", "mav0/odom0", "metadata.yaml", "/odom"):
+        assert name in said
 
 
 def test_the_help_of_all_has_an_example(capsys):

@@ -1,5 +1,6 @@
 """Recorded runs: reading is the inverse of writing, other rates are interpolated, defects are named with their line."""
 
+import errno
 import shutil
 
 import cv2
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from lexis.datasets import DatasetConfig, assumed_covariances, open_dataset, write_dataset
-from lexis.errors import LexisError
+from lexis.errors import DatasetError, LexisError
 from lexis.se3 import between, exp
 from lexis.tum import read_tum, write_tum
 from lexis.types import Camera, Intrinsics, Observation
@@ -118,6 +119,44 @@ def test_defects_are_named(recorded, damage, says):
     with pytest.raises(LexisError, match=says) as error:
         list(open_dataset(folder))
     assert "\n" not in str(error.value)
+
+
+def empty(folder):
+    shutil.rmtree(folder)
+    folder.mkdir()
+
+
+def a_file(folder):
+    shutil.rmtree(folder)
+    folder.write_text("no folder")
+
+
+def forbidden(folder):
+    raise PermissionError(errno.EACCES, "Permission denied", str(folder))
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (shutil.rmtree, "run: no dataset there: No such file or directory; valid: a folder with rgb.txt, odometry.tum and"),
+        (empty, r"run: is empty; valid: .* with mav0 \(EuRoC\), or with metadata.yaml \(ROS 2 bag\)"),
+        (a_file, "run: is a file, no dataset; valid: a folder with rgb.txt"),
+        (lambda f: (f / "camera.json").unlink(), "run: holds no camera.json; valid: a folder with"),
+        (lambda f: [(f / n).unlink() for n in ("rgb.txt", "odometry.tum")], "run: holds no rgb.txt, no odometry.tum; valid"),
+    ],
+)
+def test_a_folder_that_is_no_dataset_is_told_what_one_must_hold(recorded, change, says):
+    folder, _ = recorded
+    change(folder)
+    with pytest.raises(DatasetError, match=says) as error:
+        open_dataset(folder)
+    assert "\n" not in str(error.value)
+
+
+def test_a_folder_that_may_not_be_read_is_named(recorded, monkeypatch):
+    monkeypatch.setattr("os.listdir", forbidden)
+    with pytest.raises(DatasetError, match="run: no dataset there: Permission denied; valid: a folder with"):
+        open_dataset(recorded[0])
 
 
 def test_a_recording_that_breaks_off_leaves_nothing(rng, tmp_path):

@@ -202,3 +202,11 @@ def test_help_lists_every_fault(capsys):
         main(["run", "--help"])
     shown = capsys.readouterr().out
     assert all(f"\n  {name}:" in shown for name in FAULTS)
+
+
+def test_a_full_standard_output_is_one_line_and_exit_2(monkeypatch, capsys):
+    with open("/dev/full", "w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert status_of(["--help"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("lexis-sim: standard output cannot be written: No space left") and error.count("\n") == 1

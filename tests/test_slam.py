@@ -10,8 +10,10 @@ from box_room import FORWARD_CAMERA, BoxRoom, walk
 from lexis import se3
 from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
 from lexis.errors import LexisError, ObservationError
+from lexis.features import FeatureExtractor
+from lexis.map_arrays import pack
 from lexis.slam import Slam
-from lexis.types import Observation
+from lexis.types import Camera, Features, Observation, Percept
 
 ROOMS = ("office", "kitchen")
 COVARIANCE = np.diag([1e-8, 1e-8, 1e-5, 3e-5, 3e-5, 1e-6])
@@ -135,6 +137,72 @@ def test_the_same_observations_give_the_same_map(observations, result):
     again = run(observations)
     np.testing.assert_array_equal(again.T_W_B, result.T_W_B)
     assert again.candidates == result.candidates
+
+
+def reusing_buffers(observations):
+    """The same observations from a driver that writes each one over the one before."""
+    buffers = None
+    for observation in observations:
+        arrays = _arrays(observation)
+        if buffers is None:
+            buffers = [array.copy() for array in arrays]
+        for k, array in enumerate(arrays):
+            if buffers[k].shape == array.shape:
+                buffers[k][...] = array
+            else:  # the number of key points has changed
+                buffers[k].fill(0)
+                buffers[k] = array.copy()
+        yield _observation(observation, buffers)
+    for buffer in buffers:
+        buffer.fill(0)
+
+
+def _arrays(observation):
+    seen = observation.image
+    of_image = [seen.embedding, *vars(seen.features).values()] if isinstance(seen, Percept) else [seen]
+    return [observation.T_O_B, observation.increment_covariance, *of_image]
+
+
+def _observation(observation, buffers):
+    T_O_B, covariance, *of_image = buffers
+    image = of_image[0] if len(of_image) == 1 else Percept(of_image[0], Features(*of_image[1:]))
+    return replace(observation, image=image, T_O_B=T_O_B, increment_covariance=covariance)
+
+
+def percepts(observations):
+    """What LEXIS would see in the images."""
+    encoder, extractor = ThumbnailEncoder(), FeatureExtractor(CONFIG.landmarks)
+    for observation in observations:
+        image = observation.image
+        yield replace(observation, image=Percept(encoder.encode_image(image), extractor.extract(image)))
+
+
+class ReusingEncoder(ThumbnailEncoder):
+    """Writes every embedding over the one before."""
+
+    def __init__(self):
+        self._buffer = np.zeros(146, np.float32)
+
+    def encode_image(self, image):
+        self._buffer[:] = super().encode_image(image)
+        return self._buffer
+
+
+@pytest.mark.parametrize("form", ["images", "percepts"])
+def test_a_driver_may_reuse_its_buffers(observations, form):
+    brief = observations[:24] if form == "images" else [*percepts(observations[:24])]
+    expected, found = pack(run(brief), True), pack(run(reusing_buffers(brief), encoder=ReusingEncoder()), True)
+    assert len(expected["stamp"]) == 10
+    for name, array in expected.items():
+        np.testing.assert_array_equal(found[name], array, err_msg=name)
+
+
+def test_the_camera_is_the_one_that_was_handed_over(observations):
+    camera = Camera(FORWARD_CAMERA.intrinsics, FORWARD_CAMERA.T_B_C.copy())
+    slam = Slam(camera, ThumbnailEncoder(), ROOMS, CONFIG)
+    camera.T_B_C[:] = 0.0
+    slam.process(observations[0])
+    np.testing.assert_array_equal(slam.finish().camera.T_B_C, FORWARD_CAMERA.T_B_C)
 
 
 def test_one_observation_makes_a_map(observations):

@@ -22,7 +22,7 @@ def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out:
 
     A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out.resolve(), MARKER) as folder:
+    with replaced_folder(out, MARKER) as folder:
         (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
         (folder / "house.json").write_text(run.house.spec.to_json())
         write_tum(folder / "trajectory.tum", run.stamps, run.map.T_W_B)

@@ -64,7 +64,7 @@ def record(
     or kind of images, or too little room on the disk, and what `sim.harness.run` raises.
     """
     form = _format(format, images)
-    with replaced_folder(out.resolve(), ROOMS) as folder:
+    with replaced_folder(out, ROOMS) as folder:
         take = prepare(config, imu_config)
         _check_space(folder, take, form, images)
         rooms = FrameRooms(take.walk.house)

@@ -1,0 +1,69 @@
+"""Names of files and folders exchanged in one step where the system can, and contents brought to the disk before."""
+
+import ctypes
+import errno
+import os
+import shutil
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+_AT_FDCWD, _RENAME_EXCHANGE = -100, 2
+"""Constants of Linux, the same on every architecture."""
+_UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM)
+"""Errors of a kernel, a file system or a sandbox that cannot exchange names."""
+
+
+def swap(new: Path, target: Path, old: Path) -> Path:
+    """Give the folder `new` the name `target`; where the folder that had it is then: `new` or `old`.
+
+    Where names cannot be exchanged, there is a moment at which nothing has the name and the earlier folder is at `old`.
+    Raises OSError, and FileNotFoundError if there is no `target`.
+    """
+    if exchange(new, target):
+        return new
+    shutil.rmtree(old, ignore_errors=True)
+    old.parent.mkdir(exist_ok=True)
+    target.rename(old)
+    new.rename(target)
+    return old
+
+
+def exchange(a: Path, b: Path) -> bool:
+    """Exchange what two paths name, in one step. False where the system cannot; raises OSError where it fails."""
+    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if sys.platform == "linux" else None
+    if rename is None:
+        return False
+    if rename(_AT_FDCWD, os.fsencode(a), _AT_FDCWD, os.fsencode(b), ctypes.c_uint(_RENAME_EXCHANGE)) == 0:
+        return True
+    number = ctypes.get_errno()
+    if number in _UNSUPPORTED:
+        return False
+    raise OSError(number, os.strerror(number), str(b))
+
+
+def sync(path: Path) -> None:
+    """Wait until a file, or a folder with all that it holds, is on the disk. Raises OSError."""
+    if path.is_dir():
+        for inside in path.rglob("*"):
+            if inside.is_dir():
+                sync_folder(inside)
+            elif inside.is_file():
+                _sync_file(inside)
+        sync_folder(path)
+    else:
+        _sync_file(path)
+
+
+def sync_folder(path: Path) -> None:
+    """Wait until the names in a folder are on the disk, where the file system can do that."""
+    with suppress(OSError):
+        _sync_file(path)
+
+
+def _sync_file(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
