@@ -20,8 +20,12 @@ MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
 DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
-EVIDENCE_NEIGHBOURS = (5, 9)
-"""Keyframes whose images tell together how deep inside its room a keyframe is: least, and most in rooms of as many."""
+LOOK_AHEAD_M = 1.5
+"""An image tells of the place that is this far ahead of its camera, rather than of where the camera stands [m]."""
+REACH_M = 2.0
+"""An image counts for places up to this far from the one that it tells of, the farther the less [m]; it must exceed
+`LOOK_AHEAD_M`, so that at least its own image counts for every keyframe."""
+EVIDENCE_DECIMALS = 9
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ class Inside(NamedTuple):
     room: RoomInstance
     keyframe: int
     evidence: float
-    """How much more its images look like the room than like any other."""
+    """How much more the images that look at it resemble the room than any other."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
@@ -66,10 +70,10 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where in a room the images around a keyframe tell it from the others most clearly."""
+    """Where in a room the images that look there tell it from the others most clearly; of several such keyframes, the first."""
     evidence = _evidence(map, room)
-    keyframe = max(room.keyframes, key=lambda k: (evidence[k], -k))
-    return Inside(room, keyframe, float(evidence[keyframe]))
+    best = int(np.argmax(evidence))
+    return Inside(room, room.keyframes[best], float(evidence[best]))
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
@@ -132,18 +136,33 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
     return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
 
 
-def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
-    """How clearly the images around every keyframe tell the room from the others: it fades towards the room's edge.
+def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "members"]:
+    """How much more the places of a room's keyframes look like the room than like any other; it fades towards the room's edge.
 
-    The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room; those of
-    other rooms may speak against this one, not for it.
+    Rounded, so that the order in which a processor adds does not decide between keyframes that are as good.
     """
+    resemblance = _resemblance(map, map.T_W_B[list(room.keyframes), :3, 3])
     label = map.room_names.index(room.label)
-    others = np.delete(map.similarities, label, axis=1).max(axis=1, initial=-1.0)
-    margin = map.similarities[:, label] - others
-    outside = map.room_of != room.id
-    margin[outside] = np.minimum(margin[outside], 0.0)
-    positions = map.T_W_B[:, :3, 3]
-    count = min(int(np.clip(len(room.keyframes), *EVIDENCE_NEIGHBOURS)), len(positions))
-    nearest = cKDTree(positions).query(positions, k=np.arange(1, count + 1))[1]
-    return np.asarray(margin[np.asarray(nearest)].mean(axis=1), np.float64)
+    others = np.delete(resemblance, label, axis=1).max(axis=1, initial=-1.0)
+    return np.asarray(np.round(resemblance[:, label] - others, EVIDENCE_DECIMALS))
+
+
+def _resemblance(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
+    """Similarity of places with every room prompt: the mean over the images that look there.
+
+    Beyond the paper, which has an image tell of the place where it was taken. That is misleading where rooms are open to one
+    another: in front of an open boundary the whole image shows the next room.
+    """
+    looked_at = map.T_W_B[:, :3, 3].copy()
+    looked_at[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
+    similarities = map.similarities.astype(np.float64)
+    seen_by = cKDTree(looked_at).query_ball_point(places, REACH_M, return_sorted=True)
+    return np.array([
+        np.average(similarities[near], axis=0, weights=_nearness(looked_at[near] - place))
+        for place, near in zip(places, seen_by, strict=True)
+    ])  # fmt: skip
+
+
+def _nearness(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
+    """From 1 at a place to 0 at `REACH_M` from it and farther away."""
+    return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)
