@@ -70,7 +70,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where in a room the images that look there tell it from the others most clearly; of several such keyframes, the first."""
+    """Where in a room the images that look there tell it from the others most clearly; the first of equal keyframes."""
     evidence = _evidence(map, room)
     best = int(np.argmax(evidence))
     return Inside(room, room.keyframes[best], float(evidence[best]))
@@ -137,7 +137,7 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 
 
 def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "members"]:
-    """How much more the places of a room's keyframes look like the room than like any other; it fades towards the room's edge.
+    """How much more the places of a room's keyframes look like the room than like any other: less towards the room's edge.
 
     Rounded, so that the order in which a processor adds does not decide between keyframes that are as good.
     """

@@ -73,8 +73,9 @@ def test_a_path_ends_deep_in_the_room(rng):
 def open_boundary(rng, and_back=False):
     """A walk along x through an office into a kitchen, and back if wished; they meet at x = 0, with nothing between them.
 
-    The camera looks where the walk goes. Its image shows whichever room lies 1.5 m ahead: best of all from in front of it, and
-    little of it from deep inside, with a wall before the lens. As in LEXIS, keyframes have the label that their image resembles.
+    The camera looks where the walk goes. Its image shows whichever room lies 1.5 m ahead: best of all from in front of it,
+    and little of it from deep inside, with a wall before the lens. As in LEXIS, a keyframe has the label that its image
+    resembles.
     """
     x = np.arange(-4.0, 4.1, 0.2)
     forward = np.ones(len(x))
