@@ -25,6 +25,8 @@ LOOK_AHEAD_M = 1.5
 REACH_M = 2.0
 """An image counts for places up to this far from the one that it tells of, the farther the less [m]; it must exceed
 `LOOK_AHEAD_M`, so that at least its own image counts for every keyframe."""
+AS_GOOD = 0.75
+"""A path ends at a room's own keyframe if that has at least this share of the evidence of any other candidate."""
 EVIDENCE_DECIMALS = 9
 
 
@@ -35,7 +37,7 @@ class Plan:
     start: RoomInstance
     goal: RoomInstance
     keyframes: tuple[int, ...]
-    """Ids from start to goal, both included."""
+    """Ids from start to goal, both included. The outer ones may be keyframes of neighbouring rooms; see `innermost`."""
     length_m: float
     """Sum of the straight lines between them [m]."""
 
@@ -54,7 +56,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
     A label stands for all its instances; of these, the two that are nearest to each other by the length of the way are
     chosen. Doubtful instances stand for their label only where it has no other: most are a few misread keyframes in a room
-    of another label. In a room the path begins or ends where it is most certainly inside.
+    of another label. In a room the path begins or ends where it is most certainly inside (`innermost`).
 
     Raises:
         PlanError: there is no such room in the map, or no way between the two.
@@ -70,10 +72,18 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where in a room the images that look there tell it from the others most clearly; the first of equal keyframes."""
-    evidence = _evidence(map, room)
-    best = int(np.argmax(evidence))
-    return Inside(room, room.keyframes[best], float(evidence[best]))
+    """Where the images that look there tell a room from the others most clearly; the first of equal keyframes.
+
+    It is one of the room's own keyframes, unless a keyframe of another room that stands where the room's images look has far
+    more evidence: a small room may be recognised from in front of it alone.
+    """
+    candidates = _candidates(map, room)
+    evidence = _evidence(map, room, candidates)
+    own = np.isin(candidates, room.keyframes)
+    inside, anywhere = int(np.argmax(np.where(own, evidence, -np.inf))), int(np.argmax(evidence))
+    enough = max(evidence[inside], evidence[inside] / AS_GOOD)
+    best = anywhere if evidence[anywhere] > enough else inside
+    return Inside(room, int(candidates[best]), float(evidence[best]))
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
@@ -136,12 +146,19 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
     return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
 
 
-def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "members"]:
-    """How much more the places of a room's keyframes look like the room than like any other: less towards the room's edge.
+def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
+    """Ids of a room's keyframes, and of those that stand where its images look; ascending."""
+    own = list(room.keyframes)
+    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_looked_at(map)[own], REACH_M)
+    return np.unique(np.concatenate([own, *near]).astype(int))
+
+
+def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
+    """How much more the places of some keyframes look like a room than like any other: less towards the room's edge.
 
     Rounded, so that the order in which a processor adds does not decide between keyframes that are as good.
     """
-    resemblance = _resemblance(map, map.T_W_B[list(room.keyframes), :3, 3])
+    resemblance = _resemblance(map, map.T_W_B[keyframes, :3, 3])
     label = map.room_names.index(room.label)
     others = np.delete(resemblance, label, axis=1).max(axis=1, initial=-1.0)
     return np.asarray(np.round(resemblance[:, label] - others, EVIDENCE_DECIMALS))
@@ -153,14 +170,19 @@ def _resemblance(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[n
     Beyond the paper, which has an image tell of the place where it was taken. That is misleading where rooms are open to one
     another: in front of an open boundary the whole image shows the next room.
     """
-    looked_at = map.T_W_B[:, :3, 3].copy()
-    looked_at[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
-    similarities = map.similarities.astype(np.float64)
+    looked_at, similarities = _looked_at(map), map.similarities.astype(np.float64)
     seen_by = cKDTree(looked_at).query_ball_point(places, REACH_M, return_sorted=True)
     return np.array([
         np.average(similarities[near], axis=0, weights=_nearness(looked_at[near] - place))
         for place, near in zip(places, seen_by, strict=True)
     ])  # fmt: skip
+
+
+def _looked_at(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
+    """The place that every keyframe's image tells of, as high as the keyframe, in W [m]."""
+    places = map.T_W_B[:, :3, 3].copy()
+    places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
+    return places
 
 
 def _nearness(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
