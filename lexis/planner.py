@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.room_names import find_rooms, instance_names
-from lexis.ties import nearest_points, settled
+from lexis.ties import settled
 from lexis.types import LexisMap, RoomInstance
 
 MAX_STEP_M = 3.0
@@ -23,8 +23,13 @@ DOUBTFUL = 0.5
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
 GRID_M = 2.0**-20
 """Lengths are multiples of this power of two, about a micrometre, so that their sums are exact and equal ways tie [m]."""
-EVIDENCE_NEIGHBOURS = (5, 9)
-"""Keyframes whose images tell together how deep inside its room a keyframe is: least, and most in rooms of as many."""
+LOOK_AHEAD_M = 1.5
+"""An image tells of the place that is this far ahead of its camera, rather than of where the camera stands [m]."""
+REACH_M = 2.0
+"""An image counts for places up to this far from the one that it tells of, the farther the less [m]; it must exceed
+`LOOK_AHEAD_M`, so that at least its own image counts for every keyframe."""
+AS_GOOD = 0.75
+"""A path ends at a room's own keyframe if that has at least this share of the evidence of any other candidate."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,7 @@ class Plan:
     start: RoomInstance
     goal: RoomInstance
     keyframes: tuple[int, ...]
-    """Ids from start to goal, both included."""
+    """Ids from start to goal, both included. The outer ones may be keyframes of neighbouring rooms; see `innermost`."""
     length_m: float
     """Sum of the straight lines between them [m]."""
 
@@ -45,7 +50,7 @@ class Inside(NamedTuple):
     room: RoomInstance
     keyframe: int
     evidence: float
-    """How much more its images look like the room than like any other."""
+    """How much more the images that look at it resemble the room than any other."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
@@ -53,7 +58,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
     A label stands for all its instances; of these, the two that are nearest to each other by the length of the way are
     chosen. Doubtful instances stand for their label only where it has no other: most are a few misread keyframes in a room
-    of another label. In a room the path begins or ends where it is most certainly inside.
+    of another label. In a room the path begins or ends where it is most certainly inside (`innermost`).
 
     Raises:
         PlanError: there is no such room in the map, or no way between the two.
@@ -69,10 +74,18 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where in a room the images around a keyframe tell it from the others most clearly."""
-    evidence = _evidence(map, room)
-    keyframe = room.keyframes[int(evidence[list(room.keyframes)].argmax())]
-    return Inside(room, keyframe, float(evidence[keyframe]))
+    """Where the images that look there tell a room from the others most clearly; the first of equal keyframes.
+
+    It is one of the room's own keyframes, unless a keyframe of another room that stands where the room's images look has far
+    more evidence: a small room may be recognised from in front of it alone.
+    """
+    candidates = _candidates(map, room)
+    evidence = _evidence(map, room, candidates)
+    own = np.isin(candidates, room.keyframes)
+    inside, anywhere = int(np.argmax(np.where(own, evidence, -np.inf))), int(np.argmax(evidence))
+    enough = max(evidence[inside], evidence[inside] / AS_GOOD)
+    best = anywhere if evidence[anywhere] > enough else inside
+    return Inside(room, int(candidates[best]), float(evidence[best]))
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
@@ -135,17 +148,42 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
     return np.asarray(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
 
 
-def _evidence(map: LexisMap, room: RoomInstance) -> Float64[np.ndarray, "n"]:
-    """How clearly the images around every keyframe tell the room from the others, settled: it fades towards the room's edge.
+def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
+    """Ids of a room's keyframes, and of those that stand where its images look; ascending."""
+    own = list(room.keyframes)
+    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_looked_at(map)[own], REACH_M)
+    return np.unique(np.concatenate([own, *near]).astype(int))
 
-    The margin of the room's similarity over the best other one, averaged over the nearest keyframes, of any room; those of
-    other rooms may speak against this one, not for it.
-    """
+
+def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
+    """How much more the places of some keyframes look like a room than like any other, settled: less towards its edge."""
+    resemblance = _resemblance(map, map.T_W_B[keyframes, :3, 3])
     label = map.room_names.index(room.label)
-    others = np.delete(map.similarities, label, axis=1).max(axis=1, initial=-1.0)
-    margin = map.similarities[:, label] - others
-    outside = map.room_of != room.id
-    margin[outside] = np.minimum(margin[outside], 0.0)
-    positions = map.T_W_B[:, :3, 3]
-    count = min(int(np.clip(len(room.keyframes), *EVIDENCE_NEIGHBOURS)), len(positions))
-    return settled(margin[nearest_points(positions, count)].mean(axis=1))
+    others = np.delete(resemblance, label, axis=1).max(axis=1, initial=-1.0)
+    return settled(resemblance[:, label] - others)
+
+
+def _resemblance(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
+    """Similarity of places with every room prompt: the mean over the images that look there.
+
+    Beyond the paper, which has an image tell of the place where it was taken. That is misleading where rooms are open to one
+    another: in front of an open boundary the whole image shows the next room.
+    """
+    looked_at = _looked_at(map)
+    seen_by = cKDTree(looked_at).query_ball_point(places, REACH_M, return_sorted=True)
+    return np.array([
+        np.average(map.similarities[near], axis=0, weights=_nearness(looked_at[near] - place))
+        for place, near in zip(places, seen_by, strict=True)
+    ])  # fmt: skip
+
+
+def _looked_at(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
+    """The place that every keyframe's image tells of, as high as the keyframe, in W [m]."""
+    places = map.T_W_B[:, :3, 3].copy()
+    places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
+    return places
+
+
+def _nearness(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
+    """From 1 at a place to 0 at `REACH_M` from it and farther away."""
+    return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)

@@ -12,7 +12,7 @@ from jaxtyping import Float, Float64, Int
 
 from lexis.config import LabelConfig
 from lexis.stairs import on_stairs
-from lexis.ties import nearest_points, settled
+from lexis.ties import nearest_others, settled
 
 Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]
@@ -87,7 +87,7 @@ def propagate(labels: Labels, similarities: Similarities, positions: Positions, 
     """
     if len(labels) < 2:
         return labels.copy()
-    nearest = nearest_points(positions, neighbours, include_self=False)
+    nearest = nearest_others(positions, neighbours)
     n, rooms = similarities.shape
     ballots = np.arange(n)[:, None] * rooms + labels[nearest]
     votes = np.bincount(ballots.ravel(), minlength=n * rooms).reshape(n, rooms)

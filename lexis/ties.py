@@ -17,18 +17,13 @@ def settled(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape
     return np.round(np.asarray(values, np.float64), DECIMALS)
 
 
-def nearest_points(points: Float[np.ndarray, "n d"], count: int, *, include_self: bool = True) -> Int[np.ndarray, "n k"]:
-    """Row i holds the indices of the `count` points nearest to point i (fewer where there are no more), ascending.
+def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "n k"]:
+    """Row i holds the indices of the `count` points nearest to point i, itself left out (fewer where there are no more).
 
-    Points that are equally near, within `DECIMALS`, are taken in the order of their indices. The ascending order lets sums
-    over equal sets of points be equal to the last bit.
-
-    Args:
-        points: n points.
-        count: how many to find for each.
-        include_self: whether a point counts as the first of its own nearest points.
+    Points that are equally near, within `DECIMALS`, are taken in the order of their indices. Every row ascends, so that
+    sums over equal sets of points are equal to the last bit.
     """
-    n, wanted = len(points), min(count if include_self else count + 1, len(points))
+    n, wanted = len(points), min(count + 1, len(points))
     tree, looked_at = cKDTree(points), wanted
     while True:
         looked_at = min(2 * looked_at, n)
@@ -36,6 +31,6 @@ def nearest_points(points: Float[np.ndarray, "n d"], count: int, *, include_self
         distances = settled(distances)
         if looked_at == n or (distances[:, -1] > distances[:, wanted - 1]).all():
             break
-    distances[indices == np.arange(n)[:, None]] = -1.0
-    order = np.lexsort((indices, distances), axis=1)[:, 0 if include_self else 1 : wanted]
+    distances[indices == np.arange(n)[:, None]] = -1.0  # a point comes first among its own nearest, and is left out
+    order = np.lexsort((indices, distances), axis=1)[:, 1:wanted]
     return np.sort(np.take_along_axis(indices, order, axis=1), axis=1)

@@ -6,7 +6,7 @@ from itertools import product
 import networkx as nx
 import numpy as np
 import pytest
-from map_builder import build_map, corridor_with_offices
+from map_builder import CAMERA, build_map, corridor_with_offices, random_pose
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
@@ -69,6 +69,74 @@ def test_a_path_ends_deep_in_the_room(rng):
     lexis_map = replace(lexis_map, similarities=similarities)
     assert innermost(lexis_map, lexis_map.rooms[2]).keyframe in range(34, 38)
     assert plan(lexis_map, "corridor", "office 2").keyframes[-1] in range(34, 38)
+
+
+def open_boundary(rng, and_back=False):
+    """A walk along x through an office into a kitchen, and back if wished; they meet at x = 0, with nothing between them.
+
+    The camera looks where the walk goes. Its image shows whichever room lies 1.5 m ahead: best of all from in front of it,
+    and little of it from deep inside, with a wall before the lens. As in LEXIS, a keyframe has the label that its image
+    resembles.
+    """
+    x = np.arange(-4.0, 4.1, 0.2)
+    forward = np.ones(len(x))
+    if and_back:
+        x, forward = np.concatenate([x, x[::-1]]), np.concatenate([forward, -forward])
+    shown = (x + 1.5 * forward > 0.0).astype(int)
+    names = ("office", "kitchen")
+    rooms = [(name, np.flatnonzero(shown == i).tolist()) for i, name in enumerate(names)]
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], shown, rooms, names, rng)
+    similarities = np.zeros((len(x), 2))
+    similarities[np.arange(len(x)), shown] = 0.5 - 0.08 * np.abs(x + 0.75 * forward)
+    return looking_ahead(replace(lexis_map, similarities=similarities), forward)
+
+
+def looking_ahead(lexis_map, forward):
+    """The map with a camera that looks along x, or against it where `forward` (n,) is -1."""
+    T_B_C, poses = np.eye(4), np.tile(np.eye(4), (len(forward), 1, 1))
+    T_B_C[:3, :3] = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]  # the optical axis along the body's x
+    poses[:, 0, 0] = poses[:, 1, 1] = forward
+    poses[:, :3, 3] = lexis_map.T_W_B[:, :3, 3]
+    return replace(lexis_map, camera=replace(CAMERA, T_B_C=T_B_C), T_W_B=poses)
+
+
+@pytest.mark.parametrize("and_back", [False, True])
+def test_a_path_ends_behind_an_open_boundary_and_not_where_the_room_comes_into_view(rng, and_back):
+    lexis_map = open_boundary(rng, and_back)
+    end = innermost(lexis_map, lexis_map.rooms[1])
+    assert end.keyframe in end.room.keyframes
+    assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 0.5
+
+
+def test_a_path_ends_inside_a_room_that_is_recognised_from_in_front_of_it_alone(rng):
+    """A bathroom at x > 0 fills the image on the way in, until the lens is at its wall; on the way out it is behind."""
+    there = np.arange(-3.0, 1.6, 0.2)
+    x, forward = np.concatenate([there, there[::-1]]), np.repeat([1.0, -1.0], len(there))
+    seen = (forward > 0.0) & (x > -1.5) & (x < 0.0)
+    rooms = [("corridor", np.flatnonzero(~seen).tolist()), ("bathroom", np.flatnonzero(seen).tolist())]
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], seen.astype(int), rooms, ("corridor", "bathroom"), rng)
+    similarities = np.where(seen[:, None], [0.0, 0.5], [0.5, 0.0])
+    similarities[(forward > 0.0) & (x >= 0.0)] = 0.1  # a wall
+    lexis_map = looking_ahead(replace(lexis_map, similarities=similarities), forward)
+    end = innermost(lexis_map, lexis_map.rooms[1])
+    assert end.evidence > 0.0
+    assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 0.3
+
+
+def test_where_a_path_ends_does_not_depend_on_the_frame_of_the_map(rng):
+    lexis_map = open_boundary(rng, and_back=True)
+    moved = replace(lexis_map, T_W_B=random_pose(rng, (3.0, -7.0, 1.0)) @ lexis_map.T_W_B)
+    for room in lexis_map.rooms:
+        assert innermost(moved, room).keyframe == innermost(lexis_map, room).keyframe
+
+
+def test_of_keyframes_that_are_equally_inside_a_path_ends_at_the_first(rng):
+    """Two stand at the same place: there and back."""
+    lexis_map = open_boundary(rng, and_back=True)
+    for room in lexis_map.rooms:
+        end = innermost(lexis_map, room).keyframe
+        same = np.flatnonzero(lexis_map.T_W_B[:, 0, 3] == lexis_map.T_W_B[end, 0, 3])
+        assert end == min(set(same.tolist()) & set(room.keyframes))
 
 
 @pytest.mark.parametrize(

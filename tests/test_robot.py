@@ -9,7 +9,7 @@ from sim.errors import SimError
 from sim.odometry import PRESETS, OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
-from sim.robot.controller import HORIZON_M, LEAST_M
+from sim.robot.controller import HORIZON_M, LEAST_M, Controller
 from sim.robot.local_map import CELL_M, LocalMap
 from worlds.house import Furniture, build_house
 from worlds.presets import sample_house
@@ -103,6 +103,24 @@ def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_fa
     assert np.allclose(way[0], start) and lengths.max() < 1.5 * CELL_M
     assert (np.linalg.norm(way[-1] - route[-1]) < CELL_M) == goes_round
     assert (way[-1, 1] < 0.0) == goes_round
+
+
+@pytest.mark.parametrize("stands_m", [1.0, 1.05])
+def test_the_robot_looks_for_another_way_when_it_has_come_to_the_end_of_one(stands_m):
+    """A wall across the route seems to have no end at first; then its end comes into view."""
+    controller = Controller(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]))
+    pose = DeadReckoning(0.0, 0.0, 0.0, OdometryConfig(), np.random.default_rng(0))
+    for step in range(250):
+        if step % 5 == 0:
+            y = np.arange(-2.0, 2.0 if step < 50 else 0.6, 0.05)
+            wall = np.stack([np.full(len(y), stands_m), y], axis=1) - (pose.x, pose.y)
+            cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
+            controller.see(wall @ np.array([[cos, -sin], [sin, cos]]), pose, 0.0)
+        motion = controller.step(pose)
+        if motion is None:
+            break
+        pose.advance(*motion)
+    np.testing.assert_allclose([pose.x, pose.y], [3.0, 0.0], atol=0.12)
 
 
 @pytest.mark.parametrize("away_m", [0.26, 0.3, 0.6])

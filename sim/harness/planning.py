@@ -6,6 +6,7 @@ from itertools import permutations
 from typing import Literal
 
 import numpy as np
+import shapely
 from jaxtyping import Float64, Int
 
 from lexis.errors import PlanError
@@ -16,12 +17,14 @@ from sim.harness.run import Run
 from sim.odometry import OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
-from worlds.walkable import polyline_length
+from worlds.walkable import UnreachableError, Walkable, polyline_length
 
 Steering = Literal["lexis", "odometry", "truth"]
 """Where the robot's waypoints and its pose come from: the optimised map and the odometry corrected as the map's last
 keyframe was; the odometry alone, while mapping and while driving; the truth."""
 
+INSIDE_M = 0.5
+"""The shortest path that the SPL compares with ends so far inside a room [m]."""
 _STREAM = 3
 """Of drives among the streams that a run's seed spawns; see `sim.faults` for the others."""
 
@@ -35,7 +38,7 @@ class Trial:
     success: bool
     """It stands in a room of the goal's label and has touched nothing."""
     shortest_m: float
-    """Shortest walkable way from the start into a room of the goal's label [m]."""
+    """Shortest walkable path from the start to `INSIDE_M` inside a room of the goal's label; see `shortest_into` [m]."""
     travelled_m: float
     touched: tuple[str, ...]
     """Names of what it ran into."""
@@ -100,7 +103,7 @@ def _try(
     driven = robot.drive(planned[0], _in_plan(T_W_B)[2], pose, belief.keyframes[keyframes][:, :3, 3])
     arrived = driven.room is not None and run.house.room_by_id[driven.room].label == goal
     success = arrived and not driven.touched
-    shortest = _shortest(run, planned[0], goal)
+    shortest = shortest_into(run.walkable, planned[0], goal)
     return Trial(start, goal, success, shortest, driven.length_m, driven.touched, driven.path, planned)
 
 
@@ -109,9 +112,29 @@ def _in_plan(T: Pose) -> tuple[float, float, float]:
     return float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0]))
 
 
-def _shortest(run: Run, start: Float64[np.ndarray, "3"], goal: str) -> float:
-    walkable, labels = run.walkable, np.array([room.label for room in run.house.rooms])
-    inside = np.flatnonzero(labels[walkable.node_room] == goal)
-    nearest = inside[np.argmin(walkable.distances_from(start)[inside])]
+def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: str) -> float:
+    """Length of the shortest walkable path from a point to the nearest one at least `INSIDE_M` inside a room of a label [m].
+
+    Where no such point can be reached, as in a cupboard, the innermost points that can be reached count instead. Raises
+    `worlds.walkable.UnreachableError` where the start is not walkable or no room of that label can be reached.
+    """
+    distances, depths = walkable.distances_from(start), _depths(walkable, label)
+    depths[~np.isfinite(distances)] = 0.0
+    deepest = float(depths.max(initial=0.0))
+    if deepest == 0.0:
+        raise UnreachableError(f"no way into any {label}; valid: a label of a room that can be reached from the start")
+    inside = np.flatnonzero(depths >= min(INSIDE_M, deepest))
+    nearest = inside[np.argmin(distances[inside])]
     # The way over the grid is up to 8 % longer than the one that it shortens to: it would flatter the SPL.
     return polyline_length(walkable.path(start, int(nearest)))
+
+
+def _depths(walkable: Walkable, label: str) -> Float64[np.ndarray, "nodes"]:
+    """Distance of every walkable node from the outline of the room of that label that holds it; 0 elsewhere [m]."""
+    depths = np.zeros(len(walkable.nodes))
+    for index, room in enumerate(walkable.house.rooms):
+        if room.label == label:
+            nodes = np.flatnonzero(walkable.node_room == index)
+            depths[nodes] = shapely.distance(shapely.points(walkable.nodes[nodes, :2]), room.polygon.boundary)
+    # A grid line that lies just there must not depend on the last bit of its coordinates.
+    return np.round(depths, 6)

@@ -41,10 +41,12 @@ class Controller:
         self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
+        self._news = False
 
     def see(self, hits: Float64[np.ndarray, "hits 2"], pose: DeadReckoning, climbed_m: float) -> None:
         """Take a scan; the legs know how much higher they stand than at the start."""
         self._map.add(hits, pose.x, pose.y, pose.yaw, climbed_m)
+        self._news = True
 
     def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
         """The next `STEP_S`; None where the robot has arrived or has given up."""
@@ -80,17 +82,22 @@ class Controller:
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)
             return np.asarray(carrot)
-        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M:
-            self._way, self._planned_at = self._map.way(here, self._route.ahead(HORIZON_M)), here
+        nearest = self._nearest(here)
+        at_end = nearest + 1 >= len(self._way)
+        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._news):
+            self._way, self._planned_at, self._news = self._map.way(here, self._route.ahead(HORIZON_M)), here, False
+            nearest = self._nearest(here)
         if len(self._way) < 2:
-            self._planned_at = np.full(2, np.inf)
             return None
-        nearest = int(np.argmin(((self._way - here) ** 2).sum(axis=1)))
         following = self._way[nearest + 1 :] if nearest + 1 < len(self._way) else self._way[-1:]
         for target in following[_REACH::-2]:
             if self._map.clearance(here, target) >= _KEEP_M:
                 return np.asarray(target)
         return np.asarray(following[0])
+
+    def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
+        """Index of the nearest place of the way; 0 where there is no way yet."""
+        return int(np.argmin(((self._way - here) ** 2).sum(axis=1))) if len(self._way) else 0
 
     def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:
         step = STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2
