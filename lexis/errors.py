@@ -27,3 +27,12 @@ class PlanError(LexisError):
 
 class DatasetError(LexisError):
     """A recorded run is incomplete or contradicts itself."""
+
+
+def one_line(said: object, most: int = 240) -> str:
+    """What an error or a text says, on one line of at most `most` characters; the middle is left out, not the end."""
+    line = " ".join(str(said).split()) or type(said).__name__
+    if len(line) <= most:
+        return line
+    end = most // 3
+    return f"{line[: most - end - 5]} ... {line[-end:]}"

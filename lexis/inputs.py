@@ -16,6 +16,9 @@ MAX_ROOM_NAMES = 1000
 MAX_NAME_LENGTH = 200
 """Of a room name, in characters."""
 
+MAX_POSITION_M = 1e8
+"""Farthest place from the origin along an axis: any frame on Earth fits, and squares and cubes of it stay exact enough."""
+
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 
 
