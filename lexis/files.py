@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all: written beside their place, then renamed; and text read by lines."""
+"""Files and folders that appear whole or not at all: written beside their place, then renamed."""
 
 import os
 import shutil
@@ -8,9 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lexis.errors import LexisError
-
-MAX_TEXT_BYTES = 500_000_000
-"""Larger files are not read."""
 
 
 @contextmanager
@@ -79,16 +76,3 @@ def check_replaceable(path: Path, marker: str) -> None:
         tempfile.TemporaryDirectory(dir=next(folder for folder in path.resolve().parents if folder.exists())).cleanup()
     except OSError as error:
         raise LexisError(f"{path}: cannot be written: {error.strerror}; valid: a folder that can be made") from None
-
-
-def numbered_lines(path: Path) -> list[tuple[int, str]]:
-    """Lines of a text file that are neither blank nor begin with #, with their numbers from 1. Raises LexisError."""
-    try:
-        if path.stat().st_size > MAX_TEXT_BYTES:
-            raise LexisError(f"{path}: larger than {MAX_TEXT_BYTES // 1_000_000} MB; valid: smaller files")
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be read: {error.strerror}; valid: an existing text file") from None
-    except UnicodeDecodeError:
-        raise LexisError(f"{path}: is not text in UTF-8; valid: a text file") from None
-    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]

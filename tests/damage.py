@@ -8,8 +8,40 @@ import zipfile
 
 import numpy as np
 
-NUMBERS = (0, -1, 1, 0.5, 1e-300, 1e155, -1e155, 1e308, float("nan"), float("inf"), float("-inf"), 2**31, 2**63, -(2**63), 10**400)
-OTHERS = (None, True, False, "", "x", "5", "nan", "a\nb", "\ud800"[:0] + "ä" * 300, [], {}, [[]], [None], {"a": 1}, [1, 2, 3])
+NUMBERS = (
+    0,
+    -1,
+    1,
+    0.5,
+    1e-300,
+    1e155,
+    -1e155,
+    1e308,
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+    2**31,
+    2**63,
+    -(2**63),
+    10**400,
+)
+OTHERS = (
+    None,
+    True,
+    False,
+    "",
+    "x",
+    "5",
+    "nan",
+    "a\nb",
+    "\ud800"[:0] + "ä" * 300,
+    [],
+    {},
+    [[]],
+    [None],
+    {"a": 1},
+    [1, 2, 3],
+)
 WORDS = (
     "0", "-1", "1e155", "-1e308", "nan", "inf", "-inf", ".inf", ".nan", "9" * 5000, "1e999", "0x10", "1_0", "", "~", "null", "true",
     "2001-13-99", "[", "]", "{", "}", "[[1, 2], [3]]", "{a: b}", "&a [*a]", "*a", "<<", "!!binary x", "!!python/name:os.system",
@@ -88,7 +120,7 @@ def _damage_place(rng, data, parent, key, places):
         case 6:
             parent[key] = NESTED if rng.random() < 0.7 else DIGITS
         case 7:
-            parent[key] = rng.choice([["x" * 100_000], [[0] * 10_000], ["y" * 500]])[0] if rng.random() < 0.3 else [value]
+            parent[key] = ("x" * 100_000, [0] * 10_000, "y" * 500, [value], [value])[rng.integers(5)]
         case _:
             parent[key] = _nudged(rng, value)
 
@@ -164,7 +196,9 @@ def damaged_arrays(rng, arrays):
 def _with_extreme(rng, array):
     array = array.copy()
     if array.size and array.dtype.kind in "fiu":
-        values = (np.nan, np.inf, 1e155, 1e308, -1.0, 0.0, 0.5) if array.dtype.kind == "f" else (0, 1, -1, 2**62, -(2**62), 1000)
+        values = (
+            (np.nan, np.inf, 1e155, 1e308, -1.0, 0.0, 0.5) if array.dtype.kind == "f" else (0, 1, -1, 2**62, -(2**62), 1000)
+        )
         picked = slice(None) if rng.random() < 0.2 else int(rng.integers(array.size))
         with np.errstate(all="ignore"):
             array.ravel()[picked] = np.array(rng.choice(values)).astype(array.dtype)
@@ -180,7 +214,9 @@ def damaged_npz(rng, arrays):
 
 def packed(rng, arrays, header=False):
     """Arrays as an archive; with `header`, the first bytes of one member are damaged before it is stored."""
-    method = int(rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2]))
+    method = int(
+        rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+    )
     struck = str(rng.choice(list(arrays))) if header and arrays else None
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", method) as archive:

@@ -18,7 +18,9 @@ from sim.features.views import SIZE
 from sim.record.messages import Messages
 from worlds.presets import sample_from_rooms
 
-CAMERA = Camera(Intrinsics(32, 24, 20.0, 20.0, 15.5, 11.5), np.array([[0, 0, 1, 0.1], [-1, 0, 0, 0], [0, -1, 0, 0.3], [0, 0, 0, 1.0]]))
+CAMERA = Camera(
+    Intrinsics(32, 24, 20.0, 20.0, 15.5, 11.5), np.array([[0, 0, 1, 0.1], [-1, 0, 0, 0], [0, -1, 0, 0.3], [0, 0, 0, 1.0]])
+)
 FRAMES = 4
 
 _SQUARE, _NEXT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [7, 0], [7, 3], [4, 3]]
@@ -27,10 +29,21 @@ _SQUARE, _NEXT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [7, 0], [7, 3], [4, 
 def houses():
     """Data of house files: one by hand with a bit of everything, and a sampled one of two rooms."""
     door = {"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.9], "leaf": {"into": "a", "hinge": "end"}}
-    sofa = {"id": "f", "kind": "sofa", "room": "a", "position_m": [1.5, 2.4, 0], "yaw_rad": 3.14, "size_m": [2, 0.8, 0.8], "seed": 0}
+    sofa = {
+        "id": "f",
+        "kind": "sofa",
+        "room": "a",
+        "position_m": [1.5, 2.4, 0],
+        "yaw_rad": 3.14,
+        "size_m": [2, 0.8, 0.8],
+        "seed": 0,
+    }
     storey = {
         "height_m": 2.6,
-        "rooms": [{"id": "a", "label": "kitchen", "polygon_m": _SQUARE}, {"id": "b", "label": "office", "polygon_m": _NEXT, "seed": 3}],
+        "rooms": [
+            {"id": "a", "label": "kitchen", "polygon_m": _SQUARE},
+            {"id": "b", "label": "office", "polygon_m": _NEXT, "seed": 3},
+        ],
         "openings": [door],
         "windows": [{"room": "b", "start_m": [5, 0], "end_m": [6, 0]}],
         "furniture": [sofa],
@@ -59,7 +72,11 @@ def write_features(path):
     """A feature model of two dimensions."""
     edges = Measured(np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]))
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, edges)
-    weights, errors, kernels = np.full((SIZE, 2), 0.1, np.float32), np.eye(2, dtype=np.float32), np.full(len(KERNELS), 1 / len(KERNELS))
+    weights, errors, kernels = (
+        np.full((SIZE, 2), 0.1, np.float32),
+        np.eye(2, dtype=np.float32),
+        np.full(len(KERNELS), 1 / len(KERNELS)),
+    )
     embedding = EmbeddingModel(weights, np.ones(2, np.float32), errors, kernels)
     save_features(FeatureModel(np.full((4, 2), 0.7, np.float32), embedding, loops), path)
 
@@ -86,7 +103,9 @@ def write_euroc_run(folder):
         (sensor / "data" / f"{stamp}.png").write_bytes(cv2.imencode(".png", seen.image)[1].tobytes())
         images.append(f"{stamp},{stamp}.png")
         row = pose_rows(seen.T_O_B[None])[0][[0, 1, 2, 6, 3, 4, 5]]
-        poses.append(",".join([str(stamp), *map(repr, row.tolist()), *map(repr, seen.increment_covariance.ravel().tolist())]))
+        poses.append(
+            ",".join([str(stamp), *map(repr, row.tolist()), *map(repr, seen.increment_covariance.ravel().tolist())])
+        )
     (sensor / "data.csv").write_text("\n".join(images) + "\n")
     (odometry / "data.csv").write_text("\n".join(poses) + "\n")
 

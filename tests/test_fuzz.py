@@ -3,10 +3,6 @@
 Damage is drawn with fixed seeds. A few inputs of every kind are tried in the normal suite, thousands in the nightly one.
 """
 
-import contextlib
-import io
-import json
-import os
 import shutil
 
 import damage
@@ -15,14 +11,11 @@ import pytest
 import small_inputs
 from survey import MEMORY_BYTES, PROCESSOR_S, survey
 
-from lexis import cli
 from lexis.datasets import open_dataset
-from lexis.encoder_options import EncoderOptions
 from lexis.errors import LexisError
 from lexis.export import FORMATS, export_map
 from lexis.map_io import load_map
 from lexis.planner import plan
-from sim.cli import main as lexis_sim
 from sim.errors import SimError
 from sim.features.model import load_features
 from worlds.errors import WorldsError
@@ -59,7 +52,9 @@ def test_damaged_houses(cases, tmp_path):
 
     def attempt(rng, folder):
         text = damage.damaged_json(rng, whole[rng.integers(len(whole))])
-        (folder / "house.json").write_bytes(damage.damaged_bytes(rng, text.encode()) if rng.random() < 0.1 else text.encode())
+        (folder / "house.json").write_bytes(
+            damage.damaged_bytes(rng, text.encode()) if rng.random() < 0.1 else text.encode()
+        )
         spec = HouseSpec.load(folder / "house.json")
         for problem in spec_problems(spec):
             raise WorldsError(problem)

@@ -1,0 +1,27 @@
+"""The size that a PNG or JPEG states, without decoding it."""
+
+_PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"
+_JPEG = b"\xff\xd8"
+_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
+"""Markers of JPEG that begin a frame, and so state its size."""
+
+
+def image_size(content: bytes) -> tuple[int, int] | None:
+    """Width and height [px]; None for what is no PNG or JPEG, or ends before it states them."""
+    if content.startswith(_PNG) and len(content) >= 24:
+        return int.from_bytes(content[16:20]), int.from_bytes(content[20:24])
+    return _jpeg_size(content) if content.startswith(_JPEG) else None
+
+
+def _jpeg_size(content: bytes) -> tuple[int, int] | None:
+    """The size in the first frame, which segments of stated length come before."""
+    at = len(_JPEG)
+    while at + 9 <= len(content) and content[at] == 0xFF:
+        marker = content[at + 1]
+        if marker == 0xFF:  # a marker may be preceded by any number of these
+            at += 1
+            continue
+        if marker in _FRAMES:
+            return int.from_bytes(content[at + 7 : at + 9]), int.from_bytes(content[at + 5 : at + 7])
+        at += 2 + int.from_bytes(content[at + 2 : at + 4])
+    return None
