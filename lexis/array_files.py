@@ -50,7 +50,7 @@ def read_arrays(
                 if layout is not None:
                     _check_layout(headers, layout, dict(sizes or {}))
                 return {name: _array(archive, members[name], header) for name, header in headers.items()}
-        except _Unusable as error:
+        except _UnusableError as error:
             raise kind.refusal(path, error) from None
         except Exception as error:
             # A damaged archive makes zipfile, its codecs and the C library raise what none of them documents: at the last
@@ -58,7 +58,7 @@ def read_arrays(
             raise kind.refusal(path, f"{type(error).__name__}: {one_line(error, 100)}") from None
 
 
-class _Unusable(Exception):
+class _UnusableError(Exception):
     """What is wrong with an archive."""
 
 
@@ -82,9 +82,9 @@ def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zip
     named = [(info.filename.removesuffix(".npy"), info) for info in archive.infolist() if info.filename.endswith(".npy")]
     members = dict(named)
     if len(members) < len(named):
-        raise _Unusable("holds two arrays of one name")
+        raise _UnusableError("holds two arrays of one name")
     if missing := sorted((wanted or set()) - members.keys()):
-        raise _Unusable(f"lacks the arrays {', '.join(missing)}")
+        raise _UnusableError(f"lacks the arrays {', '.join(missing)}")
     return members if wanted is None else {name: members[name] for name in wanted}
 
 
@@ -94,37 +94,37 @@ def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
         start = stream.read(10)
         length = int.from_bytes(start[8:10], "little")
         if not start.startswith(_MAGIC) or length > _MAX_HEADER_BYTES:
-            raise _Unusable(f"array {member.filename!r} has no header of numpy's format 1.0")
+            raise _UnusableError(f"array {member.filename!r} has no header of numpy's format 1.0")
         found = _HEADER.fullmatch(stream.read(length))
     if found is None:
-        raise _Unusable(f"array {member.filename!r} has a header that says more or less than a simple type and a shape")
+        raise _UnusableError(f"array {member.filename!r} has a header that says more or less than a simple type and a shape")
     dtype = np.dtype(found[1].decode())
     if dtype.kind not in _SIMPLE_KINDS:
-        raise _Unusable(f"array {member.filename!r} is of type {dtype}; valid: numbers")
+        raise _UnusableError(f"array {member.filename!r} is of type {dtype}; valid: numbers")
     shape = tuple(int(size) for size in found[3].decode().split(",") if size.strip())
     header = _Header(10 + length, dtype, shape, found[2] == b"True")
     if member.file_size != header.start + header.size:
-        raise _Unusable(f"array {member.filename!r} has {member.file_size} bytes; valid: those of {dtype} {shape}")
+        raise _UnusableError(f"array {member.filename!r} has {member.file_size} bytes; valid: those of {dtype} {shape}")
     return header
 
 
 def _check_sizes(headers: Mapping[str, _Header], limit: int) -> None:
     total = sum(header.size for header in headers.values())
     if total > limit:
-        raise _Unusable(f"unpacks to {total} bytes; valid: up to {limit}")
+        raise _UnusableError(f"unpacks to {total} bytes; valid: up to {limit}")
 
 
 def _check_layout(headers: Mapping[str, _Header], layout: Layout, sizes: dict[str | int, int]) -> None:
-    """Raise _Unusable unless types and shapes are those of the layout, and sizes agree."""
+    """Raise _UnusableError unless types and shapes are those of the layout, and sizes agree."""
     for name, (kind, shape) in layout.items():
         found = headers[name]
         expected = tuple(size if isinstance(size, int) else sizes.get(size, size) for size in shape)
         if found.dtype != np.dtype(kind) or len(found.shape) != len(shape):
-            raise _Unusable(f"array {name} is {found.dtype} {found.shape}; valid: {np.dtype(kind)} {expected}")
+            raise _UnusableError(f"array {name} is {found.dtype} {found.shape}; valid: {np.dtype(kind)} {expected}")
         for dimension, size in zip(shape, found.shape, strict=True):
             wanted = dimension if isinstance(dimension, int) else sizes.setdefault(dimension, size)
             if size != wanted:
-                raise _Unusable(f"array {name} has shape {found.shape}; valid: {expected}")
+                raise _UnusableError(f"array {name} has shape {found.shape}; valid: {expected}")
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, header: _Header) -> Shaped[np.ndarray, "..."]:
@@ -132,5 +132,5 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, header: _Header) -
         stream.read(header.start)
         content = bytearray(stream.read(header.size))
         if len(content) != header.size or stream.read(1):
-            raise _Unusable(f"array {member.filename!r} is cut short")
+            raise _UnusableError(f"array {member.filename!r} is cut short")
     return np.frombuffer(content, header.dtype).reshape(header.shape, order="F" if header.fortran else "C")

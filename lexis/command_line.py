@@ -7,11 +7,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn, TypeAlias
 
+from lexis.errors import one_line
 from lexis.files import check_replaceable
 
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Runs a command; returns the exit status."""
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+
+MAX_LINE = 400
+"""Of a message on stderr, in characters: a value from a file or a command line may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """128 and the number of the signal, as shells have it."""
@@ -22,7 +26,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End the program with status 2."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        end = f"; see {self.prog} --help"
+        self.exit(2, f"{one_line(f'{self.prog}: {message}', MAX_LINE - len(end))}{end}\n")
 
 
 def add_command(commands: Commands, name: str, command: Command, help: str, example: str) -> Parser:
@@ -46,7 +51,7 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
     except expected as error:
-        print(f"{parser.prog}: {' '.join(str(error).split())}", file=sys.stderr)
+        print(one_line(f"{parser.prog}: {error}", MAX_LINE), file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _INTERRUPTED

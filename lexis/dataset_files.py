@@ -11,7 +11,7 @@ from jaxtyping import Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
 from lexis.errors import DatasetError, one_line
-from lexis.image_size import image_size
+from lexis.image_header import image_size
 from lexis.inputs import MAX_POSITION_M
 from lexis.reading import FileKind, read_bytes
 from lexis.types import Camera, Image, Poses
@@ -136,9 +136,8 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
     size = image_size(content.tobytes())
     if size is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
-    if sorted(size) != sorted(
-        (camera.intrinsics.width, camera.intrinsics.height)
-    ):  # an image may say that it lies on its side
+    # Sorted, because an image may say that it lies on its side, and is then turned when it is decoded.
+    if sorted(size) != sorted((camera.intrinsics.width, camera.intrinsics.height)):
         raise DatasetError(_misfit(where, size, camera))
     try:
         pixels = cv2.imdecode(content, cv2.IMREAD_COLOR)
