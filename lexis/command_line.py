@@ -1,6 +1,7 @@
 """What the console scripts share: bad input costs one line on stderr and exit status 2, and never a traceback."""
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -41,6 +42,8 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
     """Parse and run; the exit status. Errors of the `expected` classes are bad input."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be text in any encoding
     arguments = parser.parse_args(argv)
     try:
         status = int(arguments.command(arguments))

@@ -110,7 +110,8 @@ def _check_covariance(covariance: object, where: str) -> None:
     shaped = isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"
     if not shaped or not (np.abs(covariance) <= MAX_VARIANCE).all() or not np.allclose(covariance, covariance.T):
         raise ObservationError(
-            f"{where}: increment_covariance {_kind(covariance)} is not finite and symmetric; valid: a 6x6 one, at most {MAX_VARIANCE:g}"
+            f"{where}: increment_covariance {_kind(covariance)} is not finite and symmetric; "
+            f"valid: a 6x6 one with values up to {MAX_VARIANCE:g}"
         )
     if np.linalg.eigvalsh(covariance).min() < -1e-12:
         raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")

@@ -16,7 +16,9 @@ from sim.features.loops import LoopModel, Measured
 from sim.features.model import FeatureModel, save_features
 from sim.features.views import SIZE
 from sim.record.messages import Messages
+from worlds.plan_import import to_geojson
 from worlds.presets import sample_from_rooms
+from worlds.spec import HouseSpec
 
 CAMERA = Camera(
     Intrinsics(32, 24, 20.0, 20.0, 15.5, 11.5), np.array([[0, 0, 1, 0.1], [-1, 0, 0, 0], [0, -1, 0, 0.3], [0, 0, 0, 1.0]])
@@ -143,4 +145,5 @@ def write_all(folder):
     write_bag_run(folder / "bag")
     write_bag_run(folder / "mcap", "MCAP")
     (folder / "house.json").write_text(json.dumps(houses()[0]))
+    (folder / "house.geojson").write_text(to_geojson(HouseSpec.model_validate(houses()[0])))
     (folder / "rooms.json").write_text(json.dumps({"labels": ["kitchen", "office"]}))
