@@ -137,8 +137,9 @@ def _stamp(path: Path, number: int, words: list[str]) -> float:
 
 
 def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
+    stamp = _stamp(path, number, words)
     try:
-        values = [_stamp(path, number, words), *map(float, words[1:])]
+        values = [stamp, *map(float, words[1:])]
     except ValueError as error:
         raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers with commas") from None
     if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
