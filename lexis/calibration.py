@@ -14,16 +14,17 @@ from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Float
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 from scipy.special import expit
 
 from lexis.errors import LexisError
 from lexis.files import replaced_file
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES
 from lexis.perception import TextEncoder
+from lexis.reading import FileKind, read_model
 
 MINI_CALIBRATION = Path(__file__).parent / "models" / "lexis-mini.calibration.json"
-MAX_BYTES = 1_000_000
+_FILE = FileKind("a file of calibrate-queries", 1_000_000)
 
 
 @dataclass(frozen=True)
@@ -73,17 +74,7 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
 
 def load_calibration(path: Path) -> Calibration:
     """Read what `save_calibration` wrote. Raises LexisError for anything else."""
-    try:
-        with path.open("rb") as file:
-            text = file.read(MAX_BYTES + 1)
-        if len(text) > MAX_BYTES:
-            raise LexisError(f"{path}: larger than {MAX_BYTES // 1_000_000} MB; not a calibration")
-        data = _Calibration.model_validate_json(text)
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be read: {error.strerror}; valid: a file of calibrate-queries") from None
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise LexisError(f"{path}: {'.'.join(map(str, first['loc'])) or 'calibration'}: {first['msg']}") from None
+    data = read_model(path, _FILE, _Calibration)
     return Calibration(**data.model_dump(exclude={"schema_version"}))
 
 

@@ -18,6 +18,7 @@ from lexis.export import FORMATS, export_map
 from lexis.map_info import info_text, map_info
 from lexis.map_io import JSON_FILE, load_map, save_map
 from lexis.planner import plan
+from lexis.reading import FileKind, read_json
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
@@ -48,6 +49,7 @@ ODOMETRY_HELP = "file, sensor folder or topic of the odometry (default: odometry
 CACHE_HELP = "folder that keeps the encoder's work by image, so that mapping a recording again skips it"
 MAP_ENCODER_HELP = "default: the one that the map was made with, from where it then was"
 CALIBRATION_HELP = "of the encoder, as 'lexis-sim calibrate-queries' writes it (default: the one of mini, where it is mini)"
+_ROOMS_FILE = FileKind('names, or a file with a list "labels" of names of rooms', 1_000_000)
 EXAMPLE = """example:
   lexis run recording --rooms "kitchen,office,corridor,stairs" -o map
   lexis query map "where can I wash my hands"
@@ -273,14 +275,10 @@ def _encoder(model: str, options: EncoderOptions | None = None) -> "OpenClipEnco
 def _rooms(text: str) -> tuple[str, ...]:
     if not text.endswith(".json"):
         return tuple(name.strip() for name in text.split(","))
-    try:
-        labels = json.loads(Path(text).read_text(encoding="utf-8"))["labels"]
-    except OSError as error:
-        raise LexisError(f"--rooms {text}: cannot be read: {error.strerror}; valid: names, or an existing file") from None
-    except (KeyError, TypeError, ValueError):
-        labels = None
+    data = read_json(Path(text), _ROOMS_FILE)
+    labels = data.get("labels") if isinstance(data, dict) else None
     if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
-        raise LexisError(f'--rooms {text}: has no list "labels" of names of rooms; valid: one that has')
+        raise _ROOMS_FILE.refusal(Path(text), 'has no list "labels" of names')
     return tuple(labels)
 
 

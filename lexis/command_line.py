@@ -2,17 +2,22 @@
 
 import argparse
 import errno
+import io
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn, TypeAlias
 
+from lexis.errors import one_line
 from lexis.files import check_replaceable
 
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Runs a command; returns the exit status."""
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+
+MAX_LINE = 400
+"""Of a message on stderr, in characters: a value from a file or a command line may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """128 and the number of the signal, as shells have it."""
@@ -25,7 +30,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End the program with status 2."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        end = f"; see {self.prog} --help"
+        self.exit(2, f"{one_line(f'{self.prog}: {message}', MAX_LINE - len(end))}{end}\n")
 
 
 def add_command(commands: Commands, name: str, command: Command, help: str, example: str) -> Parser:
@@ -39,6 +45,8 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
     """Parse and run; the exit status. Errors of the `expected` classes are bad input, and so is a full standard output."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be text in any encoding
     try:
         return _run_and_flush(parser, argv)
     except BrokenPipeError:
@@ -69,7 +77,7 @@ def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:
 
 
 def _bad_input(parser: Parser, message: str) -> int:
-    print(f"{parser.prog}: {' '.join(message.split())}", file=sys.stderr)
+    print(one_line(f"{parser.prog}: {message}", MAX_LINE), file=sys.stderr)
     return 2
 
 

@@ -9,12 +9,12 @@ Any sensor that reports poses in these columns can be the odometry: `vicon0`, or
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from jaxtyping import Float64
 
 from lexis.dataset_files import (
@@ -22,20 +22,28 @@ from lexis.dataset_files import (
     Recorded,
     Track,
     check_ascending,
+    check_distortion,
     image_file,
     read_image,
     rectifier,
-    usable_covariance,
 )
-from lexis.errors import DatasetError, LexisError
-from lexis.files import numbered_lines
-from lexis.inputs import check_camera
+from lexis.errors import DatasetError, LexisError, one_line
+from lexis.inputs import check_camera, is_pose, usable_covariance
 from lexis.quaternions import poses_of
+from lexis.reading import FileKind, numbered_lines, read_yaml
 from lexis.se3 import inverse
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
 _WITH_COVARIANCE = 8 + 36
+_NANOSECONDS = re.compile(r"[0-9]{1,19}")
+_DISTORTION_MODELS = ("radial-tangential", "", "~", "null")
+"""The only one, and none."""
+_CAMERA_FILE = FileKind(
+    "a camera's calibration with resolution, intrinsics [fu, fv, cu, cv] and T_BS of 16 numbers", 100_000, DatasetError
+)
+_SENSOR_FILE = FileKind("a sensor's calibration with T_BS of 16 numbers", 100_000, DatasetError)
+_DATA_FILE = FileKind("lines of numbers with commas", 200_000_000, DatasetError)
 
 
 def is_euroc(directory: Path) -> bool:
@@ -64,45 +72,58 @@ def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
     """The pinhole and its distortion coefficients."""
-    data = _read_yaml(path)
+    data = read_yaml(path, _CAMERA_FILE)
+    if data.get("camera_model") != "pinhole" or data.get("distortion_model", "") not in _DISTORTION_MODELS:
+        raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
     try:
-        if data["camera_model"] != "pinhole" or data.get("distortion_model") not in (None, "radial-tangential"):
-            raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
-        width, height = (int(value) for value in data["resolution"])
-        fx, fy, cx, cy = (float(value) for value in data["intrinsics"])
+        width, height = map(int, _listed(data["resolution"]))
+        fx, fy, cx, cy = _listed(data["intrinsics"])
         camera = Camera(Intrinsics(width, height, fx, fy, cx, cy), _extrinsics(data))
+        distortion = np.array(_listed(data.get("distortion_coefficients") or []))
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise _CAMERA_FILE.refusal(path, error) from None
+    try:
         check_camera(camera)
-        return camera, np.array([float(value) for value in data.get("distortion_coefficients", ())])
     except LexisError as error:
         raise DatasetError(f"{path}: {error}") from None
-    except (KeyError, TypeError, ValueError) as error:
-        raise DatasetError(
-            f"{path}: {error}; valid: resolution, intrinsics [fu, fv, cu, cv] and T_BS of 16 numbers"
-        ) from None
+    check_distortion(str(path), distortion)
+    return camera, distortion
 
 
 def _read_odometry(folder: Path) -> tuple[Track, Float64[np.ndarray, "n 6 6"] | None]:
     path = folder / "data.csv"
-    rows = np.array([_numbers(path, *row) for row in _rows(path, 8)])
+    rows = np.array([_numbers(path, *line) for line in _rows(path, 8)])
     check_ascending(str(path), rows[:, 0])
-    T_O_B = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]])
-    if (folder / "sensor.yaml").exists():
-        try:
-            T_B_S = _extrinsics(_read_yaml(folder / "sensor.yaml"))
-        except (KeyError, TypeError, ValueError) as error:
-            raise DatasetError(f"{folder / 'sensor.yaml'}: {error}; valid: T_BS of 16 numbers") from None
-        if not np.array_equal(T_B_S, np.eye(4)):
-            T_O_B = T_O_B @ inverse(T_B_S)
-    covariances = None
-    if rows.shape[1] == _WITH_COVARIANCE:
-        covariances = rows[:, 8:].reshape(-1, 6, 6)
-        if bad := [k for k, matrix in enumerate(covariances) if not usable_covariance(matrix)]:
-            raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
-    return Track(str(path), rows[:, 0], T_O_B), covariances
+    poses, T_B_S = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]]), _sensor_pose(folder)
+    track = Track(str(path), rows[:, 0], poses if np.array_equal(T_B_S, np.eye(4)) else poses @ inverse(T_B_S))
+    if rows.shape[1] != _WITH_COVARIANCE:
+        return track, None
+    covariances = rows[:, 8:].reshape(-1, 6, 6)
+    if bad := [k for k, matrix in enumerate(covariances) if not usable_covariance(matrix)]:
+        raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
+    return track, covariances
+
+
+def _sensor_pose(folder: Path) -> Pose:
+    """T_B_S of a sensor that reports poses; without a calibration it is that of the body."""
+    path = folder / "sensor.yaml"
+    if not path.exists():
+        return np.eye(4)
+    try:
+        T_B_S = _extrinsics(read_yaml(path, _SENSOR_FILE))
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, DatasetError):
+            raise
+        raise _SENSOR_FILE.refusal(path, error) from None
+    if not is_pose(T_B_S):
+        raise _SENSOR_FILE.refusal(path, "T_BS is not a rigid motion")
+    return T_B_S
 
 
 def _rows(path: Path, columns: int) -> list[tuple[int, list[str]]]:
-    rows = [(number, [word.strip() for word in line.split(",")]) for number, line in numbered_lines(path)]
+    rows = [(number, [word.strip() for word in line.split(",")]) for number, line in numbered_lines(path, _DATA_FILE)]
+    if not rows:
+        raise DatasetError(f"{path}: is empty; valid: at least one line of {_DATA_FILE.valid}")
     for number, words in rows:
         if len(words) < columns or len(words) != len(rows[0][1]):
             raise DatasetError(f"{path}:{number}: {len(words)} columns; valid: at least {columns}, as many in every line")
@@ -110,32 +131,28 @@ def _rows(path: Path, columns: int) -> list[tuple[int, list[str]]]:
 
 
 def _stamp(path: Path, number: int, words: list[str]) -> float:
-    if not (words[0].isdecimal() and int(words[0]) < 2**63):
+    if not (_NANOSECONDS.fullmatch(words[0]) and int(words[0]) < 2**63):
         raise DatasetError(f"{path}:{number}: stamp {words[0][:40]!r}; valid: whole nanoseconds")
     return int(words[0]) / 1e9
 
 
 def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
+    stamp = _stamp(path, number, words)
     try:
-        values = [_stamp(path, number, words), *map(float, words[1:])]
+        values = [stamp, *map(float, words[1:])]
     except ValueError as error:
-        raise DatasetError(f"{path}:{number}: {error}") from None
+        raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers with commas") from None
     if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
         raise DatasetError(f"{path}:{number}: valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
     return values
 
 
 def _extrinsics(data: Mapping[str, Any]) -> Pose:
-    return np.array([float(value) for value in data["T_BS"]["data"]]).reshape(4, 4)
+    return np.array(_listed(data["T_BS"]["data"])).reshape(4, 4)
 
 
-def _read_yaml(path: Path) -> Mapping[str, Any]:
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8").removeprefix("%YAML:1.0"))
-    except OSError as error:
-        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a sensor's calibration") from None
-    except (UnicodeDecodeError, yaml.YAMLError):
-        raise DatasetError(f"{path}: is not YAML; valid: a sensor's calibration") from None
-    if not isinstance(data, Mapping):
-        raise DatasetError(f"{path}: holds no keys; valid: a sensor's calibration")
-    return data
+def _listed(values: object) -> list[float]:
+    """The numbers of a list of texts. Raises TypeError or ValueError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{one_line(values, 40)} is no list of numbers")
+    return [float(value) for value in values]

@@ -10,10 +10,17 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 from scipy.spatial.transform import Rotation, Slerp
 
-from lexis.errors import DatasetError
+from lexis.errors import DatasetError, one_line
+from lexis.image_header import image_size
+from lexis.inputs import MAX_POSITION_M
+from lexis.reading import FileKind, read_bytes
 from lexis.types import Camera, Image, Poses
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
+_IMAGE_FILE = FileKind("a PNG or JPEG", 200_000_000, DatasetError)
+_COEFFICIENTS = (0, 4, 5, 8, 12, 14)
+"""How many coefficients the models of OpenCV have."""
+_MAX_COEFFICIENT = 1e4
 
 
 @dataclass(frozen=True)
@@ -64,6 +71,7 @@ def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) ->
     or has a gap of more than `max_gap_s` around one.
     """
     stamps, poses = track.stamps, track.T_O_B
+    check_poses(track)
     after = np.searchsorted(stamps, at)
     exact = np.take(stamps, after, mode="clip") == at
     before = np.where(exact, after, after - 1)
@@ -85,6 +93,16 @@ def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) ->
     return result
 
 
+def check_poses(track: Track) -> None:
+    """Raise DatasetError unless all poses of an odometry lie at places that can be on Earth."""
+    far = ~(np.abs(track.T_O_B[:, :3, 3]) <= MAX_POSITION_M).all(axis=1)
+    if far.any():
+        k = int(np.argmax(far))
+        raise DatasetError(
+            f"{track.source}: pose {k} at {track.stamps[k]} s lies beyond {MAX_POSITION_M:g} m; valid: places on Earth"
+        )
+
+
 def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
     """Raise DatasetError unless there are stamps and they ascend."""
     if not len(stamps):
@@ -92,12 +110,6 @@ def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
     if (np.diff(stamps) <= 0).any():
         k = int(np.flatnonzero(np.diff(stamps) <= 0)[0]) + 1
         raise DatasetError(f"{where}: stamp {stamps[k]} follows {stamps[k - 1]}; valid: ascending stamps")
-
-
-def usable_covariance(matrix: Float64[np.ndarray, "6 6"]) -> bool:
-    """Whether a matrix is finite, symmetric and positive semi-definite."""
-    finite = bool(np.isfinite(matrix).all())
-    return finite and np.allclose(matrix, matrix.T) and bool(np.linalg.eigvalsh(matrix).min() >= -1e-12)
 
 
 def image_file(folder: Path, where: str, name: str) -> Path:
@@ -113,16 +125,24 @@ def image_file(folder: Path, where: str, name: str) -> Path:
 
 def read_image(path: Path, camera: Camera) -> Image:
     """The RGB image of a file. Raises DatasetError where it is unreadable or of another size than the camera's."""
-    try:
-        content = np.fromfile(path, np.uint8)
-    except OSError as error:
-        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a PNG or JPEG") from None
-    return decode_image(content, str(path), camera)
+    return decode_image(np.frombuffer(read_bytes(path, _IMAGE_FILE), np.uint8), str(path), camera)
 
 
 def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) -> Image:
-    """The RGB image of the bytes of a PNG or JPEG. Raises DatasetError as `read_image` does."""
-    pixels = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
+    """The RGB image of the bytes of a PNG or JPEG. Raises DatasetError as `read_image` does.
+
+    The size that the content states is looked at first: a few bytes can state gigabytes of pixels.
+    """
+    size = image_size(content.tobytes())
+    if size is None:
+        raise DatasetError(f"{where}: is not a readable PNG or JPEG")
+    # Sorted, because an image may say that it lies on its side, and is then turned when it is decoded.
+    if sorted(size) != sorted((camera.intrinsics.width, camera.intrinsics.height)):
+        raise DatasetError(_misfit(where, size, camera))
+    try:
+        pixels = cv2.imdecode(content, cv2.IMREAD_COLOR)
+    except cv2.error:
+        pixels = None
     if pixels is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
     return fitting(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
@@ -130,11 +150,24 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
 
 def fitting(image: Image, where: str, camera: Camera) -> Image:
     """The image itself. Raises DatasetError where it is of another size than the camera's."""
-    expected = (camera.intrinsics.height, camera.intrinsics.width)
-    if image.shape[:2] != expected:
-        height, width = image.shape[:2]
-        raise DatasetError(f"{where}: is {width}x{height} px; the calibrated camera makes {expected[1]}x{expected[0]} px")
+    height, width = image.shape[:2]
+    if (width, height) != (camera.intrinsics.width, camera.intrinsics.height):
+        raise DatasetError(_misfit(where, (width, height), camera))
     return image
+
+
+def _misfit(where: str, size: tuple[int, int], camera: Camera) -> str:
+    k = camera.intrinsics
+    return f"{where}: is {size[0]}x{size[1]} px; the calibrated camera makes {k.width}x{k.height} px"
+
+
+def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
+    """Raise DatasetError unless the coefficients are none, or as many as OpenCV has models for, and plausible."""
+    if len(distortion) not in _COEFFICIENTS or not (np.abs(distortion) <= _MAX_COEFFICIENT).all():
+        raise DatasetError(
+            f"{where}: distortion {one_line(distortion.tolist(), 80)}; "
+            f"valid: {', '.join(map(str, _COEFFICIENTS))} finite coefficients, at most {_MAX_COEFFICIENT:g}"
+        )
 
 
 def rectifier(camera: Camera, distortion: Float64[np.ndarray, "k"]) -> Callable[[Image], Image]:

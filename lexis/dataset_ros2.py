@@ -26,17 +26,24 @@ from lexis.dataset_files import (
     Recorded,
     Track,
     check_ascending,
+    check_distortion,
     decode_image,
     fitting,
     rectifier,
-    usable_covariance,
 )
-from lexis.errors import DatasetError, LexisError
-from lexis.inputs import check_camera
+from lexis.errors import DatasetError, LexisError, one_line
+from lexis.inputs import check_camera, usable_covariance
 from lexis.quaternions import poses_of
+from lexis.reading import FileKind, open_file, read_yaml
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 METADATA, CAMERA, ODOMETRY = "metadata.yaml", "cam0", "/odom"
+_METADATA_FILE = FileKind("the metadata of a bag", 300_000, DatasetError)
+_STORAGE_FILE = FileKind("the storage of a bag", 10**13, DatasetError)
+
+_IMAGE, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+_INFO, _ODOMETRY = "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
+_MATRIX, _TRANSFORMS = "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"
 
 Message: TypeAlias = Any
 """Of a class that `rosbags` makes at run time."""
@@ -59,15 +66,16 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     name = f"/{(config.camera or CAMERA).strip('/')}"
     raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"
     topic = bag.first_of(raw, compressed)
+    kind = _COMPRESSED if topic == compressed else _IMAGE
     track, body = _read_odometry(bag, config.odometry or ODOMETRY)
     camera, distortion = _read_camera(bag, f"{name}/camera_info", body)
     rectified = rectifier(camera, distortion)
     decode = _decode if topic == compressed else _as_image
 
     def images() -> Iterator[Image]:
-        return (rectified(decode(message, f"{bag.path}: {topic}", camera)) for message in bag.messages(topic))
+        return (rectified(decode(message, f"{bag.path}: {topic}", camera)) for message in bag.messages(topic, kind))
 
-    stamps = np.array([_stamp(message) for message in bag.messages(topic)])
+    stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
     check_ascending(f"{bag.path}: {topic}", stamps)
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
     at_images = covariances is not None and np.array_equal(track.stamps, stamps)
@@ -85,9 +93,26 @@ class _Bag:
                 f"{path}: a ROS 2 bag needs the package rosbags; install it: pip install lexis-sim[ros]"
             ) from None
         self.path = path
+        self._check_files()
         self._types = get_typestore(Stores.ROS2_HUMBLE)
         with self._open() as reader:
             self.topics = sorted({connection.topic for connection in reader.connections})
+
+    def _check_files(self) -> None:
+        """Raise DatasetError unless the metadata are plain YAML, and all files of the bag regular ones.
+
+        The package reads aliases, pipes and devices too, and unpacks files that are compressed as a whole, without end.
+        """
+        path = self.path / METADATA
+        bag = read_yaml(path, _METADATA_FILE).get("rosbag2_bagfile_information")
+        names = bag.get("relative_file_paths") if isinstance(bag, dict) else None
+        if not isinstance(bag, dict) or not isinstance(names, list):
+            raise _METADATA_FILE.refusal(path, "lists no relative_file_paths")
+        if str(bag.get("compression_mode", "")).lower() == "file":
+            raise _METADATA_FILE.refusal(path, "its files are compressed as a whole; unpack them first")
+        for name in names:
+            with open_file(self.path / Path(str(name)).name, _STORAGE_FILE):
+                pass
 
     def first_of(self, *topics: str) -> str:
         """The first of the topics that is in the bag."""
@@ -97,15 +122,24 @@ class _Bag:
             raise DatasetError(f"{self.path}: has no topic {' or '.join(topics)}; it holds {found}")
         return present[0]
 
-    def messages(self, topic: str) -> Iterator[Message]:
-        """Of one topic, as they were written."""
+    def messages(self, topic: str, kind: str) -> Iterator[Message]:
+        """Of one topic, as they were written. Raises DatasetError for messages of another type than `kind`."""
         with self._open() as reader:
             wanted = [connection for connection in reader.connections if connection.topic == topic]
-            for connection, _, data in reader.messages(wanted):
-                try:
-                    yield self._types.deserialize_cdr(data, connection.msgtype)
-                except Exception as error:  # whatever the bytes or an unknown type make the package stumble over
-                    raise DatasetError(f"{self.path}: {topic}: {connection.msgtype} is not readable: {error}") from None
+            if other := [connection.msgtype for connection in wanted if connection.msgtype != kind]:
+                raise DatasetError(f"{self.path}: {topic}: holds {one_line(other[0], 80)}; valid: {kind}")
+            stored = iter(reader.messages(wanted))
+            while (message := self._next(stored, topic, kind)) is not None:
+                yield message
+
+    def _next(self, stored: Iterator[Any], topic: str, kind: str) -> Message | None:
+        """The next message; None after the last."""
+        try:
+            found = next(stored, None)
+            return None if found is None else self._types.deserialize_cdr(found[2], kind)
+        except Exception as error:
+            # Damaged bytes make the package and those below it (SQLite, zstd, LZ4, numpy) raise nearly everything.
+            raise DatasetError(f"{self.path}: {topic}: {kind} is not readable: {one_line(error, 120)}") from None
 
     @contextmanager
     def _open(self) -> Iterator[Any]:
@@ -115,7 +149,7 @@ class _Bag:
         try:
             reader.open()
         except Exception as error:  # sqlite, YAML, MCAP: the package lets the errors of all of them through
-            raise DatasetError(f"{self.path}: is not a readable bag: {error}") from None
+            raise DatasetError(f"{self.path}: is not a readable bag: {one_line(error, 120)}") from None
         try:
             yield reader
         finally:
@@ -124,25 +158,21 @@ class _Bag:
 
 def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
     """The odometry, and the name of the frame that it moves."""
-    messages = list(bag.messages(bag.first_of(topic)))
+    messages = list(bag.messages(bag.first_of(topic), _ODOMETRY))
     where = f"{bag.path}: {topic}"
     stamps = np.array([_stamp(message) for message in messages])
     check_ascending(where, stamps)
-    try:
-        rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
-        body = str(messages[0].child_frame_id)
-    except AttributeError:
-        raise DatasetError(f"{where}: is no nav_msgs/Odometry; valid: a topic of that type") from None
+    rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
     bad = ~np.isfinite(rows).all(axis=1) | ~(np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
     if bad.any():
         raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position and unit quaternion")
-    return Track(where, stamps, poses_of(rows)), body
+    return Track(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
 
 
 def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarray, "n 6 6"] | None:
     if topic not in bag.topics:
         return None
-    matrices = [np.asarray(message.data, float) for message in bag.messages(topic)]
+    matrices = [np.asarray(message.data, float) for message in bag.messages(topic, _MATRIX)]
     usable = all(m.size == 36 and usable_covariance(m.reshape(6, 6)) for m in matrices)
     if not usable or len(matrices) != expected:
         raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per odometry")
@@ -151,7 +181,7 @@ def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarra
 
 def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.ndarray, "k"]]:
     """The pinhole at its place on the frame `body`, and its distortion coefficients."""
-    info = next(bag.messages(bag.first_of(topic)), None)
+    info = next(bag.messages(bag.first_of(topic), _INFO), None)
     if info is None or info.distortion_model not in ("", "plumb_bob"):
         raise DatasetError(f"{bag.path}: {topic}: valid: a CameraInfo with the distortion model plumb_bob")
     k = np.asarray(info.k, float)
@@ -161,13 +191,15 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
         check_camera(camera)
     except LexisError as error:
         raise DatasetError(f"{bag.path}: {topic}: {error}") from None
-    return camera, np.asarray(info.d, float)
+    distortion = np.asarray(info.d, float)
+    check_distortion(f"{bag.path}: {topic}", distortion)
+    return camera, distortion
 
 
 def _place(bag: _Bag, body: str, frame: str) -> Pose:
     """T_body_frame by the static transforms."""
     above: dict[str, tuple[str, Pose]] = {}
-    for message in bag.messages("/tf_static"):
+    for message in bag.messages("/tf_static", _TRANSFORMS):
         for link in message.transforms:
             row = np.array([_pose_row(link.transform.translation, link.transform.rotation)])
             above[link.child_frame_id] = link.header.frame_id, poses_of(row)[0]

@@ -16,18 +16,21 @@ from pathlib import Path
 import cv2
 import numpy as np
 from jaxtyping import Float64
-from pydantic import ValidationError
 
 from lexis.camera_io import CameraData
-from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image, usable_covariance
+from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image
 from lexis.errors import DatasetError, LexisError
-from lexis.files import numbered_lines, replaced_folder
-from lexis.inputs import check_camera, pixels
+from lexis.files import replaced_folder
+from lexis.inputs import check_camera, pixels, usable_covariance
 from lexis.quaternions import pose_rows
+from lexis.reading import FileKind, numbered_lines, read_model
 from lexis.tum import read_tum
 from lexis.types import Camera, Covariance, Image, Observation
 
 IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"
+_CAMERA_FILE = FileKind("a camera as JSON", 1_000_000, DatasetError, unusable="no camera")
+_LIST_FILE = FileKind("lines of 'stamp file'", 200_000_000, DatasetError)
+_COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, DatasetError)
 
 
 def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
@@ -81,14 +84,9 @@ def covariance_line(stamp: str, observation: Observation) -> str:
 
 
 def _read_camera(path: Path) -> Camera:
+    camera = read_model(path, _CAMERA_FILE, CameraData).camera()
     try:
-        camera = CameraData.model_validate_json(path.read_bytes()).camera()
         check_camera(camera)
-    except OSError as error:
-        raise DatasetError(f"{path}: cannot be read: {error.strerror}; valid: a camera as JSON") from None
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise DatasetError(f"{path}: {'.'.join(map(str, first['loc'])) or 'camera'}: {first['msg']}") from None
     except LexisError as error:
         raise DatasetError(f"{path}: {error}") from None
     return camera
@@ -99,7 +97,7 @@ def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[P
     path = directory / IMAGE_LIST
     stamps: list[float] = []
     images: list[Path] = []
-    for number, line in numbered_lines(path):
+    for number, line in numbered_lines(path, _LIST_FILE):
         stamp, name = _stamp_and_rest(path, number, line)
         if stamps and stamp <= stamps[-1]:
             raise DatasetError(f"{path}:{number}: stamp {stamp} follows {stamps[-1]}; valid: ascending stamps")
@@ -114,7 +112,7 @@ def _read_covariances(path: Path, stamps: Float64[np.ndarray, "n"]) -> Float64[n
     """Covariances of the odometry's increments, one per image; None without the file."""
     if not path.exists():
         return None
-    lines = numbered_lines(path)
+    lines = list(numbered_lines(path, _COVARIANCE_FILE))
     if len(lines) != len(stamps):
         raise DatasetError(f"{path}: {len(lines)} covariances; valid: one for each of the {len(stamps)} images")
     return np.array([_covariance(path, *line, stamp) for line, stamp in zip(lines, stamps.tolist(), strict=True)])

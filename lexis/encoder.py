@@ -15,8 +15,7 @@ from jaxtyping import Float, Float32, UInt8
 from torch import Tensor
 
 from lexis.encoder_options import EncoderOptions
-from lexis.errors import EncoderError
-from lexis.hub import one_line
+from lexis.errors import EncoderError, one_line
 from lexis.image_cache import ImageCache, image_key
 from lexis.model_loading import load_network
 from lexis.model_source import MINI, parse_model

@@ -1,5 +1,7 @@
 """The one base class of everything that `lexis` raises on purpose."""
 
+import re
+
 
 class LexisError(ValueError):
     """An argument, a file or a state is not usable; the message names the place and what would be valid."""
@@ -27,3 +29,20 @@ class PlanError(LexisError):
 
 class DatasetError(LexisError):
     """A recorded run is incomplete or contradicts itself."""
+
+
+_LONG_WORD = re.compile(r"(\S{60})\S{20,}(\S{40})")
+
+
+def one_line(said: object, most: int = 240) -> str:
+    """What an error or a text says, on one line of at most `most` characters.
+
+    In a longer one, the middles of long words are left out first, such as paths, then the middle of the line.
+    """
+    line = " ".join(str(said).split()) or type(said).__name__
+    if len(line) > most:
+        line = _LONG_WORD.sub(r"\1...\2", line)
+    if len(line) <= most:
+        return line
+    end = most // 3
+    return f"{line[: most - end - 5]} ... {line[-end:]}"

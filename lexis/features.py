@@ -5,9 +5,8 @@ import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
 from lexis.config import LandmarkConfig
+from lexis.inputs import DESCRIPTOR_BYTES
 from lexis.types import Features, Image
-
-_DESCRIPTOR_BYTES = 61
 
 
 class FeatureExtractor:
@@ -22,7 +21,7 @@ class FeatureExtractor:
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         keypoints, descriptors = self._akaze.detectAndCompute(grey, None)
         if not keypoints:
-            return Features(np.zeros((0, 2), np.float32), np.zeros((0, _DESCRIPTOR_BYTES), np.uint8))
+            return Features(np.zeros((0, 2), np.float32), np.zeros((0, DESCRIPTOR_BYTES), np.uint8))
         return Features(np.array([keypoint.pt for keypoint in keypoints], np.float32), np.asarray(descriptors))
 
 

@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all: written beside their place, then renamed; and text read by lines."""
+"""Files and folders that appear whole or not at all: written beside their place, then renamed."""
 
 import errno
 import os
@@ -10,9 +10,6 @@ from pathlib import Path
 from lexis.errors import LexisError
 from lexis.swap import swap, sync, sync_folder
 from lexis.workshop import clear, workshop
-
-MAX_TEXT_BYTES = 500_000_000
-"""Larger files are not read."""
 
 _TRIES = 100
 """How often a folder is put in its place while other processes put theirs there."""
@@ -143,16 +140,3 @@ def _swap_with_ours(path: Path, new: Path, target: Path, old: Path, marker: str)
     except LexisError:
         swap(replaced, target, old if replaced == new else new)
         raise
-
-
-def numbered_lines(path: Path) -> list[tuple[int, str]]:
-    """Lines of a text file that are neither blank nor begin with #, with their numbers from 1. Raises LexisError."""
-    try:
-        if path.stat().st_size > MAX_TEXT_BYTES:
-            raise LexisError(f"{path}: larger than {MAX_TEXT_BYTES // 1_000_000} MB; valid: smaller files")
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise LexisError(f"{path}: cannot be read: {error.strerror}; valid: an existing text file") from None
-    except UnicodeDecodeError:
-        raise LexisError(f"{path}: is not text in UTF-8; valid: a text file") from None
-    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]

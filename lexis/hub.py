@@ -7,9 +7,7 @@ from pathlib import Path
 from huggingface_hub import constants, get_hf_file_metadata, hf_hub_download, hf_hub_url, try_to_load_from_cache
 from huggingface_hub.errors import EntryNotFoundError, HfHubHTTPError, HFValidationError, LocalEntryNotFoundError
 
-from lexis.errors import EncoderError
-
-_LONGEST = 240
+from lexis.errors import EncoderError, one_line
 
 
 def fetch(repo: str, names: Sequence[str]) -> Path:
@@ -52,9 +50,3 @@ def _said(repo: str, names: Sequence[str], error: Exception) -> str:
         f"{repo} is not in the local cache and cannot be had from {hub}: {line}; "
         "valid: mini, which needs no network; MODEL:PATH of a checkpoint; HF_ENDPOINT=URL of a mirror"
     )
-
-
-def one_line(error: Exception) -> str:
-    """What an error says, on one line, shortened."""
-    line = " ".join(str(error).split()) or type(error).__name__
-    return line if len(line) <= _LONGEST else f"{line[:_LONGEST]}..."

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.errors import LexisError, ObservationError
+from lexis.errors import LexisError, ObservationError, one_line
 from lexis.se3 import is_rigid
 from lexis.types import Camera, Image, Observation, Percept
 
@@ -17,19 +17,31 @@ MAX_ROOM_NAMES = 1000
 MAX_NAME_LENGTH = 200
 """Of a room name, in characters."""
 
+MAX_POSITION_M = 1e8
+"""Farthest place from the origin along an axis: any frame on Earth fits, and squares and cubes of it stay exact enough."""
+MAX_VARIANCE = 1e12
+"""Largest entry of a covariance of poses [rad², m²]: nobody is as wrong as a thousand kilometres."""
+MAX_PIXELS = 50_000_000
+"""Of an image."""
+MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
+"""Of focal lengths; no principal point or key point is farther off than the greater one [px]."""
+DESCRIPTOR_BYTES = 61
+"""Of one AKAZE key point."""
+
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 
 
 def check_camera(camera: Camera) -> None:
-    """Raise LexisError unless the image has an extent, focal lengths and centre are usable and ``T_B_C`` is rigid."""
+    """Raise LexisError unless the image has a usable extent, focal lengths and centre, and ``T_B_C`` is rigid and near."""
     k = camera.intrinsics
-    finite = all(map(math.isfinite, (k.fx, k.fy, k.cx, k.cy)))
-    if not finite or min(k.width, k.height) < 1 or min(k.fx, k.fy) <= 0:
+    finite = all(abs(value) <= MAX_FOCAL_PX for value in (k.fx, k.fy, k.cx, k.cy))
+    if not finite or min(k.width, k.height) < 1 or k.width * k.height > MAX_PIXELS or min(k.fx, k.fy) < MIN_FOCAL_PX:
         raise LexisError(
-            f"intrinsics {k} are unusable; valid: width, height >= 1 px, fx, fy > 0 px, and fx, fy, cx, cy finite"
+            f"intrinsics {k} are unusable; valid: width, height >= 1 px, at most {MAX_PIXELS // 10**6} megapixels, "
+            f"fx, fy > 0 px, and fx, fy, cx, cy of at most {MAX_FOCAL_PX:g} px"
         )
-    if not _is_pose(camera.T_B_C):
-        raise LexisError(f"T_B_C of the camera is not a rigid motion: {camera.T_B_C.tolist()}; {_RIGID}")
+    if not is_pose(camera.T_B_C):
+        raise LexisError(f"T_B_C of the camera is not a rigid motion: {_told(camera.T_B_C)}; {_RIGID}")
 
 
 def check_room_names(names: Sequence[str]) -> None:
@@ -52,24 +64,24 @@ def check_room_names(names: Sequence[str]) -> None:
         raise LexisError(f"room names {twice} occur more than once; valid: every name once, case and outer blanks aside")
 
 
-def check_observation(observation: Observation, camera: Camera, previous: Observation | None) -> None:
-    """Raise ObservationError unless image, pose and covariance are usable and time moves on."""
+def check_observation(
+    observation: Observation, camera: Camera, previous: Observation | None, embedding_size: int | None = None
+) -> None:
+    """Raise ObservationError unless image, pose and covariance are usable and time moves on.
+
+    What is let in here is all that LEXIS asks of an observation: nothing behind this door fails because of one.
+    `embedding_size` is the length of the encoder's embeddings, which those of percepts must have.
+    """
     where = f"observation {observation.index}"
     if isinstance(observation.image, Percept):
-        _check_percept(observation.image, where)
+        _check_percept(observation.image, embedding_size, where)
     else:
         _check_image(observation.image, camera, where)
-    if not _is_pose(observation.T_O_B):
-        raise ObservationError(f"{where}: T_O_B is not a rigid motion: {observation.T_O_B.tolist()}; {_RIGID}")
-    covariance = observation.increment_covariance
-    if covariance.shape != (6, 6) or not np.isfinite(covariance).all() or not np.allclose(covariance, covariance.T):
-        raise ObservationError(
-            f"{where}: increment_covariance {covariance.shape} is not finite and symmetric; valid: a 6x6 one"
-        )
-    if np.linalg.eigvalsh(covariance).min() < -1e-12:
-        raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")
-    if not np.isfinite(observation.stamp):
-        raise ObservationError(f"{where}: stamp {observation.stamp} s is not finite; valid: a time in seconds")
+    if not is_pose(observation.T_O_B):
+        raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_told(observation.T_O_B)}; {_RIGID}")
+    _check_covariance(observation.increment_covariance, where)
+    if not (isinstance(observation.stamp, int | float | np.number) and np.isfinite(observation.stamp)):
+        raise ObservationError(f"{where}: stamp {_told(observation.stamp)} s is not finite; valid: a time in seconds")
     if previous is not None and observation.stamp <= previous.stamp:
         raise ObservationError(
             f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before; valid: ascending stamps"
@@ -84,6 +96,18 @@ def with_own_poses(observation: Observation) -> Observation:
     return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
 
 
+def is_pose(T: object) -> bool:
+    """Whether something is a 4x4 array of a rigid motion to a place that can be on Earth."""
+    usable = isinstance(T, np.ndarray) and T.shape == (4, 4) and T.dtype.kind in "fi"
+    return usable and bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
+
+
+def usable_covariance(matrix: Float64[np.ndarray, "6 6"]) -> bool:
+    """Whether a matrix is symmetric and positive semi-definite, and its entries at most `MAX_VARIANCE`."""
+    bounded = bool((np.abs(matrix) <= MAX_VARIANCE).all())
+    return bounded and np.allclose(matrix, matrix.T) and bool(np.linalg.eigvalsh(matrix).min() >= -1e-12)
+
+
 def pixels(observation: Observation) -> Image:
     """The image of an observation. Raises `ObservationError` where there is only what was seen in it."""
     if isinstance(observation.image, Percept):
@@ -91,23 +115,51 @@ def pixels(observation: Observation) -> Image:
     return observation.image
 
 
-def _check_image(image: Image, camera: Camera, where: str) -> None:
+def _check_covariance(covariance: object, where: str) -> None:
+    shaped = isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"
+    if not shaped or not (np.abs(covariance) <= MAX_VARIANCE).all() or not np.allclose(covariance, covariance.T):
+        raise ObservationError(
+            f"{where}: increment_covariance {_kind(covariance)} is not finite and symmetric; "
+            f"valid: a 6x6 one with values up to {MAX_VARIANCE:g}"
+        )
+    if np.linalg.eigvalsh(covariance).min() < -1e-12:
+        raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")
+
+
+def _check_image(image: object, camera: Camera, where: str) -> None:
     expected = (camera.intrinsics.height, camera.intrinsics.width, 3)
-    if image.shape != expected or image.dtype != np.uint8:
-        found = f"{image.dtype} {image.shape}"
-        raise ObservationError(f"{where}: the image is {found}; valid: uint8 {expected}, as the camera makes them")
+    if not isinstance(image, np.ndarray) or image.shape != expected or image.dtype != np.uint8:
+        raise ObservationError(f"{where}: the image is {_kind(image)}; valid: uint8 {expected}, as the camera makes them")
 
 
-def _check_percept(percept: Percept, where: str) -> None:
-    length = float(np.linalg.norm(percept.embedding))
-    if percept.embedding.ndim != 1 or not math.isclose(length, 1.0, abs_tol=1e-3):
-        shape = percept.embedding.shape
+def _check_percept(percept: Percept, size: int | None, where: str) -> None:
+    embedding = percept.embedding
+    if not isinstance(embedding, np.ndarray) or embedding.dtype.kind != "f" or embedding.ndim != 1:
+        raise ObservationError(f"{where}: the embedding is {_kind(embedding)}; valid: float32 (d,)")
+    length = float(np.linalg.norm(embedding.astype(np.float64)))
+    if not math.isclose(length, 1.0, abs_tol=1e-3):
+        shape = embedding.shape
         raise ObservationError(f"{where}: the embedding {shape} is {length:.3g} long; valid: a finite vector of unit norm")
+    if size is not None and len(embedding) != size:
+        raise ObservationError(f"{where}: the embedding has {len(embedding)} numbers; valid: {size}, as the encoder's")
     points, descriptors = percept.features.keypoints, percept.features.descriptors
-    if len(points) != len(descriptors) or not np.isfinite(points).all():
+    if not (_is_rows(points, 2, "f4", "f8") and _is_rows(descriptors, DESCRIPTOR_BYTES, "u1")):
+        found = f"key points are {_kind(points)} and descriptors {_kind(descriptors)}"
+        raise ObservationError(f"{where}: {found}; valid: float32 (n, 2) and uint8 (n, {DESCRIPTOR_BYTES})")
+    if len(points) != len(descriptors) or not (np.abs(points) <= MAX_FOCAL_PX).all():
         found = f"{len(points)} key points and {len(descriptors)} descriptors"
         raise ObservationError(f"{where}: {found}; valid: one descriptor for each key point, and finite places")
 
 
-def _is_pose(T: Float64[np.ndarray, "..."]) -> bool:
-    return T.shape == (4, 4) and bool(is_rigid(T))
+def _is_rows(array: object, columns: int, *dtypes: str) -> bool:
+    return isinstance(array, np.ndarray) and array.ndim == 2 and array.shape[1] == columns and array.dtype in dtypes
+
+
+def _kind(value: object) -> str:
+    """The type of what may be an array, for messages."""
+    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+
+
+def _told(value: object) -> str:
+    """What may be an array, in a line for messages."""
+    return one_line(value.tolist() if isinstance(value, np.ndarray) else value)

@@ -3,18 +3,16 @@
 Ragged data lie behind one another, with a count per owner. The names of dimensions in `LAYOUT` stand for one size each.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 from jaxtyping import Int, Shaped
 
+from lexis.array_files import Arrays, Layout
 from lexis.errors import MapError
+from lexis.inputs import MAX_POSITION_M
 from lexis.se3 import is_rigid
 from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopEdge
 
-Arrays = Mapping[str, Shaped[np.ndarray, "..."]]
-
-LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
+LAYOUT: Layout = {
     "observation_index": ("i8", ("keyframes",)),
     "stamp": ("f8", ("keyframes",)),
     "T_O_B": ("f8", ("keyframes", 4, 4)),
@@ -44,6 +42,9 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "candidate_match": ("i8", ("candidates",)),
 }
 """Type and shape of every array."""
+
+_COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
+"""The array whose rows are counted by the owner."""
 
 
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
@@ -117,38 +118,36 @@ def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]
     return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
 
 
-def check(arrays: Arrays, rooms: int, room_names: int) -> None:
-    """Raise MapError unless the arrays have the layout's types and agreeing shapes, and refer to what exists."""
-    sizes: dict[str | int, int] = {"rooms": rooms, "room_names": room_names}
-    for name, (kind, shape) in LAYOUT.items():
-        array = arrays[name]
-        expected = tuple(size if isinstance(size, int) else sizes.get(size, size) for size in shape)
-        if array.dtype != np.dtype(kind) or array.ndim != len(shape):
-            raise MapError(f"array {name} is {array.dtype} {array.shape}; valid: {np.dtype(kind)} {expected}")
-        for dimension, size in zip(shape, array.shape, strict=True):
-            wanted = dimension if isinstance(dimension, int) else sizes.setdefault(dimension, size)
-            if size != wanted:
-                raise MapError(f"array {name} has shape {array.shape}; valid: {expected}")
+def check(arrays: Arrays) -> None:
+    """Raise MapError unless arrays of the layout's types and sizes are finite, and refer to what exists."""
+    for name, array in arrays.items():
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise MapError(f"array {name} has values that are not finite")
-    _check_references(arrays, sizes)
+    _check_references(arrays)
+    for name in ("feature", "landmark", "candidate"):
+        _check_counts(arrays, name)
+    owners = np.repeat(arrays["feature_count"], arrays["landmark_count"])
+    if (arrays["landmark_feature"] >= owners).any():
+        raise MapError("array landmark_feature refers to a feature that its keyframe does not have")
     for name in ("T_O_B", "T_W_B", "loop_pose"):
         if not is_rigid(arrays[name], tolerance=1e-5).all():
             raise MapError(f"array {name} has a matrix that is no rigid motion")
+        if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
+            raise MapError(f"array {name} has a place beyond {MAX_POSITION_M:g} m; valid: places on Earth")
 
 
-def _check_references(arrays: Arrays, sizes: Mapping[str | int, int]) -> None:
-    n = sizes["keyframes"]
+def _check_references(arrays: Arrays) -> None:
+    n = len(arrays["stamp"])
     bounds = {
-        "labels": (0, sizes["room_names"]),
-        "baseline_labels": (0, sizes["room_names"]),
+        "labels": (0, arrays["similarities"].shape[1]),
+        "baseline_labels": (0, arrays["similarities"].shape[1]),
         "floors": (-1, n),
-        "room_of": (-1, sizes["rooms"]),
+        "room_of": (-1, len(arrays["room_mean"])),
         "loop_query": (0, n),
         "loop_match": (0, n),
         "candidate_query": (0, n),
         "candidate_match": (0, n),
-        "landmark_feature": (0, max(sizes["features"], 1)),
+        "landmark_feature": (0, max(len(arrays["keypoints"]), 1)),
         "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
     }
     for name, (low, high) in bounds.items():
@@ -158,13 +157,14 @@ def _check_references(arrays: Arrays, sizes: Mapping[str | int, int]) -> None:
         raise MapError("the map has no keyframes; valid: at least one")
     if (np.diff(arrays["stamp"]) <= 0).any():
         raise MapError("array stamp does not ascend")
-    for name, total in (("feature", "features"), ("landmark", "landmarks"), ("candidate", "candidates")):
-        counts = arrays[f"{name}_count"]
-        if (counts < 0).any() or counts.sum() != sizes[total]:
-            raise MapError(f"array {name}_count does not add up to the {sizes[total]} {total} of the map")
-    owners = np.repeat(arrays["feature_count"], arrays["landmark_count"])
-    if (arrays["landmark_feature"] >= owners).any():
-        raise MapError("array landmark_feature refers to a feature that its keyframe does not have")
+
+
+def _check_counts(arrays: Arrays, name: str) -> None:
+    """Raise MapError unless the counts of what every owner has add up to all that there is."""
+    counts, total = arrays[f"{name}_count"], len(arrays[_COUNTED[name]])
+    # Counts are bounded one by one first, so that their sum cannot overflow.
+    if ((counts < 0) | (counts > total)).any() or counts.sum() != total:
+        raise MapError(f"array {name}_count does not add up to the {total} {name}s of the map")
 
 
 def _as_laid_out(name: str, column: object) -> Shaped[np.ndarray, "..."]:

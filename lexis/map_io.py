@@ -1,27 +1,27 @@
 """A map as a folder: `map.json` for what is few and named, `arrays.npz` for the numbers. Nothing is ever unpickled."""
 
 import json
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from jaxtyping import Shaped
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
+from lexis.array_files import Arrays, read_arrays
 from lexis.camera_io import CameraData
 from lexis.errors import MapError
 from lexis.files import replaced_folder
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
-from lexis.map_arrays import LAYOUT, Arrays, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
+from lexis.map_arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
+from lexis.reading import FileKind, read_model
 from lexis.types import EncoderId, LexisMap, RoomInstance
 from lexis.workshop import restore
 
 JSON_FILE = "map.json"
 ARRAY_FILE = "arrays.npz"
-MAX_JSON_BYTES = 16_000_000
-MAX_ARRAY_BYTES = 8_000_000_000
+_WRITTEN = "a folder written by 'lexis run'"
+_HEADER_FILE = FileKind(_WRITTEN, 16_000_000, MapError, missing="no map there", unusable="no map")
+_ARRAYS_FILE = FileKind(_WRITTEN, 8_000_000_000, MapError, missing="no arrays of a map there", unusable="no arrays of a map")
 
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
@@ -77,13 +77,14 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
 def load_map(directory: Path) -> LexisMap:
     """Read a map that `save_map` has written. Raises MapError for anything else."""
     restore(directory)
-    header = _read_header(directory / JSON_FILE)
-    arrays = _read_arrays(directory / ARRAY_FILE)
+    header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
+    sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names)}
+    arrays = read_arrays(directory / ARRAY_FILE, _ARRAYS_FILE, LAYOUT, sizes)
     camera = header.camera.camera()
     try:
         check_camera(camera)
         check_room_names(header.room_names)
-        check(arrays, len(header.rooms), len(header.room_names))
+        check(arrays)
     except ValueError as error:
         raise MapError(f"{directory}: {error}") from None
     return LexisMap(
@@ -112,32 +113,3 @@ def _rooms(directory: Path, header: _Map, arrays: Arrays) -> tuple[RoomInstance,
             raise MapError(f"{directory}: rooms[{i}] has no keyframe, or a label that is not among room_names")
         rooms.append(RoomInstance(i, room.label, tuple(members.tolist()), arrays["room_mean"][i], room.floor))
     return tuple(rooms)
-
-
-def _read_header(path: Path) -> _Map:
-    try:
-        if path.stat().st_size > MAX_JSON_BYTES:
-            raise MapError(f"{path}: larger than {MAX_JSON_BYTES // 1_000_000} MB; not a map")
-        return _Map.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise MapError(f"{path}: no map there: {error.strerror}; valid: a folder written by 'lexis run'") from None
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise MapError(f"{path}: {'.'.join(map(str, first['loc'])) or 'map'}: {first['msg']}") from None
-
-
-def _read_arrays(path: Path) -> dict[str, Shaped[np.ndarray, "..."]]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > MAX_ARRAY_BYTES:
-            raise MapError(f"{path}: unpacks to {size} bytes; valid: up to {MAX_ARRAY_BYTES}")
-        with np.load(path, allow_pickle=False) as arrays:
-            missing = sorted(set(LAYOUT) - set(arrays.files))
-            if missing:
-                raise MapError(f"{path}: lacks the arrays {', '.join(missing)}")
-            return {name: arrays[name] for name in LAYOUT}
-    except MapError:
-        raise
-    except (OSError, ValueError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error) as error:
-        raise MapError(f"{path}: no arrays of a map: {type(error).__name__}; valid: as written by 'lexis run'") from None

@@ -12,8 +12,7 @@ from open_clip.factory import load_state_dict
 from open_clip.transform import PreprocessCfg, merge_preprocess_dict
 from safetensors import safe_open
 
-from lexis.errors import EncoderError
-from lexis.hub import one_line
+from lexis.errors import EncoderError, one_line
 from lexis.model_source import ModelSource
 from lexis.preprocessing import Preprocessing, as_open_clip, squashing
 

@@ -1,7 +1,6 @@
 """Where an encoder's weights come from: one string, resolved and checked before anything is fetched or loaded."""
 
 import difflib
-import json
 import math
 import os
 from collections.abc import Mapping
@@ -13,8 +12,9 @@ from typing import Any
 import open_clip
 from open_clip.factory import _find_checkpoint_in_dir
 
-from lexis.errors import EncoderError
+from lexis.errors import EncoderError, one_line
 from lexis.hub import fetch
+from lexis.reading import FileKind, read_json
 
 MINI = "mini"
 """The model that ships with the package."""
@@ -29,7 +29,7 @@ _CHECKPOINTS = (".safetensors", ".pt", ".pth", ".bin")
 _HUB_WEIGHTS = ("open_clip_model.safetensors", "open_clip_pytorch_model.bin")
 _SETTINGS = ("mean", "std", "interpolation", "resize_mode")
 _CHOICES = {"interpolation": ("bicubic", "bilinear", "random"), "resize_mode": ("shortest", "longest", "squash")}
-_MAX_CONFIG_BYTES = 1_000_000
+_CONFIG_FILE = FileKind("the file that open_clip writes", 1_000_000, EncoderError)
 
 
 @dataclass(frozen=True)
@@ -152,9 +152,8 @@ def _activation(architecture: str, stated: Mapping[str, Any], path: Path) -> boo
 
 def _stated(path: Path) -> dict[str, dict[str, Any]]:
     """The configuration that belongs to weights; its `preprocess_cfg` states mean and std. Raises EncoderError."""
+    config = read_json(path, _CONFIG_FILE)
     try:
-        with path.open("rb") as file:
-            config = json.loads(file.read(_MAX_CONFIG_BYTES + 1))
         preprocess = config["preprocess_cfg"]
         mean, std = ([float(value) for value in preprocess[key]] for key in ("mean", "std"))
         if not (len(mean) == len(std) == 3 and all(map(math.isfinite, mean + std)) and min(std) > 0):
@@ -164,10 +163,10 @@ def _stated(path: Path) -> dict[str, dict[str, Any]]:
                 raise ValueError(f"{key} is {preprocess[key]!r}, not one of {', '.join(valid)}")
         known = {key: preprocess[key] for key in (*_SETTINGS, "size") if key in preprocess}
         return {"preprocess_cfg": known} | ({"model_cfg": dict(config["model_cfg"])} if "model_cfg" in config else {})
-    except OSError as error:
-        raise EncoderError(f"{path}: cannot be read: {error.strerror}; valid: the file that open_clip writes") from None
-    except (ValueError, KeyError, TypeError) as error:
-        raise EncoderError(f"{path}: unusable preprocess_cfg: {error}; valid: mean and std of three numbers each") from None
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
+        raise EncoderError(
+            f"{path}: unusable preprocess_cfg: {one_line(error)}; valid: mean and std of three numbers each"
+        ) from None
 
 
 def _agreed(architecture: str) -> dict[str, Any] | None:

@@ -74,8 +74,9 @@ def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
     """Whether the matrices are finite, orthonormal, right-handed and homogeneous within the tolerance."""
     R = T[..., :3, :3]
-    orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
+    with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN are an answer here
+        orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
+        right_handed = np.einsum("...i,...i", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0
     homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)
     finite = np.isfinite(T).all(axis=(-1, -2))
-    right_handed = np.einsum("...i,...i", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0
     return np.asarray(finite & orthonormal & homogeneous & right_handed)

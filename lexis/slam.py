@@ -72,7 +72,7 @@ class Slam:
         Raises:
             ObservationError: it does not fit the camera or the sequence.
         """
-        check_observation(observation, self._camera, self._previous)
+        check_observation(observation, self._camera, self._previous, self._text.shape[1])
         observation = with_own_poses(observation)
         self._previous = observation
         frame = self._selector.select(observation)

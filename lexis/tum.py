@@ -9,8 +9,11 @@ from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
 from lexis.errors import LexisError
-from lexis.files import numbered_lines, replaced_file
+from lexis.files import replaced_file
+from lexis.reading import FileKind, numbered_lines
 from lexis.types import Poses
+
+_FILE = FileKind("lines of 'stamp tx ty tz qx qy qz qw'", 200_000_000)
 
 
 def write_tum(path: Path, stamps: Sequence[float] | Float64[np.ndarray, "n"], poses: Poses) -> None:
@@ -28,7 +31,7 @@ def read_tum(path: Path) -> tuple[Float64[np.ndarray, "n"], Poses]:
     Raises:
         LexisError: it cannot be read, a line has not eight finite numbers or no unit quaternion, or stamps do not ascend.
     """
-    rows = np.array([_numbers(path, number, line) for number, line in numbered_lines(path)]).reshape(-1, 8)
+    rows = np.array([_numbers(path, number, line) for number, line in numbered_lines(path, _FILE)]).reshape(-1, 8)
     if not len(rows):
         raise LexisError(f"{path}: holds no pose; valid: lines of 'stamp tx ty tz qx qy qz qw'")
     if (np.diff(rows[:, 0]) <= 0).any():

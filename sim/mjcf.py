@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import cv2
-
 from lexis.files import replaced_file, replaced_folder
 from sim.collision import add_collisions
+from sim.record.images import encoded
 from sim.scene import house_mjspec
 from worlds.house import House
 from worlds.visuals import visuals
@@ -18,13 +17,14 @@ def write_mjcf(house: House, path: Path) -> None:
     folder = path.with_name(f"{path.stem}_textures")
     seen = visuals(house)
     files = {name: f"{folder.name}/{i:03d}.png" for i, name in enumerate(seen.images)}
+    pictures = {files[name]: encoded(image, ".png") for name, image in seen.images.items()}
     spec = house_mjspec(house, seen, files)
     add_collisions(spec, house)
+    spec.assets = pictures  # by these the model is compiled before anything is written
+    spec.compile()
     with replaced_folder(folder, _MARKER) as beside:
         (beside / _MARKER).write_text("".join(f"{Path(files[name]).name}\t{name}\n" for name in seen.images))
-        for name, image in seen.images.items():
-            cv2.imwrite(str(beside / Path(files[name]).name), image[..., ::-1])
-    spec.modelfiledir = str(path.parent)
-    spec.compile()
-    with replaced_file(path) as file:
-        file.write_text(spec.to_xml())
+        for name, content in pictures.items():
+            (beside / Path(name).name).write_bytes(content)
+        with replaced_file(path) as file:
+            file.write_text(spec.to_xml())

@@ -1,6 +1,8 @@
 """`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
 
 import json
+import os
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -225,6 +227,47 @@ def test_no_standard_output_is_no_error(tmp_path, rng, monkeypatch):
     save_map(corridor_with_offices(rng), tmp_path / "map")
     monkeypatch.setattr(sys, "stdout", None)
     assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "corridor"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("[" * 200_000, "nested too deeply"),
+        ('{"labels": [' * 50_000, "nested too deeply"),
+        ("9" * 5000, "too many digits"),
+        ('{"labels": {}}', 'has no list "labels"'),
+        ("[]", 'has no list "labels"'),
+        (" " * 2_000_000, "larger than 1 MB"),
+    ],
+)
+def test_files_of_room_names_are_read_with_care(content, says, tmp_path, rng, capsys):
+    (tmp_path / "rooms.json").write_text(content)
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    assert cli.main(["relabel", str(tmp_path / "map"), "--rooms", str(tmp_path / "rooms.json"), "-o", "out"]) == 2
+    said = capsys.readouterr().err
+    assert says in said and said.count("\n") == 1
+
+
+@pytest.mark.parametrize("start", ["x" * 1_000_000, "x\n" * 1000])
+def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", start, "--to", "office"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("office 2, or a label alone\n")
+    with pytest.raises(SystemExit):
+        cli.main(["export", str(tmp_path / "map"), "--format", start, "-o", "out"])
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("see lexis export --help\n")
+
+
+def test_names_of_files_need_not_be_text(tmp_path, rng):
+    """In a process of its own, whose stdout is as strict as a terminal's."""
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    out = os.fsencode(tmp_path) + b"/\xff.tum"
+    line = [sys.executable, "-m", "lexis.cli", "export", tmp_path / "map", "--format", "tum", "-o", out]
+    done = subprocess.run(line, capture_output=True, env=os.environ | {"PYTHONIOENCODING": "utf-8:strict"})
+    assert (done.returncode, done.stderr) == (0, b"") and os.path.exists(out)
+    assert done.stdout.endswith(b"/\\udcff.tum\n")
 
 
 @pytest.mark.parametrize("command", ["run", "info", "plan", "query", "relabel", "export"])

@@ -162,6 +162,28 @@ def test_what_is_no_model_is_refused(fitted, tmp_path):
         load_features(tmp_path / "old.npz")
 
 
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"loops.query_share": np.zeros(3, np.float32)}, r"loops.query_share is float32 \(3,\)"),
+        ({"loops.query_share": np.array(1.5, np.float32)}, "between 0 and 1"),
+        ({"loops.false_rate": np.array(0.5, np.float32)}, "no edges to draw from"),
+        ({"embedding.offset": np.full(len(ROOM_LABELS), np.nan, np.float32)}, "not finite"),
+        ({"embedding.offset": np.full(len(ROOM_LABELS), 1e30, np.float32)}, "too large"),
+        ({"loops.true_edges.covariance": np.repeat(-np.eye(6, dtype=np.float32)[None], 3, axis=0)}, "no covariances"),
+        ({"loops.true_edges.inliers": np.array([b"x"] * 3)}, "no feature model"),
+        ({"embedding.kernels": np.zeros(2, np.float32)}, "those of this version"),
+    ],
+)
+def test_a_model_with_parts_that_nothing_can_be_drawn_from_is_refused(changes, says, file, tmp_path):
+    with np.load(file) as whole:
+        arrays = {name: whole[name] for name in whole.files}
+    np.savez_compressed(tmp_path / "changed.npz", **(arrays | changes))
+    with pytest.raises(SimError, match=says) as error:
+        load_features(tmp_path / "changed.npz")
+    assert "\n" not in str(error.value)
+
+
 def test_the_oracle_labels_by_what_is_truly_in_view(file):
     result = evaluate(run(replace(CONFIG, encoder="oracle", feature_model=file)), [])
     assert result["encoder"] == "oracle" and result["labels"]["accuracy"] > 0.8

@@ -3,6 +3,7 @@
 import dataclasses
 import errno
 import json
+import os
 import pickle
 
 import numpy as np
@@ -92,6 +93,8 @@ def rewritten(folder, **changes):
         ({"feature_count": np.zeros(40, int)}, "feature_count"),
         ({"room_of": np.zeros(40, int)}, "no keyframe"),
         ({"labels": np.array([pickle.loads] * 40, object)}, "no arrays of a map"),
+        ({"feature_count": np.array([2**62, 2**62, 2**62, 2**62] + [0] * 36)}, "feature_count does not add up"),
+        ({"T_W_B": np.eye(4)[None] + np.pad([[1e155]], ((0, 3), (3, 0))) * np.ones((40, 1, 1))}, "T_W_B has a place beyond"),
     ],
 )
 def test_arrays_that_contradict_the_map_are_refused(lexis_map, tmp_path, changes, says):
@@ -134,4 +137,22 @@ def test_what_is_no_map_is_refused(lexis_map, tmp_path, damage):
     elif damage == "not a zip":
         arrays.write_bytes(b"no zip")
     with pytest.raises(MapError):
+        load_map(tmp_path / "map")
+
+
+def test_a_compressed_map_is_refused(lexis_map, tmp_path):
+    """Arrays are stored as they are, so that a map never needs more memory than it has bytes on the disk."""
+    save_map(lexis_map, tmp_path / "map")
+    with np.load(tmp_path / "map" / "arrays.npz") as arrays:
+        np.savez_compressed(tmp_path / "map" / "arrays.npz", **{name: arrays[name] for name in arrays.files})
+    with pytest.raises(MapError, match="unpacks to"):
+        load_map(tmp_path / "map")
+
+
+@pytest.mark.parametrize("name", ["map.json", "arrays.npz"])
+def test_a_pipe_in_the_place_of_a_file_holds_nobody_up(name, lexis_map, tmp_path):
+    save_map(lexis_map, tmp_path / "map")
+    (tmp_path / "map" / name).unlink()
+    os.mkfifo(tmp_path / "map" / name)
+    with pytest.raises(MapError, match="is a device or a pipe"):
         load_map(tmp_path / "map")

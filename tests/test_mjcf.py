@@ -1,5 +1,8 @@
 """A house as MJCF: MuJoCo reads back the meshes and textures of the scene, and what collides is where the house is solid."""
 
+import errno
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -57,3 +60,18 @@ def test_a_folder_that_is_not_ours_is_left_alone(house, tmp_path):
     with pytest.raises(LexisError, match="house_textures"):
         write_mjcf(house, tmp_path / "house.xml")
     assert not (tmp_path / "house.xml").exists() and (tmp_path / "house_textures" / "thesis.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("at", [".png", ".xml", ".txt"])
+def test_a_full_disk_leaves_nothing_half_written(at, house, tmp_path, monkeypatch):
+    """Whichever file finds no room: textures without their model would look like a house that was exported."""
+
+    def full(path, *_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    writing = "write_bytes" if at == ".png" else "write_text"
+    real = getattr(Path, writing)
+    monkeypatch.setattr(Path, writing, lambda path, *rest, **more: (full if at in path.name else real)(path, *rest, **more))
+    with pytest.raises(LexisError, match="No space left on device"):
+        write_mjcf(house, tmp_path / "house.xml")
+    assert not list(tmp_path.iterdir())

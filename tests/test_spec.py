@@ -1,6 +1,7 @@
 """House specs: JSON is an exact copy, and bad JSON names the place."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -67,8 +68,12 @@ def test_files_that_cannot_be_a_house_are_not_read(tmp_path):
         file.truncate(MAX_JSON_BYTES + 1)
     binary = tmp_path / "binary.json"
     binary.write_bytes(b"\xff\xfe")
-    for endless in (huge, "/dev/zero"):
-        with pytest.raises(SpecError, match="larger than"):
+    pipe = tmp_path / "pipe.json"
+    os.mkfifo(pipe)
+    with pytest.raises(SpecError, match="larger than"):
+        HouseSpec.load(huge)
+    for endless in (pipe, "/dev/zero"):
+        with pytest.raises(SpecError, match="cannot be read: is a device or a pipe"):
             HouseSpec.load(endless)
     with pytest.raises(SpecError, match="not text in UTF-8"):
         HouseSpec.load(binary)

@@ -13,11 +13,12 @@ from pathlib import Path
 
 from worlds.errors import SpecError, WorldsError
 from worlds.imports.doorways import apart, on_walls
-from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built, read_text
+from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built
 from worlds.imports.geojson import read_geojson, to_geojson
 from worlds.imports.made_up import made_up
 from worlds.imports.straighten import main_direction, straighten, turned
 from worlds.imports.svg import read_svg
+from worlds.reading import read_text
 from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
 from worlds.validation import built_and_checked
 

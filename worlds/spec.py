@@ -17,7 +17,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
-from worlds.spec_errors import MAX_JSON_BYTES, explain, listed, near, read_json
+from worlds.reading import read_text
+from worlds.spec_errors import explain, listed, near, read_json
 
 MAX_ROOMS = 200
 MIN_WALL_M = 0.005
@@ -244,18 +245,11 @@ class HouseSpec(_Data):
     @classmethod
     def load(cls, path: Path | str) -> "HouseSpec":
         """Read a spec from a file of at most 16 MB. Raises `SpecError`."""
-        path = Path(path)
         try:
-            with path.open("rb") as file:
-                data = file.read(MAX_JSON_BYTES + 1)
-        except OSError as error:
-            raise SpecError(f"{path}: cannot be read: {error.strerror}; valid: a house as JSON") from None
-        if len(data) > MAX_JSON_BYTES:
-            raise SpecError(f"{path}: larger than {MAX_JSON_BYTES // 1_000_000} MB; valid: a house as JSON")
-        try:
-            return cls.from_json(data.decode("utf-8-sig"), source=str(path))
-        except UnicodeDecodeError:
-            raise SpecError(f"{path}: is not text in UTF-8; valid: a house as JSON") from None
+            text = read_text(Path(path))
+        except SpecError as error:
+            raise SpecError(f"{path}: {error}; valid: a house as JSON") from None
+        return cls.from_json(text, source=str(path))
 
 
 def _on_one_line(match: re.Match[str]) -> str:

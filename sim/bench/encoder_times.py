@@ -15,8 +15,7 @@ from safetensors.torch import save_file
 
 from lexis.encoder import OpenClipEncoder, load_encoder
 from lexis.encoder_options import EncoderOptions
-from lexis.errors import EncoderError
-from lexis.hub import one_line
+from lexis.errors import EncoderError, one_line
 from lexis.model_loading import open_clip_quiet
 from lexis.types import Image
 from worlds.labels import ROOM_LABELS

@@ -10,6 +10,8 @@ import numpy as np
 
 from lexis.encoder import load_encoder
 from lexis.evaluation.planning import spl, success_rate
+from lexis.files import replaced_file
+from sim.errors import SimError
 from sim.harness import Run, RunConfig, run, try_plans
 from sim.harness.planning import Steering, Trial
 from sim.report.drive_picture import drive_png
@@ -44,8 +46,10 @@ class Row:
 def drive_houses(config: RunConfig, seeds: Sequence[int], pictures: Path | None = None) -> Iterator[Row]:
     """One run per seed, all else as in `config`; every driver drives all its plans.
 
-    `pictures` is a folder for PNGs of the drives by LEXIS's estimate that failed.
+    `pictures` is a folder for PNGs of the drives by LEXIS's estimate that failed. Raises `SimError` where it cannot be made.
     """
+    if pictures is not None:
+        _make_folder(pictures)
     encoder = load_encoder(config.encoder)
     for seed in seeds:
         finished = run(replace(config, seed=seed), encoder)
@@ -64,9 +68,18 @@ def _row(seed: int, driver: str, trials: Sequence[Trial], seconds: float) -> Row
     return Row(seed, driver, len(trials), success_rate(success), spl(success, shortest, travelled), touched, seconds)
 
 
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SimError(
+            f"{folder}: no folder for pictures: {error.strerror}; valid: a folder, or the name of a new one"
+        ) from None
+
+
 def _draw(finished: Run, trials: Sequence[Trial], folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
     for trial in trials:
         if not trial.success and len(trial.path):
             name = f"{finished.config.seed} {trial.start} to {trial.goal}.png".replace(" ", "-").replace("'", "")
-            (folder / name).write_bytes(drive_png(finished.house, trial.planned, trial.path, trial.touched))
+            with replaced_file(folder / name) as beside:
+                beside.write_bytes(drive_png(finished.house, trial.planned, trial.path, trial.touched))

@@ -1,14 +1,16 @@
 """`FeatureModel`: all that is fitted of the feature sensor, and its file. Nothing is ever unpickled."""
 
-import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Float64
 
+from lexis.array_files import Layout, read_arrays
 from lexis.files import replaced_file
+from lexis.inputs import usable_covariance
 from lexis.perception import Encoder
+from lexis.reading import FileKind
 from sim.errors import SimError
 from sim.features.embedding import KERNELS, EmbeddingModel
 from sim.features.loops import PREDICTORS, LoopModel, Measured
@@ -16,7 +18,37 @@ from sim.features.views import SIZE
 
 MINI_FEATURES = Path(__file__).parent / "mini.npz"
 """Fitted to the encoder that ships with the package."""
-MAX_BYTES = 100_000_000
+_FILE = FileKind(
+    "a file of 'lexis-sim fit-features'",
+    100_000_000,
+    SimError,
+    missing="no feature model there",
+    unusable="no feature model",
+)
+
+
+def _edges(name: str) -> Layout:
+    return {
+        f"loops.{name}.error": ("f4", (name, 6)),
+        f"loops.{name}.covariance": ("f4", (name, 6, 6)),
+        f"loops.{name}.inliers": ("i8", (name,)),
+    }
+
+
+_LAYOUT: Layout = {
+    "fingerprint": ("f4", ("probes", "d")),
+    "embedding.weights": ("f2", ("size", "d")),
+    "embedding.offset": ("f4", ("d",)),
+    "embedding.errors": ("f4", ("k", "d")),
+    "embedding.kernels": ("f4", ("kernels",)),
+    "loops.weights": ("f4", ("predictors",)),
+    "loops.query_share": ("f4", ()),
+    "loops.false_rate": ("f4", ()),
+    **_edges("true_edges"),
+    **_edges("false_edges"),
+}
+_MOST = 1e6
+"""Largest of the values that embeddings and errors are drawn from: those of real models are below 100."""
 _SAME = 0.999
 """Least cosine of fingerprints of one encoder: on other machines it rounds differently."""
 _PROBES = ("kitchen", "bedroom", "corridor")
@@ -60,19 +92,13 @@ def save_features(model: FeatureModel, path: Path) -> None:
 
 def load_features(path: Path) -> FeatureModel:
     """Read a model that `save_features` has written. Raises `SimError` for anything else."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if sum(member.file_size for member in archive.infolist()) > MAX_BYTES:
-                raise SimError(f"{path}: unpacks to more than {MAX_BYTES // 1_000_000} MB; not a feature model")
-        with np.load(path, allow_pickle=False) as data:
-            arrays = {name: data[name] for name in data.files}
-        return _checked(_built(arrays))
-    except OSError as error:
-        raise SimError(
-            f"{path}: no feature model there: {error.strerror}; valid: a file of 'lexis-sim fit-features'"
-        ) from None
-    except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise SimError(f"{path}: no feature model: {error}; valid: a file of 'lexis-sim fit-features'") from None
+    arrays = read_arrays(path, _FILE, _LAYOUT, packed=True)
+    if not all(np.isfinite(array).all() for array in arrays.values()):
+        raise _FILE.refusal(path, "it has values that are not finite")
+    model = _built(arrays)
+    if problem := _problem(model):
+        raise _FILE.refusal(path, problem)
+    return model
 
 
 def _flat(model: FeatureModel) -> dict[str, np.ndarray]:
@@ -106,10 +132,32 @@ def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
     return FeatureModel(arrays["fingerprint"].astype(np.float32), embedding, loops)
 
 
-def _checked(model: FeatureModel) -> FeatureModel:
-    """The model, if its parts fit each other and this version. Raises ValueError."""
+def _problem(model: FeatureModel) -> str | None:
+    """What keeps the parts of a model from each other or from this version; None where they fit."""
     wanted = (SIZE, len(model.embedding.offset)), (len(KERNELS),), (len(PREDICTORS),)
     found = model.embedding.weights.shape, model.embedding.kernels.shape, model.loops.weights.shape
     if wanted != found:
-        raise ValueError(f"its arrays are {found}, those of this version {wanted}; fit it anew")
-    return model
+        return f"its arrays are {found}, those of this version {wanted}; fit it anew"
+    loops = model.loops
+    if not (0.0 <= loops.query_share < 1.0 and 0.0 <= loops.false_rate <= 1.0 and (model.embedding.kernels >= 0.0).all()):
+        return "its shares and rates are not all between 0 and 1"
+    if not len(loops.true_edges.inliers) or (loops.false_rate > 0.0 and not len(loops.false_edges.inliers)):
+        return "it has no edges to draw from"
+    edges = np.concatenate([loops.true_edges.covariance, loops.false_edges.covariance])
+    if not (all(map(usable_covariance, edges)) and np.abs(_drawn_from(model)).max() <= _MOST):
+        return "its edges have no covariances, or its values are too large"
+    return None
+
+
+def _drawn_from(model: FeatureModel) -> Float64[np.ndarray, "n"]:
+    """All values that embeddings and errors are drawn from, in a row."""
+    embedding, loops = model.embedding, model.loops
+    parts = (
+        embedding.weights,
+        embedding.offset,
+        embedding.errors,
+        loops.weights,
+        loops.true_edges.error,
+        loops.false_edges.error,
+    )
+    return np.concatenate([np.ravel(part).astype(float) for part in parts])

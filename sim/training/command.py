@@ -13,6 +13,7 @@ from rich.console import Console
 from lexis.encoder import load_encoder
 from lexis.files import replaced_file
 from lexis.model_source import MINI_CONFIG
+from lexis.reading import FileKind, read_json
 from sim.errors import SimError
 from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner
@@ -35,6 +36,9 @@ from sim.training.text_tower import (
 
 MINI_WEIGHTS = MINI_CONFIG.with_suffix(".safetensors")
 _SETTINGS = "settings.json"
+_SETTINGS_FILE = FileKind(
+    "those of this run; else delete it", 1_000_000, SimError, missing="no settings in it", unusable="no settings in it"
+)
 
 
 @dataclass(frozen=True)
@@ -122,10 +126,9 @@ def _check_settings(run: TrainingRun) -> None:
         with replaced_file(path) as beside:
             beside.write_text(asked + "\n")
         return
-    try:
-        before = dict(json.loads(path.read_text()))
-    except (OSError, ValueError, TypeError) as error:
-        raise SimError(f"{path}: no settings in it: {error}; delete it where they are those of this run") from None
+    before = read_json(path, _SETTINGS_FILE)
+    if not isinstance(before, dict):
+        raise _SETTINGS_FILE.refusal(path, "is no object")
     differs = [
         f"{key} {before.get(key)}, not {value}" for key, value in json.loads(asked).items() if before.get(key) != value
     ]

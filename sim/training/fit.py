@@ -10,8 +10,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from lexis.errors import one_line
 from lexis.files import replaced_file
-from lexis.hub import one_line
 from sim.errors import SimError
 from sim.training.batches import Batch, batches
 from sim.training.frames import Frames

@@ -4,17 +4,19 @@ import hashlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
+from lexis.array_files import read_arrays
 from lexis.files import replaced_file
+from lexis.reading import FileKind
 from sim.errors import SimError
 from sim.training.houses import HouseDraw
 from worlds.house import build_house
 
 Arrays = Mapping[str, np.ndarray]
 _ORIGINS = "origins"
+_FILE = FileKind("a file of an earlier run; delete it to have it made again", 10**12, SimError, unusable="cannot be read")
 
 
 def kept(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
@@ -32,11 +34,7 @@ def loaded(path: Path, origins: tuple[str, ...]) -> Arrays:
 
     Raises `SimError` for a file that cannot be read, and for arrays that were made from anything else.
     """
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            arrays = {name: data[name] for name in data.files}
-    except (OSError, ValueError, EOFError, BadZipFile) as error:
-        raise SimError(f"{path}: cannot be read: {error}; delete it to have it made again") from None
+    arrays = read_arrays(path, _FILE)
     if tuple(arrays.pop(_ORIGINS, ()))[: len(origins)] != origins:
         raise SimError(f"{path}: made of other houses or in another way than today; delete its folder to have it made again")
     return arrays

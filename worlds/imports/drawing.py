@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
-from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -13,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
-from worlds.spec_errors import MAX_JSON_BYTES, explain, near
+from worlds.spec_errors import explain, near
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
@@ -74,20 +73,6 @@ class Drawing:
     def doubt(self) -> str:
         """The first note, to end a message with: what was passed over may be what is missing."""
         return f" (note: {self.notes[0]})" if self.notes else ""
-
-
-def read_text(path: Path) -> str:
-    """A file of at most 16 MB. Raises `SpecError`."""
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_JSON_BYTES + 1)
-        if len(data) > MAX_JSON_BYTES:
-            raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB")
-        return data.decode("utf-8-sig")
-    except OSError as error:
-        raise SpecError(f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise SpecError("is not text in UTF-8") from None
 
 
 @lru_cache(maxsize=256)

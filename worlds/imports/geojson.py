@@ -11,7 +11,6 @@ other properties.
 """
 
 import json
-import math
 from typing import Any
 
 from worlds.errors import SpecError
@@ -19,15 +18,23 @@ from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, guesses,
 from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
+_FARTHEST_M = 1e8
 _PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> Drawing:
     """What a FeatureCollection draws. Raises `SpecError`."""
     try:
-        data = json.loads(text)
-    except (json.JSONDecodeError, RecursionError, ValueError) as error:
+        return _drawing(json.loads(text), metres_per_unit)
+    except RecursionError:  # while it is read, or later, where a deeply nested value is shown in a message
+        raise SpecError("is nested too deeply; valid: GeoJSON") from None
+    except SpecError:
+        raise
+    except ValueError as error:
         raise SpecError(f"is not GeoJSON: {str(error)[:80]}") from None
+
+
+def _drawing(data: object, metres_per_unit: float) -> Drawing:
     if not isinstance(data, dict) or not isinstance(data.get("features"), list):
         raise SpecError('is not GeoJSON; valid: a "FeatureCollection" with "features"')
     rooms: list[DrawnRoom] = []
@@ -123,8 +130,8 @@ def _points(where: str, data: object, scale: float) -> tuple[Point, ...]:
         numbers = point[:2] if isinstance(point, list) else []
         if len(numbers) < 2 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
             raise SpecError(f"{where}: {str(point)[:40]} is no pair of coordinates")
-        x, y = float(numbers[0]) * scale, float(numbers[1]) * scale
-        if not (math.isfinite(x) and math.isfinite(y)) or max(abs(x), abs(y)) > 1e8:
+        # Compared before they are converted: Python's whole numbers have no end, and those of JSON neither.
+        if not all(abs(n) <= _FARTHEST_M and abs(n) * scale <= _FARTHEST_M for n in numbers):
             raise SpecError(f"{where}: {str(point)[:40]} is not a place on Earth in metres")
-        points.append((x, y))
+        points.append((float(numbers[0]) * scale, float(numbers[1]) * scale))
     return tuple(points)

@@ -1,0 +1,144 @@
+"""The door for files from outside: regular files of bounded size alone, and one class of error for all that is wrong.
+
+Nothing is unpickled, evaluated or followed into a pipe or a device, and no size is believed before it is checked.
+"""
+
+import io
+import json
+import os
+import stat
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from lexis.errors import LexisError, one_line
+
+MAX_LINE_CHARACTERS = 20_000
+"""A line of numbers has far fewer."""
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class FileKind:
+    """What a reader expects of a file, and how it complains."""
+
+    valid: str
+    """What would be valid, for messages."""
+    max_bytes: int
+    """Largest size on disk."""
+    error: type[ValueError] = LexisError
+    missing: str = "cannot be read"
+    """What a message says of a file that cannot be opened."""
+    unusable: str = "cannot be used"
+    """What a message says of a file that was opened, and whose content is wrong."""
+
+    def refusal(self, path: Path, reason: object) -> ValueError:
+        """The error to raise about a file whose content is wrong; the reason is put on one short line."""
+        return self.error(f"{path}: {self.unusable}: {one_line(reason)}; valid: {self.valid}")
+
+    def unopened(self, path: Path, reason: object) -> ValueError:
+        """The error to raise about a file that cannot be opened."""
+        return self.error(f"{path}: {self.missing}: {one_line(reason)}; valid: {self.valid}")
+
+
+def open_file(path: Path, kind: FileKind) -> IO[bytes]:
+    """Open a regular file of at most `max_bytes`. Raises the kind's error for any other.
+
+    Pipes and devices are refused, because reading them may never end.
+    """
+    try:
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            raise kind.unopened(path, "is a folder" if stat.S_ISDIR(status.st_mode) else "is a device or a pipe")
+        if status.st_size > kind.max_bytes:
+            raise kind.refusal(path, f"larger than {kind.max_bytes / 1e6:g} MB")
+        return path.open("rb")
+    except OSError as error:
+        raise kind.unopened(path, error.strerror) from None
+
+
+def read_bytes(path: Path, kind: FileKind) -> bytes:
+    """The content of a file. Raises the kind's error."""
+    with open_file(path, kind) as file:
+        try:
+            return file.read()
+        except OSError as error:
+            raise kind.unopened(path, error.strerror) from None
+
+
+def read_text(path: Path, kind: FileKind) -> str:
+    """The content of a text file in UTF-8, with or without a byte order mark. Raises the kind's error."""
+    try:
+        return read_bytes(path, kind).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise kind.refusal(path, "is not text in UTF-8") from None
+
+
+def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
+    """The lines of a text file that are neither blank nor begin with #, with their numbers from 1.
+
+    Raises the kind's error, which happens while the lines are taken.
+    """
+    with open_file(path, kind) as file, io.TextIOWrapper(file, encoding="utf-8") as text:
+        try:
+            for number, line in enumerate(iter(lambda: text.readline(MAX_LINE_CHARACTERS + 1), ""), 1):
+                if len(line) > MAX_LINE_CHARACTERS:
+                    raise kind.refusal(path, f"line {number} has more than {MAX_LINE_CHARACTERS} characters")
+                if line.strip() and not line.startswith("#"):
+                    yield number, line.rstrip("\r\n")
+        except UnicodeDecodeError:
+            raise kind.refusal(path, "is not text in UTF-8") from None
+        except OSError as error:
+            raise kind.unopened(path, error.strerror) from None
+
+
+def read_json(path: Path, kind: FileKind) -> Any:
+    """The data of a JSON file. Raises the kind's error."""
+    text = read_text(path, kind)
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise kind.refusal(path, "is nested too deeply") from None
+    except json.JSONDecodeError as error:
+        raise kind.refusal(path, f"is not JSON: {error}") from None
+    except ValueError:  # Python converts no whole numbers of more than 4300 digits
+        raise kind.refusal(path, "has a number of too many digits") from None
+
+
+def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
+    """The data of a JSON file, validated. Raises the kind's error, which names the first field that is wrong."""
+    try:
+        return model.model_validate_json(read_bytes(path, kind))
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = one_line(".".join(map(str, first["loc"])), 100)
+        raise kind.refusal(path, f"{place}: {first['msg']}" if place else first["msg"]) from None
+
+
+def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
+    """The mapping of a YAML file, in which every scalar is text. Raises the kind's error.
+
+    Anchors, merges and tags mean nothing here: files of calibration need none, and a few lines of them can stand for more
+    than memory holds.
+    """
+    text = read_text(path, kind).removeprefix("%YAML:1.0")
+    try:
+        data = yaml.load(text, Loader=_TextLoader)
+    except Exception as error:  # PyYAML raises its own errors, and Python's where the file is nested deeply or breaks a type
+        raise kind.refusal(path, f"is not YAML: {one_line(error, 100)}") from None
+    if not isinstance(data, dict):
+        raise kind.refusal(path, "holds no keys")
+    return data
+
+
+class _TextLoader(yaml.BaseLoader):
+    """Makes mappings, lists and texts, and refuses aliases."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("aliases are not read")
+        return super().compose_node(parent, index)

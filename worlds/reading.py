@@ -1,0 +1,26 @@
+"""Text from files outside: regular files of bounded size alone."""
+
+import os
+import stat
+from pathlib import Path
+
+from worlds.errors import SpecError
+from worlds.spec_errors import MAX_JSON_BYTES
+
+
+def read_text(path: Path) -> str:
+    """The text of a file of at most 16 MB, in UTF-8. Raises `SpecError`, whose message does not name the file.
+
+    Pipes and devices are refused, because reading them may never end.
+    """
+    try:
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            raise SpecError(f"cannot be read: is {'a folder' if stat.S_ISDIR(status.st_mode) else 'a device or a pipe'}")
+        if status.st_size > MAX_JSON_BYTES:
+            raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB")
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise SpecError(f"cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SpecError("is not text in UTF-8") from None
