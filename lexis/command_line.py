@@ -35,7 +35,7 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
-    """Parse and run; the exit status. Errors of the `expected` classes are bad input."""
+    """Parse and run; the exit status. Errors of the `expected` classes are bad input: a line, and one for each of their notes."""
     arguments = parser.parse_args(argv)
     try:
         status = int(arguments.command(arguments))
@@ -46,7 +46,8 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
     except expected as error:
-        print(f"{parser.prog}: {' '.join(str(error).split())}", file=sys.stderr)
+        for line in (str(error), *getattr(error, "__notes__", ())):
+            print(f"{parser.prog}: {' '.join(line.split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _INTERRUPTED

@@ -141,6 +141,16 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
     assert [path.name for path in here.iterdir()] == ["bad.json"]
 
 
+def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
+    (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN | {"label": "lair"}, BEDROOM | {"seed": -1}]))
+    assert status_of("check", "bad.json") == 2
+    printed = capsys.readouterr()
+    label, seed = printed.err.splitlines()
+    assert "bad.json: storeys[0].rooms[0].label (room 'kitchen'): unknown label 'lair'" in label and printed.out == ""
+    assert "bad.json: storeys[0].rooms[1].seed (room 'bedroom'): is -1; valid: a whole number" in seed
+    assert all(line.startswith("lexis-sim: ") and len(line) <= 400 for line in (label, seed))
+
+
 @pytest.mark.parametrize(
     ("argv", "message"),
     [

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
-from worlds.spec_errors import MAX_JSON_BYTES, explain, near
+from worlds.spec_errors import MAX_JSON_BYTES, explain, near, refusal
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
@@ -148,7 +148,8 @@ def built(where: str, model: type[_Model], **fields: Any) -> _Model:
     except ValidationError as error:
         schema = json_schema()
         part = schema["$defs"].get(error.title, schema)
-        raise SpecError(f"{where}: {explain(error, None, {**part, '$defs': schema['$defs']})}") from None
+        mistakes = explain(error, None, {**part, "$defs": schema["$defs"]})
+        raise refusal(where, mistakes) from None
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> Drawing:
