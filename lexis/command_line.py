@@ -35,7 +35,7 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
-    """Parse and run; the exit status. Errors of the `expected` classes are bad input: a line, and one for each of their notes."""
+    """Parse and run; the exit status. Errors of the `expected` classes are bad input; each of their notes has a line."""
     arguments = parser.parse_args(argv)
     try:
         status = int(arguments.command(arguments))

@@ -38,7 +38,7 @@ PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
 """What one can walk through; over a half wall or a counter one can only look."""
 
 
-class _Mistakes(ValueError):
+class _MistakesError(ValueError):
     """Several mistakes that one validator found, each an argument."""
 
     def __str__(self) -> str:
@@ -207,7 +207,7 @@ class HouseSpec(_Data):
             *(mistake for level, storey in enumerate(self.storeys) for mistake in _unknown_rooms(level, storey)),
         ]
         if mistakes:
-            raise _Mistakes(*mistakes)
+            raise _MistakesError(*mistakes)
         return self
 
     @model_validator(mode="after")

@@ -106,7 +106,8 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         valid = list(_node(path[:-1], schema).get("properties", {}))
-        return [f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}; valid: {', '.join(valid)}"]
+        unknown = f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}"
+        return [f"{unknown}; valid: {', '.join(valid)}"]
     if kind == "value_error":
         return [_place(path, data) + str(mistake) for mistake in problem["ctx"]["error"].args[:MAX_MISTAKES]]
     if kind == "json_invalid":
