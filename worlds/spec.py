@@ -280,7 +280,7 @@ def _unknown_rooms(level: int, storey: StoreySpec) -> Iterator[str]:
     """A message for each reference to a room that the storey does not have, as many as anybody reads."""
     known = {room.id for room in storey.rooms}
     rooms = sorted(known)
-    unknown = ((*place, missing) for *place, named in _room_names(storey) for missing in sorted({*named} - known))
+    unknown = ((place, i, missing) for place, i, named in _room_names(storey) for missing in sorted({*named} - known))
     for collection, i, missing in islice(unknown, MAX_MISTAKES + 1):
         yield (
             f"storeys[{level}].{collection}[{i}] names room {missing!r}{near(missing, rooms)}; "

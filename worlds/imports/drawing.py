@@ -1,7 +1,7 @@
 """A floor plan as somebody drew it: polygons and strokes that are nearly, but not quite, a house."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
@@ -20,6 +20,7 @@ MAX_STOREYS = 8
 _SURE = 0.8
 """Likeness of words from which a guess is made unasked: below it, `wall` is a `half wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
+_Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
 _LABELS = {label.replace("-", " "): label for label in ROOM_LABELS} | {
     "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
@@ -111,7 +112,8 @@ def label_of(where: str, text: str) -> str:
 
 def find_kind(text: str) -> OpeningKind | None:
     """The kind of opening that a text means, if any."""
-    return _KINDS.get(words(text).replace("-", " "))
+    word = words(text).replace("-", " ")
+    return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
 
 def kind_of(where: str, text: str) -> OpeningKind:
@@ -131,6 +133,11 @@ def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tup
     found = ((where, word[:60], near(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
     notes = (f"{where}: {word!r} means nothing{guess}; passed over" for where, word, guess in found if guess)
     return tuple(islice(notes, _MAX_NOTES))
+
+
+def some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
+    """Things in a line, not too many."""
+    return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
 
 def storey_of(where: str, value: object) -> int:
