@@ -95,7 +95,7 @@ def test_without_doors_every_room_is_reached_through_the_corridor(tmp_path):
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), corridor))
     assert [set(o.rooms) for o in plan.spec.storeys[0].openings] == [{"corridor", "kitchen"}, {"corridor", "office"}]
     assert plan.notes == (
-        "no openings are drawn: 2 were made up, so that every room can be reached: "
+        "no openings are drawn; made up, so that every room can be reached: "
         "kitchen - corridor (door), office - corridor (door)",
     )
 
@@ -110,8 +110,8 @@ def test_rooms_that_the_drawn_doors_do_not_reach_get_made_up_ones(tmp_path):
     assert set(drawn.rooms) == {"kitchen", "corridor"} and (drawn.start_m, drawn.end_m) == ((1.55, 3.0), (2.45, 3.0))
     assert set(added.rooms) == {"office", "corridor"}
     (note,) = plan.notes
-    assert (
-        note.startswith("the drawn openings do not reach every room: 1 were made up") and "office - corridor (door)" in note
+    assert note == (
+        "the drawn openings do not reach every room; made up, so that every room can be reached: office - corridor (door)"
     )
 
 
@@ -168,6 +168,19 @@ def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_pa
     assert {x for r in storey.rooms for x, _ in r.polygon_m} == {0.0, 4.06, 8.12}
 
 
+def test_rooms_as_far_apart_as_what_snaps_meet(tmp_path):
+    upper = room("corridor", [[0, 3.1], [8, 3.1], [8, 5], [0, 5]])  # 3.1 - 3 is more than 0.1
+    (storey,) = import_plan(
+        written(tmp_path, room("kitchen", [[0, 0], [8, 0], [8, 3], [0, 3]]), upper), snap_m=0.1
+    ).spec.storeys
+    assert {y for r in storey.rooms for _, y in r.polygon_m} == {0.0, 3.05, 5.0}
+
+
+def test_names_keep_their_letters(tmp_path):
+    spec = import_plan(written(tmp_path, room("office", LEFT, name="Büro Müller"), room("gym", RIGHT, name="体育館"))).spec
+    assert [r.id for r in spec.storeys[0].rooms] == ["Buro Muller", "gym"]
+
+
 def test_svg_shapes_transforms_and_y_down(tmp_path):
     body = """
       <g id="storey-0" transform="translate(100 50)">
@@ -196,17 +209,16 @@ def test_labels_and_layers_of_inkscape_count(tmp_path):
         <g id="g5" inkscape:label="office"><rect id="rect9" y="30" width="80" height="20"/><text>Office</text></g>
       </g>
       <g inkscape:groupmode="layer" inkscape:label="Doors" id="layer2">
-        <path id="path3" d="M 50,30 V 39"/>
+        <path id="path3" d="M 50,30 V 39"/><path id="swing" d="m 50,39 a 9,9 0 0 0 9,-9"/>
       </g>
       <g inkscape:groupmode="layer" inkscape:label="Garden" style="display:none"><rect y="60" width="30" height="30"/></g>"""
     plan = import_plan(svg(tmp_path, body, INKSCAPE), metres_per_unit=0.1)
     found = [(r.id, r.label, r.polygon_m[0]) for r in plan.spec.storeys[0].rooms]
     assert [room[:2] for room in found] == [("Kitchen", "kitchen"), ("Anna's room", "bedroom"), ("office", "office")]
     assert set(plan.spec.storeys[0].openings[0].rooms) == {"Kitchen", "Anna's room"}
-    (note,) = plan.notes
-    assert (
-        note.startswith("the drawn openings do not reach every room: 1 were made up") and "office - Kitchen (door)" in note
-    )
+    swing, note = plan.notes
+    assert swing.endswith("neither a label nor a kind: <path> 'swing' on line 8")
+    assert note.endswith("made up, so that every room can be reached: office - Kitchen (door)")
 
 
 def test_a_group_with_several_shapes_does_not_say_which_is_the_room(tmp_path):
@@ -272,15 +284,15 @@ def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tm
       <rect class="wall" width="9" height="9"/><path id="path371" d="M0 0 h9"/>"""
     notes = import_plan(svg(tmp_path, body)).notes
     assert notes[:4] == (
-        "<rect> on line 3: 'kitchn' means nothing (did you mean 'kitchen'?); passed over",
-        "<rect> on line 4: 'door' is an opening: a line, polyline or path, not a rect; passed over",
+        "<rect> 'wall Kitchn' on line 3: 'kitchn' means nothing (did you mean 'kitchen'?); passed over",
+        "<rect> 'door' on line 4: 'door' is an opening: a line, polyline or path, not a rect; passed over",
         "<line> 'Office_2' on line 4: 'office' is a room: a rect, polygon, polyline or path, not a line; passed over",
         "passed over, because they say neither a label nor a kind: "
-        "<rect> on line 3 at (900, 0); <rect> on line 3 at (950, 0); "
-        "<rect> on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0); <rect> on line 5 at (0, 0); "
+        "<rect> 'wall Kitchn' on line 3 at (900, 0); <rect> 'kitchn' on line 3 at (950, 0); "
+        "<rect> 'door' on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0); <rect> 'wall' on line 5 at (0, 0); "
         "<path> 'path371' on line 5 at (0, 0)",
     )
-    assert not any("wall" in note for note in notes)
+    assert not any("'wall' means nothing" in note for note in notes)
 
 
 def test_misspelt_properties_of_geojson_are_named(tmp_path):
@@ -296,7 +308,7 @@ def test_misspelt_properties_of_geojson_are_named(tmp_path):
 
 def test_what_was_passed_over_is_said_where_the_rest_is_no_house(tmp_path):
     lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
-    assert "has 0 rooms with a label" in lost and "<rect> on line 1: 'kitchn' means nothing (did you mean" in lost
+    assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' means nothing (did you mean" in lost
     far = '<rect id="gym" width="400" height="300"/><rect id="office" x="900" width="400" height="300"/>'
     lost = refusal(svg(tmp_path, far + '<rect id="corrider" x="400" width="500" height="300"/>'))
     assert "not reachable" in lost and "(did you mean 'corridor'?)" in lost

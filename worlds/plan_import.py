@@ -7,6 +7,7 @@ formats see `worlds.imports.geojson` and `worlds.imports.svg`.
 
 import math
 import re
+import unicodedata
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -166,7 +167,7 @@ def _completed(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySp
     told = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
     if told:
         drawn = "the drawn openings do not reach every room" if any(s.openings for s in storeys) else "no openings are drawn"
-        notes.append(f"{drawn}: {len(told)} were made up, so that every room can be reached: {listed(told)}")
+        notes.append(f"{drawn}; made up, so that every room can be reached: {listed(told)}")
     return [s.model_copy(update={"openings": (*s.openings, *more)}) for s, more in zip(storeys, added, strict=True)]
 
 
@@ -204,7 +205,8 @@ def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
     """A name for each room, as near to the drawn one as the format allows, the only one in the house."""
     ids: list[str] = []
     for room in rooms:
-        plain = re.sub(r"^[^A-Za-z0-9]+", "", re.sub(r"[^A-Za-z0-9 _.'-]+", " ", room.name)).strip()[:56] or room.label
+        plain = unicodedata.normalize("NFKD", room.name).encode("ascii", "ignore").decode()  # "Büro" becomes "Buro"
+        plain = re.sub(r"^[^A-Za-z0-9]+", "", re.sub(r"[^A-Za-z0-9 _.'-]+", " ", plain)).strip()[:56] or room.label
         number = 2
         identifier = plain
         while identifier in ids:

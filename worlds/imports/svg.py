@@ -32,7 +32,7 @@ from worlds.imports.drawing import (
     storey_of,
     words,
 )
-from worlds.imports.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, length_px
+from worlds.imports.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, is_curved, length_px
 from worlds.imports.svg_tree import LABEL, Named, SvgShape, outline_of, read_tree, shown_shapes
 from worlds.labels import ROOM_LABELS
 from worlds.spec import OpeningKind, Point
@@ -90,7 +90,8 @@ def _scale(root: Element) -> float:
     width = root.get("width", "")
     if not _PAGE.fullmatch(width):
         raise SpecError(
-            "does not say its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>"
+            "does not say its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>, "
+            "for example 0.01 where a unit is a centimetre"
         )
     box = re.findall(r"[-+.\deE]+", root.get("viewBox", ""))
     page_px = length_px("<svg>", "width", width)
@@ -150,7 +151,8 @@ def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] 
     for group in shape.groups:
         label, kind = _meaning(group)
         if label is not None or kind is not None:
-            fits = shape.tag in (ROOM_TAGS if kind is None else OPENING_TAGS)
+            # A layer of doors has arcs besides, which show how they swing.
+            fits = shape.tag in ROOM_TAGS if kind is None else shape.tag in OPENING_TAGS and not is_curved(shape.attributes)
             return (group, label, kind) if fits else None
     return None
 

@@ -16,6 +16,7 @@ TAGS = (*ROOM_TAGS, "line")
 PX_PER_UNIT = {"": 1.0, "px": 1.0, "in": 96.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "pt": 96.0 / 72.0, "pc": 16.0}
 """CSS pixels in a unit of length; an inch has 96 of them."""
 _LENGTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
+_CURVES = frozenset("CcSsQqTtAa")
 _MAX_POINTS = 1000
 
 
@@ -38,7 +39,10 @@ def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Fl
     except (ValueError, AssertionError):
         raise SpecError(f"{where}: its coordinates cannot be read; valid: as in 'M 0 0 H 4 V 3 H 0 Z'") from None
     if curve := next((segment for segment in segments if not isinstance(segment, Line)), None):
-        raise SpecError(f"{where}: its path has a curve ({type(curve).__name__}); valid: straight lines (M, L, H, V, Z)")
+        raise SpecError(
+            f"{where}: its path has a curve ({type(curve).__name__}); valid: straight lines (M, L, H, V, Z), "
+            "of a door the one along its wall"
+        )
     points = np.array([*(line.start for line in segments), *(line.end for line in segments[-1:])], np.complex128)
     if not 2 <= len(points) <= _MAX_POINTS:
         raise SpecError(f"{where}: has {len(points)} corners; valid: 2 to {_MAX_POINTS}")
@@ -59,6 +63,11 @@ def _path_data(where: str, tag: str, attributes: Mapping[str, str]) -> str:
         case "path":
             return attributes.get("d", "")
     return f"M{attributes.get('points', '')}{'z' if tag == 'polygon' else ''}"
+
+
+def is_curved(attributes: Mapping[str, str]) -> bool:
+    """Whether a path has a command for a curve."""
+    return not _CURVES.isdisjoint(attributes.get("d", ""))
 
 
 def length_px(where: str, name: str, text: str) -> float:

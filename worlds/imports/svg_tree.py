@@ -33,7 +33,7 @@ class Named:
     @property
     def where(self) -> str:
         """Its place in the file, for messages."""
-        name = self.attributes.get(LABEL) or self.attributes.get("id", "")
+        name = self.attributes.get(LABEL) or self.attributes.get("id") or self.attributes.get("class", "")
         return f"<{self.tag}>" + (f" {name[:60]!r}" if name else "") + f" on line {self.attributes[_LINE]}"
 
     @property
