@@ -70,10 +70,12 @@ def test_a_plan_becomes_a_house_and_notes_are_printed(here, capsys):
     (here / "plan.geojson").write_text(to_geojson(spec))
     assert status_of("import", "plan.geojson", "-o", "h.json") == 0
     assert HouseSpec.load("h.json").room_labels == spec.room_labels
-    square = "<rect class='office' width='400' height='300'/>"
+    square = "<rect class='office' width='400' height='300'/><rect class='gym' x='400' width='400' height='300'/>"
     (here / "plan.svg").write_text(f"<svg xmlns='http://www.w3.org/2000/svg'>{square}</svg>")
     assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "-o", "h.json") == 0
-    assert "note: no openings are drawn" in capsys.readouterr().out
+    assert "note: no openings are drawn; made up" in capsys.readouterr().out
+    assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "--only-drawn", "-o", "h.json") == 2
+    assert "the plan stands without --only-drawn" in capsys.readouterr().err
 
 
 def test_the_schema_is_printed(capsys):
