@@ -44,7 +44,11 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
-    """Parse and run; the exit status. Errors of the `expected` classes are bad input, and so is a full standard output."""
+    """Parse and run; the exit status.
+
+    Errors of the `expected` classes are bad input and cost one line, and one for each of their notes; a full standard output
+    is bad input too.
+    """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be text in any encoding
     try:
@@ -54,7 +58,7 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
         _drop_output()
         return _BROKEN_PIPE
     except expected as error:
-        return _bad_input(parser, str(error))
+        return _bad_input(parser, str(error), *getattr(error, "__notes__", ()))
     except OSError as error:
         if error.filename is not None or error.errno not in _UNWRITABLE:
             raise
@@ -76,8 +80,9 @@ def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:
     return status
 
 
-def _bad_input(parser: Parser, message: str) -> int:
-    print(one_line(f"{parser.prog}: {message}", MAX_LINE), file=sys.stderr)
+def _bad_input(parser: Parser, *messages: str) -> int:
+    for message in messages:
+        print(one_line(f"{parser.prog}: {message}", MAX_LINE), file=sys.stderr)
     return 2
 
 

@@ -70,10 +70,12 @@ def test_a_plan_becomes_a_house_and_notes_are_printed(here, capsys):
     (here / "plan.geojson").write_text(to_geojson(spec))
     assert status_of("import", "plan.geojson", "-o", "h.json") == 0
     assert HouseSpec.load("h.json").room_labels == spec.room_labels
-    square = "<rect class='office' width='400' height='300'/>"
+    square = "<rect class='office' width='400' height='300'/><rect class='gym' x='400' width='400' height='300'/>"
     (here / "plan.svg").write_text(f"<svg xmlns='http://www.w3.org/2000/svg'>{square}</svg>")
     assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "-o", "h.json") == 0
-    assert "note: no openings are drawn" in capsys.readouterr().out
+    assert "note: no openings are drawn; made up" in capsys.readouterr().out
+    assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "--only-drawn", "-o", "h.json") == 2
+    assert "the plan stands without --only-drawn" in capsys.readouterr().err
 
 
 def test_the_schema_is_printed(capsys):
@@ -139,6 +141,16 @@ def test_a_bad_house_costs_a_line_that_names_the_place_and_leaves_nothing(conten
     printed = capsys.readouterr()
     assert message in (printed.err if checked == 2 else printed.out)
     assert [path.name for path in here.iterdir()] == ["bad.json"]
+
+
+def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
+    (here / "bad.json").write_text(two_rooms(rooms=[KITCHEN | {"label": "lair"}, BEDROOM | {"seed": -1}]))
+    assert status_of("check", "bad.json") == 2
+    printed = capsys.readouterr()
+    label, seed = printed.err.splitlines()
+    assert "bad.json: storeys[0].rooms[0].label (room 'kitchen'): unknown label 'lair'" in label and printed.out == ""
+    assert "bad.json: storeys[0].rooms[1].seed (room 'bedroom'): is -1; valid: a whole number" in seed
+    assert all(line.startswith("lexis-sim: ") and len(line) <= 400 for line in (label, seed))
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from worlds.errors import SpecError
 from worlds.spec import HouseSpec
+from worlds.spec_errors import MAX_MISTAKES
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
 ROOM = {"id": "a", "label": "kitchen", "polygon_m": SQUARE}
@@ -63,10 +64,70 @@ def test_each_mistake_is_told_in_plain_words_and_its_place(text, message):
     assert message in refusal(text)
 
 
+def told(text):
+    with pytest.raises(SpecError) as error:
+        HouseSpec.from_json(text, source="my.json")
+    lines = [str(error.value), *getattr(error.value, "__notes__", ())]
+    assert all(line.startswith("my.json: ") and "\n" not in line and len(line) < 400 for line in lines)
+    return [line.removeprefix("my.json: ") for line in lines]
+
+
+def test_every_malformed_field_is_told_in_one_run():
+    wrong_corners = [[0, 0], [4, "x"], [4, 3], [0, None]]
+    lines = told(
+        house(
+            room={"polygon_m": wrong_corners, "id": "a/b"},
+            opening={"kind": "dor", "end_m": [0]},
+            piece={"size_m": [-2, 1, 1]},
+            top={"seed": -1},
+        )
+        .replace('"position_m"', '"positon_m"')
+        .replace('"yaw_rad": 0, ', "")
+    )
+    expected = (
+        "seed: is -1; valid: a whole number",
+        "storeys[0].rooms[0].id (room 'a/b'): is 'a/b'; valid: a name of 1 to 64",
+        f"{IN_ROOM}[1][1] (room 'a/b'): is 'x'; valid: a number",
+        f"{IN_ROOM}[3][1] (room 'a/b'): is null; valid: a number",
+        "storeys[0].openings[0].kind (opening 'a' - 'a'): is 'dor'",
+        "storeys[0].openings[0].end_m (opening 'a' - 'a'): has 1 items; valid: a list of 2",
+        "storeys[0].furniture[0].yaw_rad (furniture 'f'): is missing; valid: a number",
+        "storeys[0].furniture[0].size_m[0] (furniture 'f'): is -2; valid: a number above 0",
+        "storeys[0].furniture[0] (furniture 'f'): no field 'positon_m' (did you mean 'position_m'?); valid:",
+    )
+    assert len(lines) == len(expected) and all(any(line.startswith(start) for line in lines) for start in expected), lines
+
+
+def test_malformed_fields_of_several_rooms_and_storeys_are_all_told():
+    data = json.loads(house(room={"label": "kitchn"}))
+    data["storeys"][0]["rooms"].append(ROOM | {"id": "b", "label": "bedrom"})
+    data["storeys"].append({"rooms": [ROOM | {"id": "c"}], "height_m": 9})
+    assert [line.split(":")[0] for line in told(json.dumps(data))] == [
+        "storeys[0].rooms[0].label (room 'a')",
+        "storeys[0].rooms[1].label (room 'b')",
+        "storeys[1].height_m",
+    ]
+
+
+def test_all_references_to_rooms_that_are_not_there_are_told():
+    lines = told(house(opening={"rooms": ["a", "lost"]}, piece={"room": "away"}))
+    assert lines == [
+        "storeys[0].openings[0] names room 'lost'; its storey's rooms are a",
+        "storeys[0].furniture[0] names room 'away'; its storey's rooms are a",
+    ]
+
+
+def test_of_very_many_malformed_fields_the_number_is_told():
+    lines = told(json.dumps({"storeys": [{"rooms": [ROOM | {"id": f"a{i}", "seed": -1} for i in range(32)]}]}))
+    assert len(lines) == MAX_MISTAKES + 1 == 21 and lines[-1] == "and 12 more malformed fields"
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("[" * 100_000, "nested too deeply"),
+        ("[" * 200_000 + "]" * 200_000, "nested too deeply"),
+        (house(room={"polygon_m": 7}).replace("7", "[" * 500 + "]" * 500), "nested too deeply"),
         ('{"storeys":' * 100_000, "nested too deeply"),
         (" " * 16_000_001, "larger than 16 MB"),
         ('{"storeys": [' + "{}," * 3_000_000 + "{}]}", "more than 2000000 values"),
@@ -75,7 +136,18 @@ def test_each_mistake_is_told_in_plain_words_and_its_place(text, message):
         (json.dumps({"storeys": [{"rooms": [{}] * 200, "furniture": [{}] * 4000}] * 8}), "rooms[0].id: is missing"),
         (json.dumps({f"field {i}": i for i in range(100_000)}), "100000 fields"),
     ],
-    ids=["deep lists", "deep objects", "large", "many values", "a million rooms", "digits", "all wrong", "many fields"],
+    ids=[
+        "deep lists",
+        "deep closed lists",
+        "deep in a room",
+        "deep objects",
+        "large",
+        "many values",
+        "a million rooms",
+        "digits",
+        "all wrong",
+        "many fields",
+    ],
 )
 def test_what_is_huge_is_refused_before_it_costs_much(text, message):
     assert message in refusal(text)

@@ -293,6 +293,53 @@ def test_problems_tells_all_and_validate_the_first():
     assert refusal(spec) == found[0]
 
 
+WARDROBE = {"kind": "wardrobe", "size": [0.6, 1.6, 2.0]}
+BLOCKED = "(storeys[0].openings[0]); not reachable on foot (body radius 0.25 m): "
+
+
+@pytest.mark.parametrize("width", [0.6, 1.0, 1.6])
+def test_furniture_that_blocks_a_door_is_named_with_the_door(width):
+    barrier = piece("barrier", 4.4, 1.45, "wardrobe", size=[0.6, width, 2.0])
+    harmless = piece("other", 7.6, 1.45, **WARDROBE)
+    (problem,) = told(furnished(harmless, barrier))
+    assert problem == f"furniture 'barrier' (wardrobe) in 'b' blocks the door between 'a' and 'b' {BLOCKED}b; move it away"
+    assert told(furnished(harmless)) == []
+
+
+def test_no_more_pieces_are_named_than_have_to_move():
+    row = [piece(name, 4.4, y, size=[0.6, 0.4, 0.8]) for name, y in (("low", 1.1), ("high", 1.8))]
+    assert [problem.split("'")[1] for problem in told(furnished(*row))] in (["low"], ["high"])
+    both_sides = piece("here", 3.6, 1.45, room="a", **WARDROBE), piece("there", 4.4, 1.45, **WARDROBE)
+    found = told(furnished(*both_sides))
+    assert [problem.split("'")[1] for problem in found] == ["here", "there"]
+    assert all("blocks the door between 'a' and 'b'" in problem and BLOCKED in problem for problem in found)
+
+
+def test_furniture_across_a_room_is_named_where_no_opening_is_near():
+    rooms = [
+        {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [2, 0], [2, 2], [0, 2]]},
+        {"id": "b", "label": "corridor", "polygon_m": [[2, 0], [8, 0], [8, 2], [2, 2]]},
+        {"id": "c", "label": "bedroom", "polygon_m": [[8, 0], [10, 0], [10, 2], [8, 2]]},
+    ]
+    doors = [DOOR | {"start_m": [2, 0.5], "end_m": [2, 1.4]}]
+    doors.append({"rooms": ["b", "c"], "kind": "door", "start_m": [8, 0.5], "end_m": [8, 1.4]})
+    (problem,) = told(furnished(piece("shelf", 5, 1, "bookshelf", size=[0.3, 1.8, 2.0]), rooms=rooms, openings=doors))
+    assert problem.startswith("furniture 'shelf' (bookshelf) in 'b' stands across the way; not reachable")
+    blocked = [piece("one", 2.4, 0.95, **WARDROBE), piece("two", 7.6, 0.95, **WARDROBE)]
+    assert [(p.split("'")[1], p.split(": ")[1]) for p in told(furnished(*blocked, rooms=rooms, openings=doors))] == [
+        ("one", "a; move it away"),
+        ("two", "c; move it away"),
+    ]
+
+
+def test_rooms_without_a_way_in_and_rooms_behind_furniture_are_told_apart():
+    far = {"id": "c", "label": "gym", "polygon_m": [[4, 3], [8, 3], [8, 6], [4, 6]]}
+    rooms = [*json.loads(two_rooms().to_json())["storeys"][0]["rooms"], far]
+    behind, alone = told(furnished(piece("barrier", 4.4, 1.45, **WARDROBE), rooms=rooms))
+    assert "'barrier'" in behind and behind.endswith(": b; move it away")
+    assert alone.startswith("not reachable on foot (body radius 0.25 m): c; add an opening")
+
+
 def test_reachability_agrees_with_the_walkable_graph():
     for preset, seed in (("home", 0), ("uh2-apt", 1), ("ori", 2)):
         house = build_house(sample_house(preset, seed))

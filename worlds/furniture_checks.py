@@ -29,21 +29,21 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
     yield from _between_floor_and_ceiling(house)
     outside = _outside_their_room(house, grid, boxes)
     for i in sorted(outside):
-        yield f"{_name(pieces[i])} sticks out of its room {pieces[i].room!r}"
+        yield f"{piece_name(pieces[i])} sticks out of its room {pieces[i].room!r}"
     for i, j in overlaps(boxes, walls, _TOLERANCE_M).tolist():
         if i not in outside:
-            yield f"{_name(pieces[i])} in {pieces[i].room!r} stands in {_wall_name(house.walls[j])}"
+            yield f"{piece_name(pieces[i])} in {pieces[i].room!r} stands in {_wall_name(house.walls[j])}"
     standing = np.array([piece.size[2] > FLAT_M for piece in pieces], bool)
     for i, j in _clashes(boxes):
         if standing[i] and standing[j]:
-            yield f"{_name(pieces[i])} and {_name(pieces[j])} in {pieces[i].room!r} run into each other"
+            yield f"{piece_name(pieces[i])} and {piece_name(pieces[j])} in {pieces[i].room!r} run into each other"
     yield from _on_the_stairs(house, boxes)
     for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
         if standing[i]:
-            yield f"{_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
+            yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
     windows = boxes_of([(*window.position, *window.size, window.yaw) for window in house.windows])
     for i, j in overlaps(boxes, windows, _TOLERANCE_M).tolist():
-        yield f"{_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
+        yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
     yield from _swings(house, boxes, hung, walls)
 
 
@@ -69,7 +69,7 @@ def _between_floor_and_ceiling(house: House) -> Iterator[str]:
         top = bottom + piece.size[2]
         if not storey.floor_m - _HEIGHT_TOLERANCE_M <= bottom <= top <= storey.ceiling_m + _HEIGHT_TOLERANCE_M:
             yield (
-                f"{_name(piece)} reaches from {bottom:.2f} to {top:.2f} m; valid: {storey.floor_m:.2f} ... "
+                f"{piece_name(piece)} reaches from {bottom:.2f} to {top:.2f} m; valid: {storey.floor_m:.2f} ... "
                 f"{storey.ceiling_m:.2f} m, floor to ceiling"
             )
 
@@ -98,7 +98,8 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
     steps = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, 0.0) for _, p in parts])
     hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
     for i, stairs in hits:
-        yield f"{_name(house.furniture[i])} in {house.furniture[i].room!r} stands in the flights of the stairs {stairs!r}"
+        piece = house.furniture[i]
+        yield f"{piece_name(piece)} in {piece.room!r} stands in the flights of the stairs {stairs!r}"
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
@@ -110,7 +111,7 @@ def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -
     for i, j in outlines_over(sectors, hung.span, boxes, _TOLERANCE_M).tolist():
         piece = house.furniture[j]
         if piece.solid and piece.size[2] > FLAT_M:
-            yield f"{_name(piece)} in {piece.room!r} is in the way of {_leaf_name(house, leaves[i])}"
+            yield f"{piece_name(piece)} in {piece.room!r} is in the way of {_leaf_name(house, leaves[i])}"
     for i, j in outlines_over(sectors, hung.span, hung, _TOLERANCE_M).tolist():
         if i != j:
             yield f"{_leaf_name(house, leaves[j])} as it stands is in the way of {_leaf_name(house, leaves[i])}"
@@ -126,7 +127,8 @@ def _wall_row(wall: Wall) -> tuple[float, ...]:
     return (x0 + x1) / 2, (y0 + y1) / 2, wall.bottom_m, x1 - x0, y1 - y0, wall.top_m - wall.bottom_m, 0.0
 
 
-def _name(piece: Furniture) -> str:
+def piece_name(piece: Furniture) -> str:
+    """A piece by its id and kind, for messages."""
     return f"furniture {piece.id!r} ({piece.kind})"
 
 

@@ -7,8 +7,10 @@ formats see `worlds.imports.geojson` and `worlds.imports.svg`.
 
 import math
 import re
+import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from worlds.errors import SpecError, WorldsError
@@ -17,13 +19,15 @@ from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built
 from worlds.imports.geojson import read_geojson, to_geojson
 from worlds.imports.made_up import made_up
 from worlds.imports.straighten import main_direction, straighten, turned
-from worlds.imports.svg import read_svg
 from worlds.reading import read_text
 from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
+from worlds.spec_errors import listed
 from worlds.validation import built_and_checked
 
 _SLAB_M = 0.3
 _FAR_M = 900.0
+_WIDER_M = (0.1, 0.15, 0.2, 0.25, 0.3)
+"""Values of `snap_m` that are tried to find out what would mend a plan."""
 _EXACT_M = 0.001
 """A plan that stands with corners moved by no more is left as it is drawn."""
 
@@ -38,15 +42,24 @@ class ImportedPlan:
 
 
 def import_plan(
-    path: Path | str, *, metres_per_unit: float | None = None, snap_m: float = 0.05, name: str | None = None, seed: int = 0
+    path: Path | str,
+    *,
+    metres_per_unit: float | None = None,
+    snap_m: float = 0.05,
+    only_drawn: bool = False,
+    name: str | None = None,
+    seed: int = 0,
 ) -> ImportedPlan:
     """The house in a floor plan; windows and furniture are filled in by `build_house`.
+
+    Rooms that the drawn openings do not reach get doors, and stairs without an opening get a way up and a way down.
 
     Args:
         path: a file that ends in .svg, .geojson or .json, of at most 16 MB.
         metres_per_unit: scale of the drawing; None: of GeoJSON 1, of SVG what its root says.
         snap_m: where the plan does not stand as drawn, corners so near to each other lie on one line [m]; as wide as walls
             are drawn, if rooms have gaps between.
+        only_drawn: no openings but the drawn ones.
         name: of the house; None: the file's.
         seed: of the house.
 
@@ -62,19 +75,52 @@ def import_plan(
     try:
         drawing = _read(path, metres_per_unit)
         doubt = drawing.doubt
-        try:
-            spec, notes = _proved(drawing, _EXACT_M, (name or path.stem)[:200], seed)
-        except WorldsError:
-            spec, notes = _proved(drawing, snap_m, (name or path.stem)[:200], seed)
-            notes.append(f"corners less than {snap_m:g} m off were moved to common lines")
+        spec, notes = _standing(_Plan(drawing, (name or path.stem)[:200], seed, only_drawn), snap_m)
     except WorldsError as error:
         raise type(error)(f"{path}: {error}{doubt}") from None
     return ImportedPlan(spec, (*drawing.notes, *notes))
 
 
-def _proved(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[HouseSpec, list[str]]:
+@dataclass(frozen=True)
+class _Plan:
+    """A drawing, and what is asked for besides."""
+
+    drawing: Drawing
+    name: str
+    seed: int
+    only_drawn: bool
+
+
+def _standing(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
+    """The house and notes, as drawn or else with corners moved by `snap_m`.
+
+    Raises `WorldsError` where it stands neither way; the message names the `snap_m` with which it would, if there is one.
+    """
+    with suppress(WorldsError):
+        return _proved(plan, _EXACT_M)
+    try:
+        spec, notes = _proved(plan, snap_m)
+    except WorldsError as error:
+        raise type(error)(f"{error}{_hint(plan, snap_m)}") from None
+    return spec, [*notes, f"corners less than {snap_m:g} m off were moved to common lines"]
+
+
+def _hint(plan: _Plan, snap_m: float) -> str:
+    """What would mend a plan that does not stand, to end a message with."""
+    for wider_m in (wider_m for wider_m in _WIDER_M if wider_m > snap_m):
+        with suppress(WorldsError):
+            _proved(plan, wider_m)
+            return f"; the plan stands with --snap {wider_m:g} (in Python snap_m={wider_m:g})"
+    if plan.only_drawn:
+        with suppress(WorldsError):
+            _standing(replace(plan, only_drawn=False), snap_m)
+            return "; the plan stands without --only-drawn (in Python only_drawn=False)"
+    return ""
+
+
+def _proved(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     """The house and notes. Raises `WorldsError` where the house does not stand."""
-    spec, notes = _house(drawing, snap_m, name, seed)
+    spec, notes = _house(plan, snap_m)
     built_and_checked(spec)
     return spec, notes
 
@@ -82,14 +128,17 @@ def _proved(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[Hous
 def _read(path: Path, metres_per_unit: float | None) -> Drawing:
     match path.suffix.lower():
         case ".svg":
+            from worlds.imports.svg import read_svg  # its library takes a second to import
+
             return read_svg(read_text(path), metres_per_unit)
         case ".geojson" | ".json":
             return read_geojson(read_text(path), 1.0 if metres_per_unit is None else metres_per_unit)
     raise SpecError(f"ends in {path.suffix!r}; valid: .svg, .geojson, .json")
 
 
-def _house(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[HouseSpec, list[str]]:
+def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     notes: list[str] = []
+    drawing = plan.drawing
     angle = main_direction(drawing.rooms)
     if angle:
         notes.append(f"turned by {-math.degrees(angle):.2f} degrees, so that walls run along x and y")
@@ -104,15 +153,23 @@ def _house(drawing: Drawing, snap_m: float, name: str, seed: int) -> tuple[House
         for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
     ]
     storeys = _storeys(drawing, rooms)
-    if drawing.strokes:
-        by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
-        openings = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
-    else:
-        openings = dict(enumerate(made_up(storeys, _SLAB_M)))
-        made = sum(map(len, openings.values()))
-        notes.append(f"no openings are drawn: {made} were made up, so that every room can be reached")
-    whole = tuple(s.model_copy(update={"openings": openings.get(level, ())}) for level, s in enumerate(storeys))
-    return built("the house", HouseSpec, name=name, seed=seed, slab_m=_SLAB_M, storeys=whole), notes
+    by_name = {room.name or identifier: identifier for room, identifier in zip(drawing.rooms, ids, strict=True)}
+    drawn = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
+    storeys = [s.model_copy(update={"openings": drawn.get(level, ())}) for level, s in enumerate(storeys)]
+    if not plan.only_drawn:
+        storeys = _completed(storeys, notes)
+    fields = {"name": plan.name, "seed": plan.seed, "slab_m": _SLAB_M, "storeys": tuple(storeys)}
+    return built("the house", HouseSpec, **fields), notes
+
+
+def _completed(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
+    """The storeys with openings made up for what the drawn ones do not reach."""
+    added = made_up(storeys, _SLAB_M)
+    told = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
+    if told:
+        drawn = "the drawn openings do not reach every room" if any(s.openings for s in storeys) else "no openings are drawn"
+        notes.append(f"{drawn}; made up, so that every room can be reached: {listed(told)}")
+    return [s.model_copy(update={"openings": (*s.openings, *more)}) for s, more in zip(storeys, added, strict=True)]
 
 
 def _drawn_openings(
@@ -149,7 +206,8 @@ def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
     """A name for each room, as near to the drawn one as the format allows, the only one in the house."""
     ids: list[str] = []
     for room in rooms:
-        plain = re.sub(r"^[^A-Za-z0-9]+", "", re.sub(r"[^A-Za-z0-9 _.'-]+", " ", room.name)).strip()[:56] or room.label
+        plain = unicodedata.normalize("NFKD", room.name).encode("ascii", "ignore").decode()  # "Büro" becomes "Buro"
+        plain = re.sub(r"^[^A-Za-z0-9]+", "", re.sub(r"[^A-Za-z0-9 _.'-]+", " ", plain)).strip()[:56] or room.label
         number = 2
         identifier = plain
         while identifier in ids:

@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -18,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.reading import read_text
-from worlds.spec_errors import explain, listed, near, read_json
+from worlds.spec_errors import MAX_MISTAKES, explain, listed, near, read_json, refusal
 
 MAX_ROOMS = 200
 MIN_WALL_M = 0.005
@@ -38,6 +39,13 @@ PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
 """What one can walk through; over a half wall or a counter one can only look."""
 
 
+class _MistakesError(ValueError):
+    """Several mistakes that one validator found, each an argument."""
+
+    def __str__(self) -> str:
+        return "; ".join(self.args)
+
+
 class _Data(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -48,7 +56,7 @@ class RoomSpec(_Data):
     id: Identifier
     label: str = Field(description="what it is used for", json_schema_extra={"enum": list(ROOM_LABELS)})
     polygon_m: tuple[Point, ...] = Field(
-        min_length=4, max_length=64, fail_fast=True, description="rectilinear, counter-clockwise, corners in [m]"
+        min_length=4, max_length=64, description="rectilinear, counter-clockwise, corners in [m]"
     )
     seed: Seed | None = Field(
         default=None,
@@ -159,13 +167,13 @@ class StoreySpec(_Data):
     """One storey; storeys stand on each other in the order of the list."""
 
     height_m: float = Field(default=2.6, gt=2.0, le=6.0, description="floor to ceiling [m]")
-    rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS, fail_fast=True)
-    openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS, fail_fast=True)
+    rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS)
+    openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS)
     windows: tuple[WindowSpec, ...] | None = Field(
-        default=None, max_length=4 * MAX_ROOMS, fail_fast=True, description="absent: filled in from the house's seed"
+        default=None, max_length=4 * MAX_ROOMS, description="absent: filled in from the house's seed"
     )
     furniture: tuple[FurnitureSpec, ...] | None = Field(
-        default=None, max_length=4000, fail_fast=True, description="absent: filled in from the house's seed"
+        default=None, max_length=4000, description="absent: filled in from the house's seed"
     )
 
 
@@ -190,21 +198,17 @@ class HouseSpec(_Data):
         default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in [1]; 0: none, 1: usual, 4: a hoarder's"
     )
     appearance: AppearanceSpec = AppearanceSpec()
-    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8, fail_fast=True)
+    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
 
     @model_validator(mode="after")
     def _names_resolve(self) -> "HouseSpec":
-        _check_unique("room", [room.id for storey in self.storeys for room in storey.rooms])
-        _check_unique("furniture", [piece.id for storey in self.storeys for piece in storey.furniture or ()])
-        for level, storey in enumerate(self.storeys):
-            known = {room.id for room in storey.rooms}
-            for collection, i, named in _room_names(storey):
-                for missing in sorted(known.union(named) - known):
-                    rooms = sorted(known)
-                    raise ValueError(
-                        f"storeys[{level}].{collection}[{i}] names room {missing!r}{near(missing, rooms)}; "
-                        f"its storey's rooms are {listed(rooms)}"
-                    )
+        mistakes = [
+            *_repeated("room", [room.id for storey in self.storeys for room in storey.rooms]),
+            *_repeated("furniture", [piece.id for storey in self.storeys for piece in storey.furniture or ()]),
+            *(mistake for level, storey in enumerate(self.storeys) for mistake in _unknown_rooms(level, storey)),
+        ]
+        if mistakes:
+            raise _MistakesError(*mistakes)
         return self
 
     @model_validator(mode="after")
@@ -232,7 +236,10 @@ class HouseSpec(_Data):
 
     @classmethod
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":
-        """Read a spec; `source` is named in errors. Raises `SpecError`."""
+        """Read a spec; `source` is named in errors.
+
+        Raises `SpecError` with the first malformed field as its message, and the further ones as its notes.
+        """
         try:
             data = read_json(text, json_schema())
         except SpecError as error:
@@ -240,7 +247,7 @@ class HouseSpec(_Data):
         try:
             return cls.model_validate_json(text, strict=True)
         except ValidationError as error:
-            raise SpecError(f"{source}: {explain(error, data, json_schema())}") from None
+            raise refusal(source, explain(error, data, json_schema())) from None
 
     @classmethod
     def load(cls, path: Path | str) -> "HouseSpec":
@@ -263,10 +270,21 @@ def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]
     yield from (("furniture", i, (piece.room,)) for i, piece in enumerate(storey.furniture or ()))
 
 
-def _check_unique(what: str, ids: list[str]) -> None:
-    repeated = sorted(i for i, times in Counter(ids).items() if times > 1)
-    if repeated:
-        raise ValueError(f"{what} ids must be unique in the house; repeated: {listed(repeated)}")
+def _unknown_rooms(level: int, storey: StoreySpec) -> Iterator[str]:
+    """A message for each reference to a room that the storey does not have, as many as anybody reads."""
+    known = {room.id for room in storey.rooms}
+    rooms = sorted(known)
+    unknown = ((place, i, missing) for place, i, named in _room_names(storey) for missing in sorted({*named} - known))
+    for collection, i, missing in islice(unknown, MAX_MISTAKES + 1):
+        yield (
+            f"storeys[{level}].{collection}[{i}] names room {missing!r}{near(missing, rooms)}; "
+            f"its storey's rooms are {listed(rooms)}"
+        )
+
+
+def _repeated(what: str, ids: list[str]) -> Iterator[str]:
+    if repeated := sorted(i for i, times in Counter(ids).items() if times > 1):
+        yield f"{what} ids must be unique in the house; repeated: {listed(repeated)}"
 
 
 @cache

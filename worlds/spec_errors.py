@@ -7,18 +7,24 @@ import difflib
 import json
 import math
 import re
-from collections import Counter
+import textwrap
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from worlds.errors import SpecError
 
 MAX_JSON_BYTES = 16_000_000
 MAX_VALUES = 2_000_000
 _MAX_FIELDS = 100
+MAX_MISTAKES = 20
+"""Malformed fields that are named one by one."""
+_MAX_LINE = 380
 _CONTENTS = "valid: a house as JSON"
+_TOO_DEEP = f"is nested too deeply; {_CONTENTS}"
 _IDENTIFIER = "a name of 1 to 64 letters, digits, spaces and _ . ' -, the first a letter or digit"
 _UNIT = re.compile(r"\[(?:m|rad|1)\]")
 _PATH = tuple[str | int, ...]
@@ -37,7 +43,7 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
     except json.JSONDecodeError as error:
         raise SpecError(f"is not JSON: {error.msg} at line {error.lineno} column {error.colno}; {_CONTENTS}") from None
     except RecursionError:
-        raise SpecError(f"is nested too deeply; {_CONTENTS}") from None
+        raise SpecError(_TOO_DEEP) from None
     except SpecError:
         raise
     except ValueError:
@@ -69,30 +75,62 @@ def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[s
             _check_sizes(data[key], (*path, key), node["properties"][key], schema)
 
 
-def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> str:
-    """The first mistake, in one line: where it is, what it is, what would be valid."""
-    problems = error.errors(include_url=False)
-    first = problems[0]
-    if first["type"] == "missing":
-        # A misspelt field is missing under its right name; the wrong one says more.
-        first = next((p for p in problems if p["type"] == "extra_forbidden" and p["loc"][:-1] == first["loc"][:-1]), first)
-    path: _PATH = first["loc"]
-    kind, value = first["type"], first["input"]
+def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> list[str]:
+    """One line for each malformed field: where it is, what it is, what would be valid.
+
+    After `MAX_MISTAKES` lines a last one says how many mistakes are left.
+    """
+    problems = [problem for problem in error.errors(include_url=False) if not _follows(problem)]
+    misspelt = defaultdict(list)
+    for problem in problems:
+        if problem["type"] == "extra_forbidden":
+            misspelt[problem["loc"][:-1]].append(problem["loc"][-1])
+    lines: dict[str, None] = {}
+    for i, problem in enumerate(problems):
+        if len(lines) >= MAX_MISTAKES:
+            return [*lines, f"and {len(problems) - i} more malformed fields"]
+        *parent, field = problem["loc"] or ("",)
+        # A misspelt field is missing under its right name too; the wrong name says more.
+        if problem["type"] != "missing" or not any(near(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]):
+            lines |= dict.fromkeys(_explained(problem, data, schema))
+    return list(lines)
+
+
+def _follows(problem: ErrorDetails) -> bool:
+    """Whether a list is called too short only because pydantic does not count its malformed items."""
+    return problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"]
+
+
+def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> list[str]:
+    path: _PATH = problem["loc"]
+    kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         valid = list(_node(path[:-1], schema).get("properties", {}))
-        return f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}; valid: {', '.join(valid)}"
+        unknown = f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}"
+        return [f"{unknown}; valid: {', '.join(valid)}"]
     if kind == "value_error":
-        return _place(path, data) + first["msg"].removeprefix("Value error, ")
+        return [_place(path, data) + str(mistake) for mistake in problem["ctx"]["error"].args[:MAX_MISTAKES]]
     if kind == "json_invalid":
-        return f"is not JSON: {first['ctx']['error']}; {_CONTENTS}"
+        why = problem["ctx"]["error"]
+        return [_TOO_DEEP if why.startswith("recursion limit") else f"is not JSON: {why}; {_CONTENTS}"]
     if kind == "missing" and isinstance(path[-1], int):
         path, kind, value = path[:-1], "too_short", list(_at(data, path[:-1]))
     valid_here = _described(_node(path, schema), schema)
     if kind == "missing":
-        return f"{_place(path, data)}is missing; valid: {valid_here}"
+        return [f"{_place(path, data)}is missing; valid: {valid_here}"]
     if kind in ("too_short", "too_long") and isinstance(value, list):
-        return f"{_place(path, data)}has {len(value)} items; valid: {valid_here}"
-    return f"{_place(path, data)}is {_shown(value)}; valid: {valid_here}"
+        return [f"{_place(path, data)}has {len(value)} items; valid: {valid_here}"]
+    return [f"{_place(path, data)}is {_shown(value)}; valid: {valid_here}"]
+
+
+def refusal(source: str, mistakes: Sequence[str]) -> SpecError:
+    """The error for a file with mistakes: the first is its message, each further one a note, none of them a long line."""
+    room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
+    first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)
+    error = SpecError(first)
+    for other in others:
+        error.add_note(other)
+    return error
 
 
 def near(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:

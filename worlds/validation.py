@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
+from worlds.barriers import reachability_problems
 from worlds.errors import HouseError
 from worlds.furniture_checks import furniture_problems
 from worlds.house import House, build_house
 from worlds.opening_checks import opening_problems
 from worlds.plan_checks import overlap_problems, plan_problems
 from worlds.plan_grid import PlanGrid
-from worlds.reachability import unreachable_rooms
 from worlds.spec import HouseSpec
 
 BODY_RADIUS_M = 0.25
@@ -42,11 +42,7 @@ def problems(house: House) -> Iterator[str]:
     yield from plan_problems(house, grid)
     yield from opening_problems(house)
     yield from furniture_problems(house, grid)
-    if missing := unreachable_rooms(house, grid, BODY_RADIUS_M):
-        yield (
-            f"not reachable on foot (body radius {BODY_RADIUS_M} m): {', '.join(missing)}; "
-            "add an opening, stairs or free space"
-        )
+    yield from reachability_problems(house, grid, BODY_RADIUS_M)
 
 
 def spec_problems(spec: HouseSpec) -> Iterator[str]:

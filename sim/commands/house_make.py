@@ -65,7 +65,13 @@ def _variant(arguments: argparse.Namespace) -> int:
 def _import(arguments: argparse.Namespace) -> int:
     from worlds.plan_import import import_plan
 
-    plan = import_plan(arguments.plan, metres_per_unit=arguments.metres_per_unit, snap_m=arguments.snap, seed=arguments.seed)
+    plan = import_plan(
+        arguments.plan,
+        metres_per_unit=arguments.metres_per_unit,
+        snap_m=arguments.snap,
+        only_drawn=arguments.only_drawn,
+        seed=arguments.seed,
+    )
     write_checked(plan.spec, arguments.out)
     for note in plan.notes:
         print(f"note: {note}")
@@ -140,7 +146,13 @@ IMPORT = Action(
             type=number(0.001, 0.3),
             default=0.05,
             metavar="M",
-            help="corners so near to each other lie on one line, in metres (default: %(default)s)",
+            help="corners so near to each other lie on one line, in metres; as wide as walls are drawn, if rooms have gaps "
+            "between (default: %(default)s)",
+        ),
+        argument(
+            "--only-drawn",
+            action="store_true",
+            help="no doors but the drawn ones (default: rooms that they do not reach get doors made up)",
         ),
         SEED,
         _OUT,

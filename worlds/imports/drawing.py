@@ -1,7 +1,7 @@
 """A floor plan as somebody drew it: polygons and strokes that are nearly, but not quite, a house."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
@@ -12,13 +12,14 @@ from pydantic import BaseModel, ValidationError
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
-from worlds.spec_errors import explain, near
+from worlds.spec_errors import explain, near, refusal
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
 _SURE = 0.8
 """Likeness of words from which a guess is made unasked: below it, `wall` is a `half wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
+_Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
 _LABELS = {label.replace("-", " "): label for label in ROOM_LABELS} | {
     "bath": "bathroom", "wc": "toilet", "restroom": "toilet", "hall": "corridor", "hallway": "corridor",
@@ -96,7 +97,8 @@ def label_of(where: str, text: str) -> str:
 
 def find_kind(text: str) -> OpeningKind | None:
     """The kind of opening that a text means, if any."""
-    return _KINDS.get(words(text).replace("-", " "))
+    word = words(text).replace("-", " ")
+    return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
 
 def kind_of(where: str, text: str) -> OpeningKind:
@@ -118,6 +120,11 @@ def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tup
     return tuple(islice(notes, _MAX_NOTES))
 
 
+def some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
+    """Things in a line, not too many."""
+    return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
+
+
 def storey_of(where: str, value: object) -> int:
     """A storey's number, 0 for the ground floor. Raises `SpecError`."""
     text = str(value)
@@ -133,7 +140,8 @@ def built(where: str, model: type[_Model], **fields: Any) -> _Model:
     except ValidationError as error:
         schema = json_schema()
         part = schema["$defs"].get(error.title, schema)
-        raise SpecError(f"{where}: {explain(error, None, {**part, '$defs': schema['$defs']})}") from None
+        mistakes = explain(error, None, {**part, "$defs": schema["$defs"]})
+        raise refusal(where, mistakes) from None
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> Drawing:

@@ -11,10 +11,11 @@ other properties.
 """
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from worlds.errors import SpecError
-from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, storey_of
+from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, some, storey_of
 from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
@@ -40,7 +41,7 @@ def _drawing(data: object, metres_per_unit: float) -> Drawing:
     rooms: list[DrawnRoom] = []
     strokes: list[Stroke] = []
     spoken: list[tuple[str, str]] = []
-    passed_over = 0
+    passed_over: list[str] = []
     for i, feature in enumerate(data["features"]):
         properties, geometry = _parts(feature)
         where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _text(properties, "name")) else "")
@@ -54,9 +55,18 @@ def _drawing(data: object, metres_per_unit: float) -> Drawing:
             points = _ends(where, geometry, metres_per_unit)
             strokes.append(Stroke(where, kind_of(where, str(properties["kind"])), storey, points, details))
         else:
-            passed_over += 1
-    notes = (f"{passed_over} features without a label or a kind were passed over",) if passed_over else ()
+            passed_over.append(where)
+    if rooms and _in_degrees(rooms):
+        raise SpecError("has coordinates in degrees, it seems: the whole plan is smaller than 0.5 m; valid: metres, x and y")
+    notes = (f"passed over, because they have neither a label nor a kind: {some(passed_over)}",) if passed_over else ()
     return checked(rooms, strokes, heights_m=_heights(data), notes=guesses(spoken, _PROPERTIES) + notes)
+
+
+def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
+    """Whether corners are at longitudes and latitudes: a house is a hundred-thousandth of the Earth, or less."""
+    x, y = zip(*(corner for room in rooms for corner in room.corners), strict=True)
+    is_small = max(x) - min(x) < 0.5 and max(y) - min(y) < 0.5
+    return is_small and all(abs(degrees) <= 180.0 for degrees in (*x, *y))
 
 
 def to_geojson(spec: HouseSpec) -> str:

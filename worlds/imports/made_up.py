@@ -1,4 +1,4 @@
-"""Openings for plans that have none: a tree of doors, and a way up and a way down for stairs."""
+"""Openings that a plan lacks: doors to rooms that the drawn ones do not reach, and a way up and a way down for stairs."""
 
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -6,11 +6,12 @@ from itertools import product
 import numpy as np
 
 from worlds.errors import HouseError, SpecError
+from worlds.gaps import Gap
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.layout import Link, StoreyLayout
-from worlds.openings import CORNER_M, MIN_DOOR_M, place_openings
-from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
-from worlds.stair_cells import Bounds, Leads, bounds, is_same_cell
+from worlds.openings import MIN_DOOR_M, free_spans, place_openings
+from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.stair_cells import Bounds, Leads, bounds, flights, is_same_cell, opening_that_leads
 from worlds.stairs import build_stairs
 from worlds.walls import Boundary, boundaries
 
@@ -23,35 +24,75 @@ _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
 def made_up(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
-    """For each storey, openings that let one walk from every room to every other. Raises `WorldsError`."""
+    """For each storey, openings to add so that one can walk from every room to every other; none where one can already.
+
+    Where stairs have any drawn opening that one walks through, none is added to them. Raises `WorldsError` where no place
+    is left for an opening.
+    """
     stairs: list[list[OpeningSpec]] = [[] for _ in storeys]
     for level, storey in enumerate(storeys):
         for cell in storey.rooms:
-            if cell.label == STAIRS and not (level and _cells(storeys[level - 1], cell)):
+            if cell.label == STAIRS and not (level and _cells(storeys[level - 1], cell)) and not _has_a_way(storeys, cell):
                 for k, openings in enumerate(_ways(storeys, level, cell, slab_m), start=level):
                     stairs[k] += openings
+    group = _walked_groups(storeys)
     rng = np.random.default_rng(0)
-    return [
-        place_openings(StoreyLayout(storey.rooms, tuple(_links(storey)), tuple(ways), storey.height_m), rng)
-        for storey, ways in zip(storeys, stairs, strict=True)
-    ]
+    added = []
+    for storey, ways in zip(storeys, stairs, strict=True):
+        present = (*storey.openings, *ways)
+        links = tuple(_links(storey, present, group))
+        whole = place_openings(StoreyLayout(storey.rooms, links, present, storey.height_m), rng)
+        added.append(whole[len(storey.openings) :])
+    return added
 
 
-def _links(storey: StoreySpec) -> Iterator[Link]:
-    """A tree of doors through the rooms: through halls rather than rooms, through long walls rather than short ones."""
+def _has_a_way(storeys: Sequence[StoreySpec], cell: RoomSpec) -> bool:
+    """Whether an opening that one walks through is drawn anywhere in a stack of cells."""
+    cells = {room.id for storey in storeys for room in _cells(storey, cell)}
+    drawn = (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE)
+    return any(not cells.isdisjoint(opening.rooms) for opening in drawn)
+
+
+def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
+    """For each room but stairs, one room that stands for all those that the drawn openings and stairs join it to."""
+    spec = HouseSpec(storeys=tuple(storeys))
+    group = {room.id: room.id for storey in storeys for room in storey.rooms if room.label != STAIRS}
+    for opening in (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE):
+        _join(group, *opening.rooms)
+    for level, place in flights(spec):
+        below = storeys[level].rooms[place]
+        above = _cells(storeys[level + 1], below)[0]
+        try:
+            foot, head = opening_that_leads(spec, level, below, "up"), opening_that_leads(spec, level + 1, above, "down")
+        except HouseError:
+            continue  # the proof of the whole house will tell
+        _join(group, *(room for opening in (foot, head) for room in opening.rooms if room in group))
+    return group
+
+
+def _join(group: dict[str, str], *rooms: str) -> bool:
+    """Make one group of two rooms' groups; whether they were two. Stairs are in no group."""
+    if len(rooms) != 2 or not group.keys() >= {*rooms} or group[rooms[0]] == group[rooms[1]]:
+        return False
+    old, new = (group[room] for room in rooms)
+    group.update({room: new for room, its in group.items() if its == old})
+    return True
+
+
+def _links(storey: StoreySpec, present: Sequence[OpeningSpec], group: dict[str, str]) -> Iterator[Link]:
+    """Doors that join all groups of rooms: through halls rather than rooms, through long walls rather than short ones.
+
+    `group` is changed to what the doors make of it.
+    """
     label = {room.id: room.label for room in storey.rooms}
+    gaps = [Gap.of(opening, {room.id: room for room in storey.rooms}) for opening in present]
     walls: dict[tuple[str, str], float] = {}
-    for line in boundaries(storey):
-        a, b = line.rooms
-        if a is not None and b is not None and STAIRS not in (label[a], label[b]):
-            pair = (min(a, b), max(a, b))
-            walls[pair] = max(line.length, walls.get(pair, 0.0))
-    wide = [pair for pair, length in walls.items() if length >= MIN_DOOR_M + 2 * CORNER_M]
-    group = {room: room for room in label}
-    for a, b in sorted(wide, key=lambda pair: (_rank(label[pair[0]], label[pair[1]]), -walls[pair], pair)):
-        if group[a] != group[b]:
-            old, new = group[a], group[b]
-            group = {room: new if its == old else its for room, its in group.items()}
+    for line, low, high in free_spans((line for line in boundaries(storey) if None not in line.rooms), gaps):
+        a, b = sorted(map(str, line.rooms))
+        if STAIRS not in (label[a], label[b]) and high - low >= MIN_DOOR_M - 1e-9:
+            walls[a, b] = max(high - low, walls.get((a, b), 0.0))
+    for a, b in sorted(walls, key=lambda pair: (_rank(label[pair[0]], label[pair[1]]), -walls[pair], pair)):
+        if _join(group, a, b):
             yield Link((a, b))
 
 

@@ -15,6 +15,8 @@ _SLOPE = 0.02
 """A wall may be so far off its direction, per metre, beside what corners are off."""
 _AGREE_RAD = math.radians(3.0)
 """Walls agree on a direction if they differ by no more."""
+_ROUNDING_M = 1e-6
+"""Lines that are 0.1 m apart in a file may be 0.1 m and a rounding error apart in memory."""
 _TURN_RAD = 1e-3
 """A plan is not turned by less."""
 Lines = Callable[[float], float]
@@ -82,10 +84,10 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
 
 
 def _common_lines(values: list[float], snap_m: float) -> Lines:
-    """Values less than `snap_m` from each other's middle share a line: the one most often drawn, to the millimetre."""
+    """Values no more than `snap_m` from each other's middle share a line: the one most often drawn, to the millimetre."""
     groups: list[list[float]] = []
     for value in sorted(values):
-        if groups and value - groups[-1][0] <= 2 * snap_m and value - groups[-1][-1] <= snap_m:
+        if groups and value - groups[-1][0] <= 2 * snap_m + _ROUNDING_M and value - groups[-1][-1] <= snap_m + _ROUNDING_M:
             groups[-1].append(value)
         else:
             groups.append([value])

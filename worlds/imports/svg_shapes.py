@@ -1,121 +1,89 @@
-"""The geometry of SVG: the points of straight shapes, and transforms."""
+"""The geometry of SVG: the corners of straight shapes, lengths with units, and transforms; svgpathtools reads the syntax."""
 
-import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from worlds.errors import SpecError
-from worlds.spec import Point
+import numpy as np
+from jaxtyping import Complex, Float64
+from svgpathtools import Line, parse_path, parse_transform
 
-Affine = Callable[[Point], Point]
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_TRANSFORM = re.compile(r"(\w+)\s*\(([^()]*)\)")
-_COMMAND = re.compile(r"([A-Za-z])([^A-Za-df-z]*)")
+from worlds.errors import SpecError
+
+ROOM_TAGS = ("rect", "polygon", "polyline", "path")
+OPENING_TAGS = ("line", "polyline", "path")
+TAGS = (*ROOM_TAGS, "line")
+PX_PER_UNIT = {"": 1.0, "px": 1.0, "in": 96.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "pt": 96.0 / 72.0, "pc": 16.0}
+"""CSS pixels in a unit of length; an inch has 96 of them."""
+_LENGTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
+_CURVES = frozenset("CcSsQqTtAa")
 _MAX_POINTS = 1000
 
 
-@dataclass(frozen=True)
-class Shape:
-    """The corners of a shape in its own coordinates."""
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """The corners of a shape, x right and y down, in the units of the drawing."""
 
-    points: tuple[Point, ...]
+    corners: Complex[np.ndarray, "n"]
+    """x + iy; the first is not repeated at the end."""
     closed: bool
 
 
-def outline(where: str, tag: str, attributes: dict[str, str]) -> Shape:
-    """The corners of a `rect`, `polygon`, `polyline`, `line` or straight `path`. Raises `SpecError`."""
-    if tag == "rect":
-        x, y, width, height = (_length(where, attributes, name) for name in ("x", "y", "width", "height"))
-        shape = Shape(((x, y), (x + width, y), (x + width, y + height), (x, y + height)), True)
-    elif tag == "line":
-        x1, y1, x2, y2 = (_length(where, attributes, name) for name in ("x1", "y1", "x2", "y2"))
-        shape = Shape(((x1, y1), (x2, y2)), False)
-    elif tag == "path":
-        shape = _path(where, attributes.get("d", ""))
-    else:
-        numbers = _numbers(attributes.get("points", ""))
-        shape = Shape(tuple(zip(numbers[::2], numbers[1::2], strict=False)), tag == "polygon")
-    if not 2 <= len(shape.points) <= _MAX_POINTS:
-        raise SpecError(f"{where}: has {len(shape.points)} corners; valid: 2 to {_MAX_POINTS}")
-    return shape
+def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Float64[np.ndarray, "3 3"]) -> Outline:
+    """The corners of a shape made of straight lines. Raises `SpecError`."""
+    text = _path_data(where, tag, attributes).strip()
+    if len(re.findall("[Mm]", text)) > 1:
+        raise SpecError(f"{where}: its path has more than one part; draw one shape for each room or opening")
+    try:
+        segments = list(parse_path(text)) if text[:1] in ("M", "m") else []
+    except (ValueError, AssertionError):
+        raise SpecError(f"{where}: its coordinates cannot be read; valid: as in 'M 0 0 H 4 V 3 H 0 Z'") from None
+    if curve := next((segment for segment in segments if not isinstance(segment, Line)), None):
+        raise SpecError(
+            f"{where}: its path has a curve ({type(curve).__name__}); valid: straight lines (M, L, H, V, Z), "
+            "of a door the one along its wall"
+        )
+    points = np.array([*(line.start for line in segments), *(line.end for line in segments[-1:])], np.complex128)
+    if not 2 <= len(points) <= _MAX_POINTS:
+        raise SpecError(f"{where}: has {len(points)} corners; valid: 2 to {_MAX_POINTS}")
+    closed = bool(points[0] == points[-1])
+    x, y, _ = T_svg_shape @ np.stack([points.real, points.imag, np.ones(len(points))])
+    return Outline((x + 1j * y)[: len(points) - closed], closed)
 
 
-def _length(where: str, attributes: dict[str, str], name: str) -> float:
-    text = attributes.get(name, "0").strip().removesuffix("px")
-    if not _NUMBER.fullmatch(text):
-        raise SpecError(f"{where}: {name} is {text[:40]!r}; valid: a number without a unit")
-    return float(text)
+def _path_data(where: str, tag: str, attributes: Mapping[str, str]) -> str:
+    def length(name: str) -> float:
+        return length_px(where, name, attributes.get(name, "0"))
+
+    match tag:
+        case "rect":
+            return f"M{length('x')} {length('y')}h{length('width')}v{length('height')}h{-length('width')}z"
+        case "line":
+            return f"M{length('x1')} {length('y1')}L{length('x2')} {length('y2')}"
+        case "path":
+            return attributes.get("d", "")
+    return f"M{attributes.get('points', '')}{'z' if tag == 'polygon' else ''}"
 
 
-def _numbers(text: str) -> list[float]:
-    return [float(number) for number in _NUMBER.findall(text)]
+def is_curved(attributes: Mapping[str, str]) -> bool:
+    """Whether a path has a command for a curve."""
+    return not _CURVES.isdisjoint(attributes.get("d", ""))
 
 
-def _path(where: str, text: str) -> Shape:
-    points: list[Point] = []
-    closed = False
-    for command, rest in _COMMAND.findall(text.replace("E", "e")):
-        if closed:
-            raise SpecError(f"{where}: its path has more than one part; draw one shape for each room or opening")
-        if command in "Zz":
-            closed = True
-        elif command in "MmLlHhVv":
-            if command in "Mm" and points:
-                raise SpecError(f"{where}: its path has more than one part; draw one shape for each room or opening")
-            points += _steps(command, _numbers(rest), points[-1] if points else (0.0, 0.0))
-        else:
-            raise SpecError(f"{where}: its path has a curve ({command}); valid: straight lines (M, L, H, V, Z)")
-    return Shape(tuple(points), closed)
+def length_px(where: str, name: str, text: str) -> float:
+    """A length in CSS pixels, which are the units of a drawing without a viewBox. Raises `SpecError`."""
+    match = _LENGTH.fullmatch(text.strip())
+    if match is None or match[2] not in PX_PER_UNIT:
+        units = ", ".join(filter(None, PX_PER_UNIT))
+        raise SpecError(f"{where}: {name} is {text[:40]!r}; valid: a number, alone or with a unit ({units})")
+    return float(match[1]) * PX_PER_UNIT[match[2]]
 
 
-def _steps(command: str, numbers: list[float], start: Point) -> Iterator[Point]:
-    (x, y), relative = start, command.islower()
-    steps: list[tuple[float | None, float | None]]
-    if command in "HhVv":
-        steps = [(number, None) if command in "Hh" else (None, number) for number in numbers]
-    else:
-        steps = list(zip(numbers[::2], numbers[1::2], strict=False))
-    for dx, dy in steps:
-        x = x if dx is None else x + dx if relative else dx
-        y = y if dy is None else y + dy if relative else dy
-        yield x, y
-
-
-def IDENTITY(point: Point) -> Point:
-    """The transform that changes nothing."""
-    return point
-
-
-def compose(outer: Affine, inner: Affine) -> Affine:
-    """First `inner`, then `outer`."""
-    if inner is IDENTITY:
-        return outer
-    return inner if outer is IDENTITY else lambda point: outer(inner(point))
-
-
-def affine(text: str) -> Affine:
-    """What a `transform` attribute does. Raises `SpecError` for one that it does not know."""
-    whole: Affine = IDENTITY
-    for name, arguments in _TRANSFORM.findall(text):
-        whole = compose(whole, _one(name, _numbers(arguments)))
-    return whole
-
-
-def _one(name: str, n: list[float]) -> Affine:
-    match name, len(n):
-        case "translate", 1 | 2:
-            return _matrix(1.0, 0.0, 0.0, 1.0, n[0], n[1] if len(n) > 1 else 0.0)
-        case "scale", 1 | 2:
-            return _matrix(n[0], 0.0, 0.0, n[-1], 0.0, 0.0)
-        case "rotate", 1 | 3:
-            cos, sin = math.cos(math.radians(n[0])), math.sin(math.radians(n[0]))
-            x, y = (n[1], n[2]) if len(n) > 1 else (0.0, 0.0)
-            return _matrix(cos, sin, -sin, cos, x - cos * x + sin * y, y - sin * x - cos * y)
-        case "matrix", 6:
-            return _matrix(*n)
-    raise SpecError(f"has a transform {name[:40]}(...) of {len(n)} numbers; valid: translate, scale, rotate, matrix")
-
-
-def _matrix(a: float, b: float, c: float, d: float, e: float, f: float) -> Affine:
-    return lambda p: (a * p[0] + c * p[1] + e, b * p[0] + d * p[1] + f)
+def transform(where: str, text: str) -> Float64[np.ndarray, "3 3"]:
+    """The matrix of a `transform` attribute. Raises `SpecError`."""
+    try:
+        return np.asarray(parse_transform(text, strict=True), np.float64)
+    except ValueError:
+        raise SpecError(
+            f"{where}: has the transform {text[:60]!r}; valid: matrix, translate, scale, rotate, skewX, skewY"
+        ) from None
