@@ -23,7 +23,7 @@ def replaced_file(path: Path) -> Iterator[Path]:
     A symbolic link is followed. Raises LexisError where the file cannot be written. If it is written and cannot take its
     place, it is kept under a similar name, which the error tells.
     """
-    with _written(path, "a file in a folder that exists and has room for it"):
+    with _written(path, "a place with room for it, in a folder that exists"):
         target = _followed(path)
         if target.is_dir():
             raise LexisError(f"{path}: is a folder; valid: the name of a file")
@@ -46,7 +46,7 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
     """
     check_replaceable(path, marker)
     target = _followed(path)
-    with _written(path, "a folder that can be made, in a place with room for it"):
+    with _written(path, "a place with room for it, where a folder can be made"):
         target.parent.mkdir(parents=True, exist_ok=True)
         with workshop(target.parent) as folder:
             new = folder / "new" / target.name
