@@ -1,9 +1,6 @@
 """Drawn houses are valid whatever is drawn, and planted failures shrink to the house a person would have drawn."""
 
 import math
-import tomllib
-from importlib import import_module
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, settings
@@ -14,7 +11,7 @@ from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.openness import openness_of
 from worlds.spec import HouseSpec
-from worlds.strategies import KINDS, houses, open_plans, register, room_pairs
+from worlds.strategies import KINDS, houses, open_plans, room_pairs
 from worlds.validation import validate
 from worlds.walls import boundaries
 
@@ -153,12 +150,3 @@ def test_bad_arguments_are_refused_at_once(strategy, arguments, message):
     with pytest.raises(InvalidArgument) as error:
         strategy(**arguments)
     assert message in str(error.value)
-
-
-def test_the_type_itself_can_be_drawn_once_the_entry_point_has_run():
-    pyproject = tomllib.loads(Path("pyproject.toml").read_text())
-    (entry,) = pyproject["project"]["entry-points"]["hypothesis"].values()
-    module, function = entry.split(":")
-    assert getattr(import_module(module), function) is register
-    register()
-    assert isinstance(find(st.from_type(HouseSpec), lambda _: True, settings=SHRINKING), HouseSpec)

@@ -14,6 +14,7 @@ from hypothesis.strategies import SearchStrategy
 
 from worlds.grown_plan import MIN_SIZE_DM, MIN_WIDTH_DM, DoorState, GrownRoom, Shape, Start, Way, grow
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
+from worlds.openness import openness_of, with_openness
 from worlds.spec import HouseSpec, OpeningKind
 
 MAX_ROOMS, MAX_STOREYS = 40, 4
@@ -96,14 +97,7 @@ def room_pairs(
     return st.builds(grow, st.lists(room, min_size=2, max_size=2))
 
 
-def register() -> None:
-    """Make `st.from_type(HouseSpec)` draw `houses()`; Hypothesis calls it, through the entry point."""
-    st.register_type_strategy(HouseSpec, houses())
-
-
 def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> SearchStrategy[HouseSpec]:
-    from worlds.openness import openness_of, with_openness  # heavy, and Hypothesis imports us in every run
-
     target = st.integers(0, 100).map(lambda percent: low + (high - low) * percent / 100)
     # Houses without a wall between two rooms have no openness to change.
     return st.builds(with_openness, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
