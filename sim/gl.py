@@ -88,7 +88,7 @@ except (AttributeError, ImportError, OSError) as error:  # PyOpenGL raises any o
         raise
     raise GraphicsError(f"MUJOCO_GL is {_CHOSEN!r}, which does not load here; {HELP}; or unset MUJOCO_GL") from error
 
-from OpenGL.error import Error as OpenGLError  # type: ignore[import-untyped]  # noqa: E402 - MuJoCo tells PyOpenGL which platform
+from OpenGL.error import Error as OpenGLError  # noqa: E402 - MuJoCo tells PyOpenGL which platform
 
 _FAILURES = (RuntimeError, ImportError, mujoco.FatalError, mujoco.UnexpectedError, OpenGLError)
 _OUT_OF_MEMORY = ("memory", "alloc", "0x505", "bad_alloc")
