@@ -135,7 +135,7 @@ def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
     return data
 
 
-class _TextLoader(yaml.BaseLoader):
+class _TextLoader(yaml.BaseLoader):  # type: ignore[misc]
     """Makes mappings, lists and texts, and refuses aliases."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
