@@ -48,7 +48,7 @@ def read_arrays(
                 headers = {name: _header(archive, member) for name, member in members.items()}
                 _check_sizes(headers, kind.max_bytes if packed else os.fstat(file.fileno()).st_size)
                 if layout is not None:
-                    _check_layout(headers, layout, dict(sizes or {}))
+                    _check_layout(headers, layout, {name: size for name, size in (sizes or {}).items()})
                 return {name: _array(archive, members[name], header) for name, header in headers.items()}
         except _UnusableError as error:
             raise kind.refusal(path, error) from None

@@ -96,7 +96,7 @@ class _Bag:
         self._check_files()
         self._types = get_typestore(Stores.ROS2_HUMBLE)
         with self._open() as reader:
-            self.topics = sorted({connection.topic for connection in reader.connections})
+            self.topics = sorted({topic for c in reader.connections if isinstance(topic := c.topic, str)})
 
     def _check_files(self) -> None:
         """Raise DatasetError unless the metadata are plain YAML, and all files of the bag regular ones.

@@ -98,8 +98,9 @@ def with_own_poses(observation: Observation) -> Observation:
 
 def is_pose(T: object) -> bool:
     """Whether something is a 4x4 array of a rigid motion to a place that can be on Earth."""
-    usable = isinstance(T, np.ndarray) and T.shape == (4, 4) and T.dtype.kind in "fi"
-    return usable and bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
+    if not (isinstance(T, np.ndarray) and T.shape == (4, 4) and T.dtype.kind in "fi"):
+        return False
+    return bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
 
 
 def usable_covariance(matrix: Float64[np.ndarray, "6 6"]) -> bool:
@@ -116,11 +117,11 @@ def pixels(observation: Observation) -> Image:
 
 
 def _check_covariance(covariance: object, where: str) -> None:
-    shaped = isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"
-    if not shaped or not (np.abs(covariance) <= MAX_VARIANCE).all() or not np.allclose(covariance, covariance.T):
+    if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
+        raise ObservationError(f"{where}: increment_covariance is {_kind(covariance)}; valid: a 6x6 one of numbers")
+    if not (np.abs(covariance) <= MAX_VARIANCE).all() or not np.allclose(covariance, covariance.T):
         raise ObservationError(
-            f"{where}: increment_covariance {_kind(covariance)} is not finite and symmetric; "
-            f"valid: a 6x6 one with values up to {MAX_VARIANCE:g}"
+            f"{where}: increment_covariance is not finite and symmetric; valid: values up to {MAX_VARIANCE:g}, symmetric"
         )
     if np.linalg.eigvalsh(covariance).min() < -1e-12:
         raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")

@@ -115,8 +115,8 @@ def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
         return model.model_validate_json(read_bytes(path, kind))
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
-        place = one_line(".".join(map(str, first["loc"])), 100)
-        raise kind.refusal(path, f"{place}: {first['msg']}" if place else first["msg"]) from None
+        place = f"{one_line('.'.join(map(str, first['loc'])), 100)}: " if first["loc"] else ""
+        raise kind.refusal(path, f"{place}{first['msg']}") from None
 
 
 def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
@@ -135,7 +135,7 @@ def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
     return data
 
 
-class _TextLoader(yaml.BaseLoader):
+class _TextLoader(yaml.BaseLoader):  # type: ignore[misc]
     """Makes mappings, lists and texts, and refuses aliases."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:

@@ -93,6 +93,8 @@ def rewritten(folder, **changes):
         ({"feature_count": np.zeros(40, int)}, "feature_count"),
         ({"room_of": np.zeros(40, int)}, "no keyframe"),
         ({"labels": np.array([pickle.loads] * 40, object)}, "no arrays of a map"),
+        ({"step_covariance": -np.tile(np.eye(6), (40, 1, 1))}, "step_covariance has a matrix that is no covariance"),
+        ({"loop_covariance": np.full((2, 6, 6), 1e300)}, "loop_covariance has a matrix that is no covariance"),
         ({"feature_count": np.array([2**62, 2**62, 2**62, 2**62] + [0] * 36)}, "feature_count does not add up"),
         ({"T_W_B": np.eye(4)[None] + np.pad([[1e155]], ((0, 3), (3, 0))) * np.ones((40, 1, 1))}, "T_W_B has a place beyond"),
     ],

@@ -72,9 +72,7 @@ def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise SimError(
-            f"{folder}: no folder for pictures: {error.strerror}; valid: a folder, or the name of a new one"
-        ) from None
+        raise SimError(f"{folder}: cannot hold pictures: {error.strerror}; valid: a folder, or a new name") from None
 
 
 def _draw(finished: Run, trials: Sequence[Trial], folder: Path) -> None:
