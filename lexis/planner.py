@@ -18,7 +18,7 @@ MAX_STEP_M = 3.0
 """Consecutive keyframes farther apart than this are a break in the record: nobody saw what lies between [m]."""
 MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
-DOUBTFUL = 0.5
+DOUBTFUL = 0.55
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
 LOOK_AHEAD_M = 1.5
 """An image tells of the place that is this far ahead of its camera, rather than of where the camera stands [m]."""
