@@ -19,7 +19,7 @@ MAX_STEP_M = 3.0
 """Consecutive keyframes farther apart than this are a break in the record: nobody saw what lies between [m]."""
 MIN_LOOP_WEIGHT = 0.5
 """Loop edges that the robust kernel trusts less join nothing."""
-DOUBTFUL = 0.5
+DOUBTFUL = 0.55
 """A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
 GRID_M = 2.0**-20
 """Lengths are multiples of this power of two, about a micrometre, so that their sums are exact and equal ways tie [m]."""
