@@ -15,6 +15,7 @@ from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
 from sim.faults import FAULTS
 from sim.harness import RunConfig
+from sim.tour import TourConfig
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
@@ -58,6 +59,9 @@ def status_of(argv):
         (["run", "--overconfidence", "0.5"], "--overconfidence: '0.5'; valid: a number from 1 (honest) to 1e+06"),
         (["run", "--overconfidence", "nan"], "--overconfidence: 'nan'; valid: a number from 1 (honest)"),
         (["record", "--length", "-5"], "--length: '-5'; valid: a number from 1 to 100000"),
+        (["record", "--rate", "0"], "--rate: '0'; valid: a number from 2 to 120"),
+        (["run", "--tour", "scenic"], "both-ways"),
+        (["run", "--sway", "drunken"], "hand-held"),
         (["record", "--length", "far"], "--length: 'far'; valid: a number from 1 to 100000"),
         (["house", "gallery", "--houses", "99999999999", "-o", "g.png"], "valid: a whole number from 1 to 1000"),
         (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a name with .png"),
@@ -195,6 +199,22 @@ def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path
     assert (
         capsys.readouterr().err == f"note: {tmp_path} holds an earlier one; the new one will replace it\nlexis-sim: so far\n"
     )
+
+
+@pytest.mark.parametrize(("command", "work"), [("run", "sim.harness.run"), ("record", "sim.record.record")])
+def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(config, *_, **__):
+        seen.append(config)
+        raise SimError("so far")
+
+    monkeypatch.setattr(work, stop)
+    options = ["--tour", "both-ways", "--length", "30", "--sway", "quadruped", "--rate", "20", "--start-manoeuvre"]
+    assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
+    tour, usual = (config.tour() for config in seen)
+    assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
+    assert usual == RunConfig().tour() == TourConfig("rooms", 140.0)
 
 
 def test_help_lists_every_fault(capsys):

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from lexis.command_line import Commands, add_command, tell_of_replacement
-from sim.commands.arguments import add_walk, folder, number, walk_options
+from sim.commands.arguments import add_walk, folder, walk_options
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
@@ -37,7 +37,6 @@ def add_to(commands: Commands) -> None:
         "  lexis run recording --rooms recording/rooms.json -o map",
     )
     add_walk(record)
-    record.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
     record.add_argument("--rig", choices=RIGS, default="wide", help=RIG_HELP)
     formats = "; ".join(f"{name}: {text}" for name, text in FORMATS.items())
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
@@ -53,7 +52,7 @@ def _record(arguments: argparse.Namespace) -> int:
     from sim.record.rooms import ROOMS
     from sim.rig import make_rig
 
-    config = RunConfig(length_m=arguments.length, rig=make_rig(arguments.rig), **walk_options(arguments))
+    config = RunConfig(rig=make_rig(arguments.rig), **walk_options(arguments))
     tell_of_replacement(arguments.out, ROOMS)
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
