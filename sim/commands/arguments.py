@@ -22,6 +22,7 @@ FIDELITY_HELP = "features: no pixels, but what a model of the encoder makes of t
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
 FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
 TOUR_HELP = "where the walk goes; both-ways: every room and the same way back (default: %(default)s)"
+SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
@@ -56,6 +57,21 @@ def folder(text: str) -> Path:
     except (OSError, RuntimeError) as error:  # a RuntimeError is a loop of symbolic links
         raise argparse.ArgumentTypeError(f"{text}: {error}; valid: the name of a folder") from None
     return Path(text)
+
+
+def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float, ...]]:
+    """Finite numbers between commas, as many as one of `counts`, for `type=`; `names` says what they are."""
+
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            values = tuple(map(float, text.split(",")))
+        except ValueError:
+            values = ()
+        if len(values) not in counts or not all(map(math.isfinite, values)):
+            raise argparse.ArgumentTypeError(f"{text!r}; valid: numbers {names}")
+        return values
+
+    return parse
 
 
 def out_file(metavar: str) -> Argument:
@@ -98,7 +114,7 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
     """Where the walk goes, how the body moves on it, and how often it looks."""
     parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
     parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
-    parser.add_argument("--sway", choices=SWAYS, default="none", help="how the body swings as it walks (default: %(default)s)")
+    parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
     parser.add_argument(
         "--rate", type=number(2.0, 120.0), default=10.0, metavar="HZ", help="frames per second (default: %(default)g)"
     )

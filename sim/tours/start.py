@@ -48,4 +48,4 @@ def _swing(knot_s: float) -> Float64[np.ndarray, "n 4"]:
 
 def _strength(limits: Limits) -> float:
     """The share of the full swing that keeps the limits."""
-    return min(1.0, *(getattr(limits, name) / full for name, full in vars(_DESIGNED_FOR).items()))
+    return float(min(1.0, *(getattr(limits, name) / full for name, full in vars(_DESIGNED_FOR).items())))
