@@ -13,7 +13,12 @@ from worlds.house import build_house
 from worlds.presets import sample_house
 
 EUROC = Distortion(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05)
-DISTORTIONS = {"barrel": EUROC, "cushion": Distortion(0.05, -0.005), "tangential": Distortion(-0.1, 0.02, 0.01, -0.02)}
+DISTORTIONS = {
+    "EuRoC": EUROC,
+    "barrel": Distortion(-0.1, 0.008, 0.0005, -0.0003),
+    "cushion": Distortion(0.05, -0.005),
+    "tangential": Distortion(-0.1, 0.02, 0.01, -0.02),
+}
 QUARTERS = [np.s_[v : v + 70, u : u + 80] for v in (20, 90) for u in (40, 120)]
 """Of the middle of the image."""
 CAMERA = wide_camera(240, 180)

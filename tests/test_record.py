@@ -305,9 +305,9 @@ def test_settings_say_what_a_lens_and_a_lever_arm_are(on_an_arm):
     folder, expected = on_an_arm("euroc"), list(LENS.coefficients)
     files = {path.stem: cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ) for path in (folder / "settings").iterdir()}
     orb, vins, kalibr = files["orb_slam3"], files["vins_cam1"], files["kalibr_imucam_chain"]
-    for names in (("k1", "k2", "p1", "p2"),):
-        assert [orb.getNode(f"Camera2.{name}").real() for name in names] == expected
-        assert [vins.getNode("distortion_parameters").getNode(name).real() for name in names] == expected
+    names = ("k1", "k2", "p1", "p2")
+    assert [orb.getNode(f"Camera2.{name}").real() for name in names] == expected
+    assert [vins.getNode("distortion_parameters").getNode(name).real() for name in names] == expected
     assert [kalibr.getNode("cam0").getNode("distortion_coeffs").at(i).real() for i in range(4)] == expected
     T_B_C = ARM.front.T_B_C
     np.testing.assert_allclose(orb.getNode("IMU.T_b_c1").mat(), T_B_C, atol=1e-6)
