@@ -11,7 +11,7 @@ from sim.commands.arguments import add_walk, folder, number, numbers, walk_optio
 
 FORMATS = {
     "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
-    "tum": "TUM RGB-D: colour, 16-bit depth, the camera's true path, accelerometer, odometry",
+    "tum": "TUM RGB-D: colour, 16-bit depth, the camera's true path, accelerometer, odometry; ORB-SLAM3 reads it as RGB-D",
     "ros2": "ROS 2 bag (sqlite3): stereo, IMU, odometry, tf; VINS-Fusion and OpenVINS read it, with raw images",
     "mcap": "the same as MCAP",
 }
