@@ -29,6 +29,6 @@ class CameraData(BaseModel):
 
     def camera(self) -> Camera:
         """The camera of the data; `lexis.inputs.check_camera` says whether it is usable."""
-        values = self.model_dump()
+        values = self.model_dump(include=set(CameraData.model_fields))
         T_B_C = np.array(values.pop("T_B_C"), float)
         return Camera(Intrinsics(**values), T_B_C)

@@ -2,15 +2,16 @@
 
     rgb.txt                    lines of "stamp file"; # begins a comment
     odometry.tum               lines of "stamp tx ty tz qx qy qz qw": T_O_B, at any rate over the same time
-    camera.json                width, height, fx, fy, cx, cy [px] and T_B_C, row by row
+    camera.json                width, height, fx, fy, cx, cy [px] and T_B_C, row by row; optionally distortion, the
+                               radial-tangential coefficients k1, k2, p1, p2, which are taken out of the images
     odometry_covariance.txt    optional: per image, "stamp" and the 36 numbers of the covariance of the odometry's increment
                                since the image before, rotation first [rad², m²]
 
-Images are 8-bit PNG or JPEG without distortion.
+Images are 8-bit PNG or JPEG.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import cv2
@@ -18,7 +19,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.camera_io import CameraData
-from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image
+from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image, rectifier
 from lexis.errors import DatasetError, LexisError
 from lexis.files import replaced_folder
 from lexis.inputs import check_camera, pixels, usable_covariance
@@ -35,12 +36,13 @@ _COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, Data
 
 def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
     """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
-    camera = _read_camera(directory / (config.camera or CAMERA))
+    camera, distortion = _read_camera(directory / (config.camera or CAMERA))
+    rectified = rectifier(camera, distortion)
     stamps, paths = _read_image_list(directory)
     odometry = directory / (config.odometry or ODOMETRY)
 
     def images() -> Iterator[Image]:
-        return (read_image(path, camera) for path in paths)
+        return (rectified(read_image(path, camera)) for path in paths)
 
     track = Track(str(odometry), *read_tum(odometry))
     # The covariances are of LEXIS-sim's odometry and say nothing of another one.
@@ -68,9 +70,19 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
                 covariances.write(covariance_line(stamp, observation))
 
 
-def write_camera(path: Path, camera: Camera) -> None:
-    """Write a camera as JSON. Raises OSError."""
-    path.write_text(CameraData.of(camera).model_dump_json(indent=1) + "\n", encoding="utf-8")
+class _LensCameraData(CameraData):
+    """A camera whose images are distorted."""
+
+    distortion: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """Radial-tangential: k1, k2, p1, p2."""
+
+
+def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -> None:
+    """Write a camera as JSON, with the distortion of its images where there is one. Raises OSError."""
+    data = CameraData.of(camera)
+    if any(distortion):
+        data = _LensCameraData.model_validate({**data.model_dump(), "distortion": distortion})
+    path.write_text(data.model_dump_json(indent=1) + "\n", encoding="utf-8")
 
 
 def odometry_line(stamp: str, observation: Observation) -> str:
@@ -83,13 +95,14 @@ def covariance_line(stamp: str, observation: Observation) -> str:
     return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
 
 
-def _read_camera(path: Path) -> Camera:
-    camera = read_model(path, _CAMERA_FILE, CameraData).camera()
+def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "4"]]:
+    data = read_model(path, _CAMERA_FILE, _LensCameraData)
+    camera = data.camera()
     try:
         check_camera(camera)
     except LexisError as error:
         raise DatasetError(f"{path}: {error}") from None
-    return camera
+    return camera, np.array(data.distortion)
 
 
 def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[Path, ...]]:

@@ -12,6 +12,8 @@ from sim.errors import SimError
 from sim.motion import Motion
 
 GRAVITY_M_S2 = 9.81
+TURN_ON = (np.radians(0.5), 20e-3 * GRAVITY_M_S2)
+"""Standard deviations of turn-on biases that are usual in industrial MEMS sensors, 0.5 °/s and 20 mg [rad/s, m/s²]."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,10 @@ class ImuConfig:
     """[m/s²/√Hz]"""
     accelerometer_walk: float = 3.0e-3
     """[m/s³/√Hz]"""
+    gyroscope_turn_on: float = 0.0
+    """Standard deviation of the bias, per axis, with which the sensor starts [rad/s]."""
+    accelerometer_turn_on: float = 0.0
+    """[m/s²]"""
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -64,7 +70,7 @@ def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
 
 
 def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
-    """The measurements with white noise and biases that start at zero and walk at random.
+    """The measurements with white noise and biases, which are drawn once by the turn-on deviations and walk from there.
 
     Raises `SimError` where the measurements are not at the config's rate.
     """
@@ -74,8 +80,9 @@ def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
     shape = (2, len(imu.stamps), 3)
     noise = rng.standard_normal(shape) * np.sqrt(config.rate_hz)
     walk = np.cumsum(rng.standard_normal(shape) * np.sqrt(step), axis=1)
-    gyroscope_bias = config.gyroscope_walk * (walk[0] - walk[0, 0])
-    accelerometer_bias = config.accelerometer_walk * (walk[1] - walk[1, 0])
+    turn_on = rng.standard_normal((2, 3))  # drawn last: the noise is the same with and without
+    gyroscope_bias = config.gyroscope_walk * (walk[0] - walk[0, 0]) + config.gyroscope_turn_on * turn_on[0]
+    accelerometer_bias = config.accelerometer_walk * (walk[1] - walk[1, 0]) + config.accelerometer_turn_on * turn_on[1]
     return Imu(
         imu.stamps,
         imu.angular_velocity + config.gyroscope_noise * noise[0] + gyroscope_bias,

@@ -6,6 +6,7 @@ from types import MappingProxyType, TracebackType
 
 import numpy as np
 from jaxtyping import UInt8
+from scipy.spatial.transform import Rotation
 
 from lexis.types import Camera, Pose
 from sim.camera import fovy_deg, wide_camera
@@ -14,10 +15,13 @@ from sim.fisheye import Fisheye, FisheyeRenderer
 from sim.raster import Frame, Raster
 from sim.scene import Scene, build_scene
 from worlds.house import House
+from worlds.parts import Vector
 from worlds.spec_errors import near
 
 STEREO_BASELINE_M = 0.11
 """As of the paper's Alphasense and of EuRoC's camera."""
+LEVER_ARM_M = 0.15
+"""Farthest that `displaced` moves cameras from the IMU; the body keeps 0.25 m from everything solid."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
@@ -40,6 +44,24 @@ class Rig:
         """Width and height into which every image fits."""
         images = [*(camera.intrinsics for camera in self.cameras.values()), *(eye.face for eye in self.fisheyes.values())]
         return max(image.width for image in images), max(image.height for image in images)
+
+
+def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> Rig:
+    """The rig moved and turned as one on the body, whose frame is the IMU's: the lever arm from the IMU to the cameras.
+
+    The offset is in B [m]; the rotation is `Rz(yaw) Ry(pitch) Rx(roll)` [deg]. Raises `SimError` for values that are not
+    finite, and for an offset out of the space that is kept free around the body.
+    """
+    if not np.isfinite([*offset_m, *rpy_deg]).all() or np.linalg.norm(offset_m) > LEVER_ARM_M:
+        raise SimError(
+            f"rig: lever arm {offset_m} m, {rpy_deg} deg; valid: finite numbers, cameras up to {LEVER_ARM_M} m from the IMU"
+        )
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_euler("xyz", rpy_deg, degrees=True).as_matrix()
+    T[:3, 3] = offset_m
+    cameras = {name: replace(camera, T_B_C=T @ camera.T_B_C) for name, camera in rig.cameras.items()}
+    fisheyes = {name: replace(eye, T_B_C=T @ eye.T_B_C) for name, eye in rig.fisheyes.items()}
+    return replace(rig, cameras=cameras, fisheyes=fisheyes)
 
 
 def build_rig_scene(house: House, rig: Rig) -> Scene:

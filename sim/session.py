@@ -13,6 +13,7 @@ from sim.ahead import ahead
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
 from sim.features.sensor import FeatureSensor
+from sim.lens import Distortion, rendered_camera
 from sim.odometry import Odometry
 from sim.scene import Scene
 from sim.staging import Painter, Staging
@@ -31,8 +32,9 @@ class Session:
 
     That is the order of time unless `faults` change it; these draw from streams of `seed`. Frames are rendered ahead by a
     thread that owns the GL context, so that rendering and LEXIS share two cores; with a `sensor` nothing is rendered, and
-    observations bring what it senses. Who may stop early closes the iterator (`contextlib.closing`). Raises `SimError`
-    where the tour leaves the house.
+    observations bring what it senses. With a `distortion` the images are as a lens bends them; LEXIS, whose camera is a
+    pinhole, has to be given them straightened. Who may stop early closes the iterator (`contextlib.closing`). Raises
+    `SimError` where the tour leaves the house.
     """
 
     def __init__(
@@ -44,11 +46,14 @@ class Session:
         faults: Sequence[Fault] = (),
         seed: int = 0,
         sensor: FeatureSensor | None = None,
+        distortion: Distortion | None = None,
     ) -> None:
         self.house, self.tour, self.odometry, self.camera = house, tour, odometry, camera
         self.faults, self._seed = tuple(faults), seed
         truths = _truths(house, tour)
-        self._staging = Staging(house, tour, camera, self.faults, seed)
+        self._distortion = distortion
+        rendered = rendered_camera(camera, distortion) if distortion else camera
+        self._staging = Staging(house, tour, rendered, self.faults, seed)
         self._sensor = sensor
         if sensor is None:
             self._staging.compile()
@@ -93,7 +98,7 @@ class Session:
             start = time.perf_counter()
 
     def _rendered(self) -> Generator[Image, None, None]:
-        with closing(Painter(self._staging, self.camera)) as painter:
+        with closing(Painter(self._staging, self.camera, self._distortion)) as painter:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
                 image = painter.rgb(frame, T_W_B)

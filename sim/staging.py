@@ -11,6 +11,7 @@ from lexis.types import Camera, Image
 from sim.actors import Actor
 from sim.camera import CameraRenderer, fovy_deg
 from sim.faults import Fault, Stage, WorldFault, fault_rng
+from sim.lens import Distortion, Lens
 from sim.scene import Scene, build_scene
 from sim.stream import Truth
 from sim.tour import Tour
@@ -94,19 +95,26 @@ class Staging:
 
 
 class Painter:
-    """Renders the frames of a tour, each in its set. Belongs to the thread that uses it, as the GL context does."""
+    """Renders the frames of a tour, each in its set. Belongs to the thread that uses it, as the GL context does.
 
-    def __init__(self, staging: Staging, camera: Camera) -> None:
-        self._staging, self._camera = staging, camera
+    With a distortion, the staging has to be made for `sim.lens.rendered_camera`, which is larger.
+    """
+
+    def __init__(self, staging: Staging, camera: Camera, distortion: Distortion | None = None) -> None:
+        self._staging = staging
+        self._lens = Lens(camera.intrinsics, distortion) if distortion else None
+        self._camera = camera if self._lens is None else Camera(self._lens.pinhole, camera.T_B_C)
         self._renderer: CameraRenderer | None = None
 
     def rgb(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Image:
         """The image of a frame, seen from a pose of the body."""
-        return self._set(frame, T_W_B).rgb(T_W_B)
+        image = self._set(frame, T_W_B).rgb(T_W_B)
+        return image if self._lens is None else self._lens.image(image)
 
     def depth(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Float32[ndarray, "h w"]:
         """Its depth along the optical axis [m]. It never reaches LEXIS."""
-        return self._set(frame, T_W_B).depth(T_W_B)
+        depth = self._set(frame, T_W_B).depth(T_W_B)
+        return depth if self._lens is None else self._lens.nearest(depth)
 
     def _set(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> CameraRenderer:
         scene = self._staging.set_at(frame).scene

@@ -12,6 +12,7 @@ from sim.tours.config import TourConfig
 from sim.tours.itinerary import SMOOTHED, Planner
 from sim.tours.pace import paced
 from sim.tours.smooth import arc_length, smooth_path
+from sim.tours.start import with_start_manoeuvre
 from sim.tours.view import view_along
 from worlds.house import House
 from worlds.walkable import Walkable
@@ -59,6 +60,8 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
     path = _path(planner, config)
     view = view_along(house, path, config.glance_rad, config.pitch_on_stairs)
     motion = paced(path, view, config.limits, draw_sway(config.sway, sway_rng))
+    if config.start_manoeuvre:
+        motion = with_start_manoeuvre(motion, config.limits)
     stamps = np.arange(0.0, motion.duration_s, 1.0 / config.frame_rate_hz)
     return Tour(stamps, motion.poses_at(stamps, config.eye_height_m), motion, config.eye_height_m)
 

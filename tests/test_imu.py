@@ -1,11 +1,13 @@
 """Integrating the noise-free IMU gives the trajectory back; the noise is the sensor's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from sim.errors import SimError
-from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
+from sim.imu import GRAVITY_M_S2, TURN_ON, Imu, ImuConfig, corrupted, ideal_imu
 from sim.tour import TourConfig, plan_tour
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -76,6 +78,27 @@ def test_noise_has_the_sensors_densities_whatever_the_rate(rate_hz, rng):
         assert np.std(measured - bias) == pytest.approx(noise * np.sqrt(rate_hz), rel=0.01)
         assert np.std(bias[int(rate_hz) :] - bias[: -int(rate_hz)]) == pytest.approx(walk, rel=0.1)  # over 1 s
         np.testing.assert_array_equal(bias[0], 0.0)
+
+
+def test_the_turn_on_bias_is_recovered_at_standstill():
+    """The mean over a minute at rest is the bias, which is stated; the noise is that of the sensor without it."""
+    still, quiet = silence(60 * RATE_HZ, 200.0), ImuConfig(gyroscope_walk=0.0, accelerometer_walk=0.0)
+    biased = replace(quiet, gyroscope_turn_on=TURN_ON[0], accelerometer_turn_on=TURN_ON[1])
+    plain, imu = (corrupted(still, config, np.random.default_rng(3)) for config in (quiet, biased))
+    for measured, bias, without, noise, turn_on in (
+        (imu.angular_velocity, imu.gyroscope_bias, plain.angular_velocity, quiet.gyroscope_noise, TURN_ON[0]),
+        (imu.specific_force, imu.accelerometer_bias, plain.specific_force, quiet.accelerometer_noise, TURN_ON[1]),
+    ):
+        assert (bias == bias[0]).all() and bias[0].all() and np.abs(bias).max() < 4 * turn_on
+        np.testing.assert_allclose(measured.mean(axis=0), bias[0], atol=4 * noise / np.sqrt(60))
+        np.testing.assert_allclose(measured - bias, without, atol=1e-12)
+
+
+def test_turn_on_biases_have_the_stated_deviations():
+    config, moment = ImuConfig(gyroscope_turn_on=0.01, accelerometer_turn_on=0.2), silence(2, 200.0)
+    drawn = [corrupted(moment, config, np.random.default_rng(seed)) for seed in range(1000)]
+    assert np.std([imu.gyroscope_bias[0] for imu in drawn]) == pytest.approx(0.01, rel=0.05)
+    assert np.std([imu.accelerometer_bias[0] for imu in drawn]) == pytest.approx(0.2, rel=0.05)
 
 
 def test_same_seed_same_noise():

@@ -25,10 +25,11 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import RunConfig, run
 from sim.imu import ImuConfig
+from sim.lens import Distortion
 from sim.record import record
 from sim.record.settings import write_settings
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
-from sim.rig import make_rig
+from sim.rig import displaced, make_rig
 from sim.staging import Painter
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
@@ -76,6 +77,31 @@ def recordings(frames, tmp_path_factory):
         return made[form, images]
 
     return make
+
+
+ARM = displaced(CONFIG.rig, (0.05, -0.08, 0.03), (4.0, -3.0, 90.0))
+LENS = Distortion(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05)
+BIASED = replace(SILENT, gyroscope_turn_on=0.01, accelerometer_turn_on=0.2)
+
+
+@pytest.fixture(scope="module")
+def on_an_arm(tmp_path_factory):
+    """Folders by form, of cameras away from the IMU and distorted, of an IMU with turn-on biases; with their frames."""
+    config, root = replace(CONFIG, rig=ARM), tmp_path_factory.mktemp("arm")
+    frames = list(prepare(config, distortion=LENS).frames(("cam1",), depth=True))[::FEWER]
+
+    def make(form):
+        if not (root / form).exists():
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(Take, "frames", lambda *_: (frame for frame in frames))
+                record(config, root / form, form, "png", imu_config=BIASED, distortion=LENS)
+        return root / form
+
+    return make
+
+
+FEWER = 5
+"""Of so many frames one is kept where only images and calibrations are looked at."""
 
 
 @pytest.fixture(scope="module")
@@ -158,13 +184,14 @@ def test_euroc_is_laid_out_as_its_readers_expect(recordings):
     assert noise["gyroscope_noise_density"] == 1.6968e-4 and noise["accelerometer_random_walk"] == 3.0e-3
 
 
-def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(recordings):
-    """By the midpoint rule over the whole walk, from rest; true velocities are those integrated."""
-    mav = recordings("euroc", "jpg") / "mav0"
+@pytest.mark.parametrize("rig", ["in the IMU", "on an arm"])
+def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(rig, recordings, on_an_arm):
+    """By the midpoint rule over the whole walk, from rest, less the biases; true velocities are those integrated."""
+    mav = (recordings("euroc", "jpg") if rig == "in the IMU" else on_an_arm("euroc")) / "mav0"
     imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
     state = np.array(csv_rows(mav / "state_groundtruth_estimate0" / "data.csv")[1], float)
-    gyro, force = imu[:, 1:4], imu[:, 4:7]
-    dt, mean = 0.005, (imu[1:, 1:4] + imu[:-1, 1:4]) / 2
+    gyro, force = imu[:, 1:4] - state[:, 11:14], imu[:, 4:7] - state[:, 14:17]
+    dt, mean = 0.005, (gyro[1:] + gyro[:-1]) / 2
     turns = Rotation.from_rotvec(mean * dt + np.cross(gyro[:-1], gyro[1:]) * dt**2 / 12)
     R = [Rotation.from_quat(state[0, [5, 6, 7, 4]])]
     for turn in turns:
@@ -272,6 +299,70 @@ def test_settings_say_what_the_sensors_are(recordings):
     # VINS-Fusion adds the noise of a sample times the time step; over a second that is the density.
     for name, density in (("acc_n", 2.0e-3), ("acc_w", 3.0e-3), ("gyr_n", 1.6968e-4), ("gyr_w", 1.9393e-5)):
         assert np.sqrt(200) * vins.getNode(name).real() / 200 == pytest.approx(density)
+
+
+def test_settings_say_what_a_lens_and_a_lever_arm_are(on_an_arm):
+    folder, expected = on_an_arm("euroc"), list(LENS.coefficients)
+    files = {path.stem: cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ) for path in (folder / "settings").iterdir()}
+    orb, vins, kalibr = files["orb_slam3"], files["vins_cam1"], files["kalibr_imucam_chain"]
+    names = ("k1", "k2", "p1", "p2")
+    assert [orb.getNode(f"Camera2.{name}").real() for name in names] == expected
+    assert [vins.getNode("distortion_parameters").getNode(name).real() for name in names] == expected
+    assert [kalibr.getNode("cam0").getNode("distortion_coeffs").at(i).real() for i in range(4)] == expected
+    T_B_C = ARM.front.T_B_C
+    np.testing.assert_allclose(orb.getNode("IMU.T_b_c1").mat(), T_B_C, atol=1e-6)
+    assert np.linalg.norm(T_B_C[:3, 3]) == pytest.approx(np.linalg.norm([0.05, -0.08, 0.03]))
+    sensor = yaml.safe_load((folder / "mav0" / "cam1" / "sensor.yaml").read_text())
+    assert sensor["distortion_coefficients"] == expected
+    rgbd = on_an_arm("tum") / "settings" / "orb_slam3_rgbd.yaml"
+    rgbd = cv2.FileStorage(str(rgbd), cv2.FILE_STORAGE_READ)
+    assert rgbd.getNode("Camera1.k2").real() == LENS.k2 and rgbd.getNode("RGBD.DepthMapFactor").real() == 5000.0
+
+
+def test_openvins_is_given_its_two_other_files(recordings):
+    folder = recordings("euroc", "png") / "settings"
+    settings = cv2.FileStorage(str(folder / "estimator_config.yaml"), cv2.FILE_STORAGE_READ)
+    for name in ("relative_config_imu", "relative_config_imucam"):
+        assert (folder / settings.getNode(name).string()).is_file()
+    assert settings.getNode("init_imu_thresh").real() == 0.2 and settings.getNode("track_frequency").real() == 11.0
+    assert settings.getNode("gravity_mag").real() == 9.81 and settings.getNode("init_window_time").real() <= REST_S
+
+
+@pytest.mark.parametrize("form", ["euroc", "tum", "mcap"])
+def test_lexis_reads_distorted_recordings_as_a_pinhole_s(form, on_an_arm):
+    """It straightens the images: they are those of the live run, but for what two interpolations blur."""
+    given, k = list(open_dataset(on_an_arm(form))), CONFIG.camera.intrinsics
+    live = list(prepare(replace(CONFIG, rig=ARM)).frames())[::FEWER]
+    known = cv2.undistort(np.full((k.height, k.width), 255, np.uint8), k.matrix, np.array(LENS.coefficients)) == 255
+    inside = cv2.erode(known.astype(np.uint8), np.ones((5, 5))).astype(bool)
+    assert len(given) == len(live) and inside.mean() > 0.6
+    for observation, frame in zip(given, live, strict=True):
+        error = np.abs(observation.image.astype(int) - frame.images["cam0"])[inside]
+        assert np.median(error) <= 2 and error.mean() < 6
+
+
+def test_the_camera_s_path_is_an_arm_away_from_the_imu_s(on_an_arm):
+    """The true states are of the IMU, whose measurements integrate to them; TUM's truth is of the camera."""
+    states = np.array(csv_rows(on_an_arm("euroc") / "mav0" / "state_groundtruth_estimate0" / "data.csv")[1], float)
+    camera = np.array(file_interface.read_tum_trajectory_file(str(on_an_arm("tum") / "groundtruth.txt")).poses_se3)
+    np.testing.assert_allclose(camera, poses_of(states[:, [1, 2, 3, 5, 6, 7, 4]]) @ ARM.front.T_B_C, atol=1e-6)
+    aside = camera[:, :3, 3] - states[:, 1:4]
+    assert np.linalg.norm(aside.max(axis=0) - aside.min(axis=0)) > 0.1  # it turns with the body
+
+
+def test_associations_are_pairs_of_files_of_one_instant(recordings):
+    folder = recordings("tum", "png")
+    pairs = [line.split() for line in (folder / "associations.txt").read_text().splitlines()]
+    assert len(pairs) == len(list((folder / "rgb").iterdir()))
+    for colour_stamp, colour, depth_stamp, depth in pairs:
+        assert colour_stamp == depth_stamp and colour_stamp in colour and depth_stamp in depth
+        assert (folder / colour).is_file() and (folder / depth).is_file()
+
+
+def test_a_distortion_that_folds_is_refused_before_the_work(tmp_path):
+    with pytest.raises(SimError, match="valid: weaker coefficients"):
+        record(CONFIG, tmp_path / "out", distortion=Distortion(-0.8))
+    assert not list(tmp_path.iterdir())
 
 
 def test_settings_are_of_stereo_pairs_only(tmp_path):

@@ -7,7 +7,7 @@ from viewpoints import viewpoints
 from sim.errors import SimError
 from sim.fisheye import Fisheye
 from sim.gl import mujoco
-from sim.rig import RIGS, STEREO_BASELINE_M, Rig, RigRenderer, build_rig_scene, make_rig
+from sim.rig import RIGS, STEREO_BASELINE_M, Rig, RigRenderer, build_rig_scene, displaced, make_rig
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import FurnitureSpec, HouseSpec, RoomSpec, StoreySpec
@@ -89,6 +89,18 @@ def test_stereo_disparity_is_baseline_over_depth(box_room):
     both = across >= 0
     there = frames["right"].depth[60][across[both]]
     assert np.median(np.abs(there - depth[both])) < 0.01
+
+
+def test_a_displaced_rig_is_moved_and_turned_as_one():
+    rig, moved = make_rig("four"), displaced(make_rig("four"), (0.1, 0.0, -0.05), (0.0, 0.0, 90.0))
+    T = moved.front.T_B_C @ np.linalg.inv(rig.front.T_B_C)
+    np.testing.assert_allclose(T, [[0, -1, 0, 0.1], [1, 0, 0, 0], [0, 0, 1, -0.05], [0, 0, 0, 1]], atol=1e-12)
+    for name, camera in rig.cameras.items():
+        np.testing.assert_allclose(moved.cameras[name].T_B_C, T @ camera.T_B_C, atol=1e-12)
+    eye = displaced(make_rig("fisheye"), (0.0, 0.1, 0.0)).fisheyes["fisheye"]
+    assert eye.T_B_C[1, 3] == pytest.approx(0.1)
+    with pytest.raises(SimError, match=r"lever arm .*; valid: .* up to 0\.15 m from the IMU"):
+        displaced(rig, (0.2, 0.0, 0.0))
 
 
 def test_unknown_rigs_are_named():

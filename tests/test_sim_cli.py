@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import cv2
+import numpy as np
 import pytest
 
 from sim.bench.segmentation import Row
@@ -15,6 +16,9 @@ from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
 from sim.faults import FAULTS
 from sim.harness import RunConfig
+from sim.imu import ImuConfig
+from sim.lens import Distortion
+from sim.tour import TourConfig
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
@@ -60,6 +64,15 @@ def status_of(argv):
         (["run", "--overconfidence", "0.5"], "--overconfidence: '0.5'; valid: a number from 1 (honest) to 1e+06"),
         (["run", "--overconfidence", "nan"], "--overconfidence: 'nan'; valid: a number from 1 (honest)"),
         (["record", "--length", "-5"], "--length: '-5'; valid: a number from 1 to 100000"),
+        (["record", "--rate", "0"], "--rate: '0'; valid: a number from 2 to 120"),
+        (["record", "--lever-arm", "1,2"], "--lever-arm: '1,2'; valid: numbers X,Y,Z[,ROLL,PITCH,YAW]"),
+        (["record", "--lever-arm", "1,2,nan"], "--lever-arm: '1,2,nan'; valid: numbers"),
+        (["record", "--lever-arm", "1,0,0"], "up to 0.15 m from the IMU"),
+        (["record", "--distortion=-0.3"], "--distortion: '-0.3'; valid: numbers K1,K2,P1,P2, or barrel"),
+        (["record", "--distortion=-2,0,0,0"], "valid: weaker coefficients, or a narrower field of view"),
+        (["record", "--imu-bias", "-1"], "--imu-bias: '-1'; valid: a number from 0 to 10"),
+        (["run", "--tour", "scenic"], "both-ways"),
+        (["run", "--sway", "drunken"], "hand-held"),
         (["record", "--length", "far"], "--length: 'far'; valid: a number from 1 to 100000"),
         (["house", "gallery", "--houses", "99999999999", "-o", "g.png"], "valid: a whole number from 1 to 1000"),
         (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a name with .png"),
@@ -197,6 +210,40 @@ def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path
     assert (
         capsys.readouterr().err == f"note: {tmp_path} holds an earlier one; the new one will replace it\nlexis-sim: so far\n"
     )
+
+
+@pytest.mark.parametrize(("command", "work"), [("run", "sim.harness.run"), ("record", "sim.record.record")])
+def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(config, *_, **__):
+        seen.append(config)
+        raise SimError("so far")
+
+    monkeypatch.setattr(work, stop)
+    options = ["--tour", "both-ways", "--length", "30", "--sway", "quadruped", "--rate", "20", "--start-manoeuvre"]
+    assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
+    tour, usual = (config.tour() for config in seen)
+    assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
+    assert usual == RunConfig().tour() == TourConfig("rooms", 140.0)
+
+
+def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(config, *_, **options):
+        seen.append((config.camera.T_B_C, options["imu_config"], options["distortion"]))
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.record.record", stop)
+    options = ["--lever-arm=-0.05,0.02,0.1,0,0,90", "--imu-bias", "--distortion", "barrel"]
+    assert status_of(["record", *options, "--out", tmp_path]) == status_of(["record", "--out", tmp_path]) == 2
+    (place, imu, lens), (ideal_place, ideal_imu, no_lens) = seen
+    np.testing.assert_allclose(place[:3], [[1, 0, 0, -0.05], [0, 0, 1, 0.02], [0, -1, 0, 0.1]], atol=1e-12)
+    assert (imu.gyroscope_turn_on, imu.accelerometer_turn_on) == (np.radians(0.5), 20e-3 * 9.81)
+    assert lens == Distortion(-0.1, 0.008, 0.0005, -0.0003)
+    np.testing.assert_array_equal(ideal_place, RunConfig().camera.T_B_C)
+    assert ideal_imu == ImuConfig() and no_lens is None
 
 
 def test_help_lists_every_fault(capsys):

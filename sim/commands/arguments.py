@@ -9,6 +9,8 @@ from typing import Any, TypeAlias
 from lexis.command_line import seed
 from sim.faults.catalogue import parse_fault, usage
 from sim.odometry_config import PRESETS as ODOMETRY_PRESETS
+from sim.sway import SWAYS
+from sim.tours.config import TOUR_KINDS
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
 
@@ -19,6 +21,10 @@ ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(
 FIDELITY_HELP = "features: no pixels, but what a model of the encoder makes of the true view (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
 FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
+TOUR_HELP = "where the walk goes; both-ways: every room and the same way back (default: %(default)s)"
+SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
+START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
+_TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 
@@ -53,6 +59,21 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
+def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float, ...]]:
+    """Finite numbers between commas, as many as one of `counts`, for `type=`; `names` says what they are."""
+
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            values = tuple(map(float, text.split(",")))
+        except ValueError:
+            values = ()
+        if len(values) not in counts or not all(map(math.isfinite, values)):
+            raise argparse.ArgumentTypeError(f"{text!r}; valid: numbers {names}")
+        return values
+
+    return parse
+
+
 def out_file(metavar: str) -> Argument:
     """The file that a command writes."""
     return argument("-o", "--out", type=Path, required=True, metavar=metavar)
@@ -74,6 +95,7 @@ def add_walk(parser: argparse.ArgumentParser) -> None:
     house.add_argument("--preset", default="home", help=PRESET_HELP)
     house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
     add_run_seed(parser)
+    add_tour(parser)
     parser.add_argument("--odometry", default="multicam", help=f"{', '.join(ODOMETRY_PRESETS)} (default: %(default)s)")
     parser.add_argument(
         "--overconfidence",
@@ -88,12 +110,28 @@ def add_walk(parser: argparse.ArgumentParser) -> None:
     parser.epilog = f"{parser.epilog}\n\nfaults, with their fields and defaults:\n{usage()}"
 
 
+def add_tour(parser: argparse.ArgumentParser) -> None:
+    """Where the walk goes, how the body moves on it, and how often it looks."""
+    parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
+    parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
+    parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
+    parser.add_argument(
+        "--rate", type=number(2.0, 120.0), default=10.0, metavar="HZ", help="frames per second (default: %(default)g)"
+    )
+    parser.add_argument("--start-manoeuvre", action="store_true", help=START_HELP)
+
+
 def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
     """What `add_walk` has asked for, as fields of `RunConfig`. Raises `WorldsError` or `SimError` for bad ones."""
     return {
         "preset": arguments.preset,
         "seed": arguments.seed,
         "house": HouseSpec.load(arguments.house) if arguments.house else None,
+        "tour_kind": _TOURS[arguments.tour],
+        "length_m": arguments.length,
+        "sway": arguments.sway,
+        "frame_rate_hz": arguments.rate,
+        "start_manoeuvre": arguments.start_manoeuvre,
         "odometry": arguments.odometry,
         "overconfidence": arguments.overconfidence,
         "faults": tuple(map(parse_fault, arguments.fault)),

@@ -42,6 +42,10 @@ class RunConfig:
     """Where the walk goes: one of `sim.tours.config.TOUR_KINDS`."""
     frame_rate_hz: float = 10.0
     """Observations a second; less than two a keyframe leaves no landmarks."""
+    sway: str = "none"
+    """How the body swings as it walks: one of `sim.sway.SWAYS`."""
+    start_manoeuvre: bool = False
+    """Whether the body swings on the spot for five seconds before it walks."""
     odometry: str = "multicam"
     """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
     overconfidence: float = 1.0
@@ -95,7 +99,13 @@ class RunConfig:
         """How the walk goes."""
         usual = TOUR_LENGTH_M.get(self.preset) if self.house is None and self.tour_kind == "rooms" else None
         length_m = self.length_m if self.length_m is not None else usual
-        return TourConfig(self.tour_kind, length_m, frame_rate_hz=self.frame_rate_hz)
+        return TourConfig(
+            self.tour_kind,
+            length_m,
+            frame_rate_hz=self.frame_rate_hz,
+            sway=self.sway,
+            start_manoeuvre=self.start_manoeuvre,
+        )
 
     def drift(self) -> OdometryConfig:
         """How the odometry drifts. Raises `SimError` for an overconfidence below 1."""

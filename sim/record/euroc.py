@@ -1,6 +1,6 @@
 """Runs as EuRoC's datasets are laid out (ASL): stereo images, 200 Hz IMU, true states, and the odometry as one more sensor.
 
-Body and IMU are one frame, so every `T_BS` of a camera is its `T_B_C`. Images have no distortion: the coefficients are zero.
+Body and IMU are one frame, so every `T_BS` of a camera is its `T_B_C`.
 """
 
 import csv
@@ -53,7 +53,7 @@ def _write_frames(folder: Path, take: Take, frames: Iterable[Frame], suffix: str
     odometry: list[list[float]] = []
     for name, camera in take.cameras.items():
         (sensors / name / "data").mkdir(parents=True)
-        (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, 1.0 / take.frame_s))
+        (sensors / name / "sensor.yaml").write_text(_camera_yaml(name, camera, take))
     for frame in frames:
         for name, image in frame.images.items():
             (sensors / name / "data" / f"{frame.stamp_ns}{suffix}").write_bytes(encoded(image, suffix))
@@ -100,13 +100,14 @@ def _write_csv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[objec
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def _camera_yaml(name: str, camera: Camera, rate_hz: float) -> str:
+def _camera_yaml(name: str, camera: Camera, take: Take) -> str:
     k = camera.intrinsics
     return (
         f"sensor_type: camera\ncomment: simulated {name}\n{_extrinsics(camera.T_B_C)}"
-        f"rate_hz: {rate_hz:g}\nresolution: [{k.width}, {k.height}]\ncamera_model: pinhole\n"
+        f"rate_hz: {1.0 / take.frame_s:g}\nresolution: [{k.width}, {k.height}]\ncamera_model: pinhole\n"
         f"intrinsics: [{k.fx}, {k.fy}, {k.cx}, {k.cy}] # fu, fv, cu, cv\n"
-        "distortion_model: radial-tangential\ndistortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n"
+        "distortion_model: radial-tangential\n"
+        f"distortion_coefficients: [{', '.join(take.distortion.decimals)}]\n"
     )
 
 

@@ -11,6 +11,7 @@ from lexis.se3 import inverse, log
 from lexis.types import Camera, Image
 from sim.errors import SimError
 from sim.imu import ImuConfig
+from sim.lens import Distortion
 
 WORLD, ODOM, BODY, IMU = "map", "odom", "base_link", "imu0"
 
@@ -77,7 +78,7 @@ class Messages:
         places = {IMU: np.eye(4), **{name: camera.T_B_C for name, camera in cameras.items()}}
         return self._of["TFMessage"]([self._transform(stamp_ns, name, T) for name, T in places.items()])
 
-    def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera) -> Any:
+    def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
         """The calibration of a camera; in P, how far it is to the right of the first one."""
         k = camera.intrinsics
         to_the_right = (inverse(first.T_B_C) @ camera.T_B_C)[0, 3]
@@ -88,7 +89,7 @@ class Messages:
             k.height,
             k.width,
             "plumb_bob",
-            np.zeros(5),
+            np.array([*distortion.coefficients, 0.0]),
             k.matrix.ravel(),
             np.eye(3).ravel(),
             P.ravel(),

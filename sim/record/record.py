@@ -13,6 +13,7 @@ from lexis.files import replaced_folder
 from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.imu import ImuConfig
+from sim.lens import Distortion
 from sim.record.euroc import write_euroc
 from sim.record.rooms import ROOMS, FrameRooms
 from sim.record.ros2 import write_bag
@@ -55,17 +56,19 @@ def record(
     images: str = "png",
     progress: Callable[[float], None] | None = None,
     imu_config: ImuConfig | None = None,
+    distortion: Distortion | None = None,
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
     `images` is png, jpg or, in bags, raw; the cameras are the pinholes of the config's rig, a single one with a partner to
-    the right of it; `progress` is told the share of frames done; `imu_config` has another IMU than EuRoC's. Returns the
-    bytes written. Raises `LexisError` where `out` holds anything else or cannot be written, `SimError` for an unknown format
-    or kind of images, or too little room on the disk, and what `sim.harness.run` raises.
+    the right of it; `progress` is told the share of frames done; `imu_config` has another IMU than EuRoC's;
+    `distortion` is that of every camera's lens, by default none. Returns the bytes written. Raises `LexisError` where `out`
+    holds anything else or cannot be written, `SimError` for an unknown format or kind of images, a distortion that cannot be
+    rendered, or too little room on the disk, and what `sim.harness.run` raises.
     """
     form = _format(format, images)
     with replaced_folder(out, ROOMS) as folder:
-        take = prepare(config, imu_config)
+        take = prepare(config, imu_config, distortion)
         _check_space(folder, take, form, images)
         rooms = FrameRooms(take.walk.house)
         others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")

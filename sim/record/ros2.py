@@ -120,7 +120,7 @@ class _Odometry:
 def _write_images(bag: _Bag, take: Take, frame: Frame, images: str) -> None:
     for name, image in frame.images.items():
         camera = take.cameras[name]
-        info = bag.messages.camera_info(frame.stamp_ns, name, camera, take.cameras["cam0"])
+        info = bag.messages.camera_info(frame.stamp_ns, name, camera, take.cameras["cam0"], take.distortion)
         bag.write(frame.stamp_ns, f"/{name}/camera_info", info)
         if images == "raw":
             bag.write(frame.stamp_ns, f"/{name}/image_raw", bag.messages.image(frame.stamp_ns, name, image))

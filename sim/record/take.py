@@ -19,6 +19,7 @@ from lexis.types import Camera, Image, Observation
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
 from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
+from sim.lens import Distortion, rendered_camera
 from sim.rig import STEREO_BASELINE_M
 from sim.session import Session
 from sim.staging import Painter, Staging
@@ -55,6 +56,8 @@ class Take:
     cameras: Mapping[str, Camera]
     """cam0 is the one that LEXIS sees."""
     imu_config: ImuConfig
+    distortion: Distortion
+    """Of every camera's lens."""
     imu: Imu
     """Stamps count from the start of the walk, so they begin below 0 [s]."""
 
@@ -96,12 +99,14 @@ class Take:
         """
         walked, faults, seed = self.walk, self.config.faults, self.config.seed
         camera = self.cameras["cam0"]
-        session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed)
+        bent = self.distortion
+        session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed, distortion=bent)
         # A staging of its own: the session renders in another thread.
-        staging = Staging(walked.house, walked.tour, camera, faults, seed)
+        rendered = rendered_camera(camera, bent) if bent else camera
+        staging = Staging(walked.house, walked.tour, rendered, faults, seed)
         with ExitStack() as stack:
-            painters = {name: stack.enter_context(closing(Painter(staging, self.cameras[name]))) for name in cameras}
-            ranging = stack.enter_context(closing(Painter(staging, camera))) if depth else None
+            painters = {name: stack.enter_context(closing(Painter(staging, self.cameras[name], bent))) for name in cameras}
+            ranging = stack.enter_context(closing(Painter(staging, camera, bent))) if depth else None
             pairs = stack.enter_context(closing(iter(session)))
             for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
@@ -122,19 +127,22 @@ class Take:
             yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
 
 
-def prepare(config: RunConfig, imu_config: ImuConfig | None = None) -> Take:
-    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises.
+def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: Distortion | None = None) -> Take:
+    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises, and what `Lens` does.
 
-    The cameras are the pinholes of the config's rig; beside a single one, another to the right of it.
+    The cameras are the pinholes of the config's rig; beside a single one, another to the right of it. All have the same
+    `distortion`, by default none.
     """
-    imu_config = imu_config or ImuConfig()
+    imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     pinholes = tuple(config.rig.cameras.values())
     cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
+    if distortion:
+        rendered_camera(config.camera, distortion)  # refuses what cannot be rendered, before the work
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
-    return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, imu)
+    return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu)
 
 
 def stereo_partner(camera: Camera) -> Camera:

@@ -14,11 +14,15 @@ from jaxtyping import Float64
 from lexis.dataset_tum import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, covariance_line, odometry_line, write_camera
 from lexis.quaternions import pose_rows
 from sim.record.images import SUFFIXES, encoded, encoded_depth
+from sim.record.settings import write_rgbd_settings
 from sim.record.take import Frame, Take
 
+ASSOCIATIONS = "associations.txt"
+"""Images beside their depth, as the benchmark's `associate.py` writes them; ORB-SLAM3 reads it, and no comments in it."""
 _HEADERS = {
     IMAGE_LIST: "# color images\n# timestamp filename\n",
     "depth.txt": "# depth maps, 16 bit, 5000 per metre along the optical axis, 0 where unknown\n# timestamp filename\n",
+    ASSOCIATIONS: "",
     ODOMETRY: "# odometry of the body: timestamp tx ty tz qx qy qz qw\n",
     COVARIANCE: "# timestamp, 6x6 of the odometry's increment since the image before, rotation first [rad^2, m^2]\n",
 }
@@ -27,7 +31,8 @@ _HEADERS = {
 def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[Frame], images: str) -> None:
     """Write a take. Raises OSError."""
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
-    write_camera(folder / CAMERA, camera)
+    write_camera(folder / CAMERA, camera, take.distortion.coefficients)
+    write_rgbd_settings(folder / "settings", take)
     truth = pose_rows(take.T_W_B @ camera.T_B_C)
     _write_rows(folder / "groundtruth.txt", "# timestamp tx ty tz qx qy qz qw", take, truth)
     _write_rows(folder / "accelerometer.txt", "# timestamp ax ay az", take, take.imu.specific_force)
@@ -44,6 +49,7 @@ def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[Frame], images: st
             if frame.depth is not None:
                 (folder / depth).write_bytes(encoded_depth(frame.depth))
                 files["depth.txt"].write(f"{stamp} {depth}\n")
+                files[ASSOCIATIONS].write(f"{stamp} {colour} {stamp} {depth}\n")
             files[IMAGE_LIST].write(f"{stamp} {colour}\n")
             files[ODOMETRY].write(odometry_line(stamp, frame.observation))
             files[COVARIANCE].write(covariance_line(stamp, frame.observation))

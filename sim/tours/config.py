@@ -42,6 +42,8 @@ class TourConfig:
     """Whether the view goes up and down with the stairs. Otherwise it stays level."""
     sway: str = "none"
     """What the body's own gait adds; it fades where the body stands."""
+    start_manoeuvre: bool = False
+    """Whether the body swings on the spot for five seconds before it walks, for visual-inertial systems to initialise."""
     prefer_clearance_m: float = 0.6
     """Kept from obstacles where there is room."""
 

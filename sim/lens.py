@@ -1,0 +1,145 @@
+"""`Distortion` and `Lens`: what a pinhole sees, bent as a radial-tangential lens bends it."""
+
+from dataclasses import astuple, dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float64, Shaped, UInt8
+
+from lexis.types import Camera, Intrinsics
+from sim.errors import SimError
+
+_ITERATIONS = 30
+_RESIDUAL = 1e-9
+"""Largest error of the inverted distortion, on the plane at distance 1."""
+_MARGIN_PX = 2
+"""Beyond the outermost point that is seen, for the interpolation."""
+_WIDEST = 4
+"""The pinhole that is rendered has at most this many times the width and height of the image."""
+_STEPS = 50
+"""Places between the centre and the border at which the distortion is tested for folds."""
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """Coefficients of OpenCV's and EuRoC's radial-tangential model. Raises `SimError` unless they are finite."""
+
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not all(map(np.isfinite, astuple(self))):
+            raise SimError(f"distortion: coefficients are {astuple(self)}; valid: finite ones")
+
+    @property
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """In OpenCV's order."""
+        return self.k1, self.k2, self.p1, self.p2
+
+    @property
+    def decimals(self) -> tuple[str, str, str, str]:
+        """The coefficients as every reader of YAML takes them for numbers: without exponents."""
+        k1, k2, p1, p2 = (np.format_float_positional(value, trim="0") for value in self.coefficients)
+        return k1, k2, p1, p2
+
+    def __bool__(self) -> bool:
+        return any(self.coefficients)
+
+    def bent(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """Where points of the plane at distance 1 appear."""
+        square = (points**2).sum(axis=1, keepdims=True)
+        twice = 2.0 * points.prod(axis=1, keepdims=True)
+        tangential = twice * [self.p1, self.p2] + (square + 2.0 * points**2) * [self.p2, self.p1]
+        return np.asarray(points * (1.0 + square * (self.k1 + square * self.k2)) + tangential)
+
+    def straightened(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """Inverse of `bent`, by Newton's method. Raises `SimError` where it finds no point that appears there."""
+        straight = points
+        with np.errstate(all="ignore"):
+            for _ in range(_ITERATIONS):
+                straight = straight - self._newton_step(straight, self.bent(straight) - points)
+            found = np.abs(self.bent(straight) - points).max(axis=1) < _RESIDUAL
+        if not found.all():
+            raise self._too_strong()
+        return straight
+
+    def check_unfolded(self, straight: Float64[np.ndarray, "n 2"]) -> None:
+        """Raise `SimError` if the image turns over on the way from its centre to any of the points."""
+        for share in np.linspace(0.0, 1.0, _STEPS).tolist():
+            along_x, mixed, along_y = self._slopes(share * straight)
+            if (along_x * along_y <= mixed**2).any() or (along_x <= 0.0).any():
+                raise self._too_strong()
+
+    def _newton_step(
+        self, points: Float64[np.ndarray, "n 2"], error: Float64[np.ndarray, "n 2"]
+    ) -> Float64[np.ndarray, "n 2"]:
+        along_x, mixed, along_y = self._slopes(points)
+        x, y = error.T
+        solved = np.stack([along_y * x - mixed * y, along_x * y - mixed * x], axis=-1)
+        return np.asarray(solved / (along_x * along_y - mixed**2)[:, None])
+
+    def _slopes(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "3 n"]:
+        """Derivatives of `bent`: of x by x, of either by the other, of y by y."""
+        x, y = points.T
+        square = x**2 + y**2
+        radial, slope = 1.0 + square * (self.k1 + square * self.k2), 2.0 * (self.k1 + 2.0 * self.k2 * square)
+        mixed = slope * x * y + 2.0 * (self.p1 * x + self.p2 * y)
+        along_x = radial + slope * x**2 + 2.0 * self.p1 * y + 6.0 * self.p2 * x
+        along_y = radial + slope * y**2 + 6.0 * self.p1 * y + 2.0 * self.p2 * x
+        return np.stack([along_x, mixed, along_y])
+
+    def _too_strong(self) -> SimError:
+        return SimError(
+            f"distortion: {self.coefficients} shows parts of the image twice or not at all; valid: weaker coefficients, or "
+            "a narrower field of view"
+        )
+
+
+class Lens:
+    """Bends the images of `pinhole`, which is wide enough, to those that a camera with the distortion takes.
+
+    Raises `SimError` where the distortion has no inverse in the image, or asks for too wide a pinhole.
+    """
+
+    def __init__(self, intrinsics: Intrinsics, distortion: Distortion) -> None:
+        k = intrinsics
+        border = distortion.straightened(_border(k))
+        distortion.check_unfolded(border)
+        border = border * [k.fx, k.fy] + [k.cx, k.cy]
+        (left, top), (right, bottom) = np.floor(border.min(axis=0)) - _MARGIN_PX, np.ceil(border.max(axis=0)) + _MARGIN_PX
+        width, height = int(right - left) + 1, int(bottom - top) + 1
+        if width > _WIDEST * k.width or height > _WIDEST * k.height:
+            raise SimError(
+                f"distortion: {distortion.coefficients} needs a pinhole of {width} x {height} px; valid: weaker coefficients"
+            )
+        self.pinhole = Intrinsics(width, height, k.fx, k.fy, float(k.cx - left), float(k.cy - top))
+        """What is rendered: the same focal lengths and pixels, more or fewer of them."""
+        v, u = np.mgrid[: k.height, : k.width]
+        pixels = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
+        straight = distortion.straightened((pixels - [k.cx, k.cy]) / [k.fx, k.fy])
+        at = straight * [k.fx, k.fy] + [self.pinhole.cx, self.pinhole.cy]
+        self._at = at.astype(np.float32).reshape(k.height, k.width, 2)
+
+    def image(self, image: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "i j 3"]:
+        """A picture of the pinhole, bent; between pixels by cubics."""
+        return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
+
+    def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
+        """Depth along the optical axis, or ids, bent; of the nearest pixel, so that nothing is made up between two."""
+        u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
+        return np.asarray(values[v, u])
+
+
+def rendered_camera(camera: Camera, distortion: Distortion) -> Camera:
+    """The wider pinhole that is rendered for a camera with a distortion. Raises `SimError` as `Lens` does."""
+    return Camera(Lens(camera.intrinsics, distortion).pinhole, camera.T_B_C)
+
+
+def _border(k: Intrinsics) -> Float64[np.ndarray, "n 2"]:
+    """The outermost pixels on the plane at distance 1."""
+    across, down = np.arange(k.width), np.arange(k.height)
+    sides = [np.stack(np.broadcast_arrays(across, v), axis=-1) for v in (0, k.height - 1)]
+    sides += [np.stack(np.broadcast_arrays(u, down), axis=-1) for u in (0, k.width - 1)]
+    return np.asarray((np.concatenate(sides) - [k.cx, k.cy]) / [k.fx, k.fy])
