@@ -16,8 +16,9 @@ from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
 from sim.report.findings import Finding, findings, unseen
-from sim.report.overlay import MOST_PATHS, run_marks, storey_of
+from sim.report.overlay import MOST_PATHS, run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
+from worlds.truth import storey_of
 
 NAMES = ("kitchen", "office", "library")
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -228,3 +229,7 @@ def test_data_that_does_not_fit_is_refused(rng, change, problem):
 
 def test_storey_is_the_highest_floor_below():
     assert storey_of(np.array([-0.1, 0.0, 1.2, 2.99, 3.0, 9.0]), [0.0, 3.0]).tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_a_foot_that_rounding_has_put_below_its_floor_is_on_it():
+    assert storey_of(np.array([2.8999999999999995]), [0.0, 2.9]).tolist() == [1]

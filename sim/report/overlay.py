@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from jaxtyping import Bool, Float, Float64, Int
+from jaxtyping import Bool, Float64, Int
 
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
+from worlds.truth import storey_of
 
 MOST_PATHS = 12
 """More planned paths would hide the plan."""
@@ -42,11 +43,6 @@ def _path(path: PlanPath, level: int, floors_m: list[float]) -> Iterator[Mark]:
     outcome = {True: "reached", False: "not reached", None: "not driven"}[path.success]
     for run in _runs(here):
         yield Mark("line", "path", path.points[run, :2], text=f"plan {path.start} → {path.goal}: {outcome}")
-
-
-def storey_of(heights: Float[np.ndarray, "k"], floors_m: list[float]) -> Int[np.ndarray, "k"]:
-    """The storey whose floor is the highest one below each height [m]; the lowest where there is none."""
-    return np.asarray(np.clip(np.searchsorted(floors_m, heights, side="right") - 1, 0, None))
 
 
 def _loops(data: ReportData, level: int) -> Iterator[Mark]:
