@@ -10,7 +10,7 @@ from sim.harness import RunConfig, evaluate, run
 from worlds.presets import sample_from_rooms
 
 CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=45.0
+    house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=36.0, frame_rate_hz=4.0
 )
 FOREVER_S = 1e6
 
