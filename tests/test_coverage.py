@@ -10,8 +10,9 @@ from sim.harness import RunConfig, evaluate, run
 from worlds.presets import sample_from_rooms
 
 CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=36.0, frame_rate_hz=4.0
-)
+    house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=36.0,
+    frame_rate_hz=4.0,
+)  # fmt: skip
 FOREVER_S = 1e6
 
 
@@ -27,7 +28,9 @@ def test_a_run_without_faults_covers_its_walk(whole):
 
 
 @pytest.mark.parametrize(
-    "fault", [Dropped(1.0), Kidnap(at_s=0.1, skip_s=FOREVER_S), OdometryFreeze(at_s=0.1, for_s=FOREVER_S)], ids=lambda f: f.name
+    "fault",
+    [Dropped(1.0), Kidnap(at_s=0.1, skip_s=FOREVER_S), OdometryFreeze(at_s=0.1, for_s=FOREVER_S)],
+    ids=lambda fault: fault.name,
 )
 def test_a_run_of_one_keyframe_has_no_perfect_figures_of_nothing(fault, whole):
     result = evaluate(run(replace(CONFIG, faults=(fault,))), [])

@@ -54,7 +54,7 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
 
     metres = np.linalg.norm(feet[there] - feet[elsewhere])
     assert plan(elsewhere, there)[0] == room
-    assert plan(elsewhere, there)[1].startswith(f"stopped {metres:.1f} m short of the plan's end in ")
+    assert plan(elsewhere, there)[1].startswith(f"stopped {metres:.1f} m short of the end of its plan, which is in ")
     assert plan(elsewhere, elsewhere)[1].startswith(f"the plan itself ends in {room}, ")
     assert plan(elsewhere, there, ("sofa#1",))[1] == "ran into sofa#1"
     assert plan(elsewhere, there, (DROP,))[1] == "came to a drop"

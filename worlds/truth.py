@@ -84,7 +84,7 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
     """Index into `house.rooms` of the room that holds each point of W [m], `NOWHERE` outside of all.
 
     Walls are split at their centre lines, of which a point right on one belongs to the later room of `house.rooms`; a room
-    reaches from its floor to the next one's, both taken `FLOOR_TOLERANCE_M` lower, so that feet are in the room they stand in.
+    reaches from its floor to the next one's, both taken `FLOOR_TOLERANCE_M` lower, so that feet are in a room.
     """
     owner = np.full(len(points), NOWHERE)
     heights = points[:, 2] + FLOOR_TOLERANCE_M

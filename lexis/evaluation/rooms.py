@@ -23,7 +23,7 @@ SHARE = 0.5
 
 @dataclass(frozen=True)
 class RoomScores:
-    """`rooms` of result.json. All figures are None for fewer than 2 keyframes: one keyframe has one partition, the true one."""
+    """`rooms` of result.json. All figures are None for fewer than 2 keyframes, which cannot be grouped wrongly."""
 
     pq: float | None
     """Panoptic quality: the sum of matched IoU over (matches + half of the unmatched on both sides)."""

@@ -99,6 +99,6 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     if text := missed(result, finished.unseen_rooms):
         print(f"warning: {text}")
     if result["planning"]["success"] not in (None, 1.0):
-        print("Not every plan reached its room: the report lists those that failed, and shows them on the plan of the house.")
+        print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / 'report.html'}")
     return 0

@@ -78,7 +78,8 @@ def _why_failed(run: Run, trial: Trial) -> str:
     intended = _room(run, trial.planned[-1] + [0.0, 0.0, run.session.tour.eye_height_m])
     if intended is None or run.house.room_by_id[intended].label != trial.goal:
         return f"the plan itself ends in {intended or 'no room'}, whose keyframe the map labels {trial.goal}"
-    return f"stopped {np.linalg.norm(trial.planned[-1] - trial.path[-1]):.1f} m short of the plan's end in {intended}"
+    short_m = np.linalg.norm(trial.planned[-1] - trial.path[-1])
+    return f"stopped {short_m:.1f} m short of the end of its plan, which is in {intended}"
 
 
 def _room(run: Run, point: Float64[np.ndarray, "3"]) -> str | None:

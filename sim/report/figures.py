@@ -36,21 +36,24 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "rooms_visited": Definition("rooms in the map", _COUNT, "rooms of the walk that have a keyframe"),
         "rooms": Definition("rooms on the walk", _COUNT, "rooms that the walk went through"),
         "path_covered": Definition(
-            "share of the walk", _SHARE, "between the first and the last keyframe, without gaps over 3 m; no other figure is "
-            "about the rest",
+            "share of the walk",
+            _SHARE,
+            "between the first and the last keyframe, without gaps over 3 m; no other figure is about the rest",
         ),
     },
     "labels": {
         "accuracy": Definition("label accuracy", _SHARE, "keyframes labelled as the true room that contains the camera"),
-        "accuracy_baseline": Definition("… before refinement", _SHARE, "the same, for the label that each image alone gives"),
+        "accuracy_baseline": Definition("… before refinement", _SHARE, "the same, for the label of each image alone"),
         "accuracy_graded": Definition(
             "… graded", _SHARE, "the same, but within 0.75 m of an open boundary the label of either side is right"
         ),
     },
     "rooms": {
         "pq": Definition(
-            "panoptic quality", _SCORE, "predicted and true rooms are matched one to one at IoU > 0.5, by their keyframes; the "
-            "IoU of the matches, lowered by rooms without a match; 1 is perfect",
+            "panoptic quality",
+            _SCORE,
+            "of predicted and true rooms, matched one to one at IoU > 0.5 of their keyframes: "
+            "the IoU of the matches, lowered by rooms without a match; 1 is perfect",
         ),
         "precision": Definition("precision", _SHARE, "predicted rooms that have a match"),
         "recall": Definition("recall", _SHARE, "true rooms that have a match"),
@@ -60,7 +63,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "hydra_recall": Definition(
             "Hydra's recall", _SHARE, "mean share of a true room that one predicted room covers; merges do not lower it"
         ),
-        "ari": Definition("adjusted Rand index", _SCORE, "agreement on which keyframes share a room; 0 by chance, 1 if equal"),
+        "ari": Definition("adjusted Rand index", _SCORE, "agreement on which keyframes share a room; 0 by chance, 1: equal"),
         "v_measure": Definition("V-measure", _SCORE, "harmonic mean of homogeneity and completeness of predicted rooms"),
         "splits": Definition("splits", _COUNT, "predicted rooms beyond the first that lie mostly (> half) in one true room"),
         "merges": Definition("merges", _COUNT, "true rooms beyond the first that lie mostly (> half) in one predicted room"),

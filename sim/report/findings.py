@@ -11,7 +11,6 @@ from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
 from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
-
 WELL_COVERED = 0.95
 """Share of the walk from which on nothing need be said of the rest."""
 _STRETCHES_M = (8.0, 24.0)
@@ -51,8 +50,8 @@ def _extent(result: Mapping[str, Any]) -> str | None:
     coverage: Mapping[str, Any] = result.get("coverage") or {}
     if coverage.get("path_covered") is None:
         return None
-    rooms, covered = f"{coverage['rooms_visited']} of {coverage['rooms']} rooms", f"{coverage['path_covered']:.0%} of the walk"
-    return f"The map covers {rooms} and {covered}."
+    rooms = f"{coverage['rooms_visited']} of {coverage['rooms']} rooms"
+    return f"The map covers {rooms} and {coverage['path_covered']:.0%} of the walk."
 
 
 def unseen(rooms: Sequence[str]) -> str | None:
@@ -89,7 +88,8 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
     if mended or spoiled:
         first = int(np.flatnonzero(before & ~after)[0]) if spoiled else None
-        yield Finding(mended >= spoiled, f"Refinement corrected the labels of {mended} keyframes and spoiled {spoiled} that were right.", first)
+        text = f"Refinement corrected the labels of {mended} keyframes and spoiled {spoiled} that were right."
+        yield Finding(mended >= spoiled, text, first)
 
 
 def _rooms(data: ReportData) -> Iterator[Finding]:
@@ -126,10 +126,12 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
+        ignored = worst.weight <= 0.5
+        held = ", but the optimiser gives little weight to any of them" if ignored else ""
         yield Finding(
-            worst.weight <= 0.5,
-            f"{len(false)} of {len(data.loops)} loop edges are false; the heaviest has weight {worst.weight:.2f} and ties "
-            f"keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
+            ignored,
+            f"{len(false)} of {len(data.loops)} loop edges are false{held}; the heaviest has weight {worst.weight:.2f} and "
+            f"ties keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
             worst.query,
         )
 

@@ -35,7 +35,7 @@ _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_visited} of {rooms} rooms"),
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
-    ("room quality (PQ)", "rooms", "pq", "{splits} splits, {merges} merges"),
+    ("room quality (PQ)", "rooms", "pq", "splits: {splits}, merges: {merges}"),
     ("floor accuracy", "floors", "accuracy", "error in their number: {count_error}"),
     ("true loop edges", "loops", "true", "{false} false, recall {recall}"),
     ("trajectory (ATE)", "trajectory", "ate_m", "odometry {ate_odometry_m}"),

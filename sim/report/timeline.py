@@ -30,7 +30,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     body += _time_axis(data)
     body.append(f'<line id="cursor" y1="0" y2="{_HEIGHT - 18}" x1="-9" x2="-9"/>')
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" id="timeline" role="img" aria-label="labels and position errors over time" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" id="timeline" role="img" aria-label="labels and errors over time" '
         f'viewBox="0 0 {WIDTH:.0f} {_HEIGHT:.0f}">' + "\n".join(body) + "</svg>"
     )
 
