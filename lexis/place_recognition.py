@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.pose_graph import PoseGraph
@@ -27,7 +27,8 @@ def propose(
     rooms with an old enough keyframe: the room that the robot has just entered may for now be a cluster of its own, too
     recent to close a loop with, and would hide the older one behind it.
     """
-    old = _old_enough(query, graph, config)
+    stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
+    old = old_enough(query.id, stamps, graph.path_m, config)
     members = {room.id: [i for i in room.keyframes if old[i]] for room in rooms if room.label == label}
     eligible = [room for room in rooms if members.get(room.id)]
     if not eligible:
@@ -41,10 +42,17 @@ def propose(
     return tuple(ids[best].tolist())
 
 
-def _old_enough(query: Keyframe, graph: PoseGraph, config: PlaceRecognitionConfig) -> Bool[np.ndarray, "n"]:
-    """Which keyframes lie at least `min_gap_s` and `min_gap_m` of path before the query."""
-    stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
-    seconds = query.stamp - stamps
-    metres = graph.path_m[query.id] - graph.path_m
+def old_enough(
+    query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
+) -> Bool[np.ndarray, "n"]:
+    """Which keyframes lie at least `min_gap_s` and `min_gap_m` of odometry path before the query, and may be proposed.
+
+    Args:
+        query: id of a keyframe.
+        stamps: of all keyframes [s].
+        path_m: odometry path from the first keyframe to each [m].
+        config: the two gaps.
+    """
+    seconds, metres = stamps[query] - stamps, path_m[query] - path_m
     # Within a microsecond: stamps of recordings are rounded, and a gap at the limit must not depend on how.
-    return np.asarray((seconds >= config.min_gap_s - 1e-6) & (metres >= config.min_gap_m) & (stamps < query.stamp))
+    return np.asarray((seconds >= config.min_gap_s - 1e-6) & (metres >= config.min_gap_m) & (seconds > 0))

@@ -40,6 +40,11 @@ class Tour:
     eye_height_m: float
 
     @property
+    def distances_m(self) -> Float64[np.ndarray, "n"]:
+        """Length of the walked path up to every frame, without its sway [m]."""
+        return arc_length(replace(self.motion, sway=None).position(self.stamps))
+
+    @property
     def length_m(self) -> float:
         """Length of the walked path, without its sway [m]."""
         every = np.append(np.arange(0.0, self.motion.duration_s, 0.02), self.motion.duration_s)

@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 from sklearn.metrics import adjusted_rand_score, v_measure_score
 
+from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import score_loops, true_revisits
@@ -16,7 +17,7 @@ from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 
 NOBODY = np.zeros(0, int)
-partition_pairs = st.integers(1, 40).flatmap(
+partition_pairs = st.integers(2, 40).flatmap(
     lambda n: st.tuples(*[arrays(np.int64, n, elements=st.integers(0, 5)) for _ in range(2)])
 )
 
@@ -59,7 +60,7 @@ def test_room_figures_do_not_depend_on_ids_and_swapping_sides_swaps_the_figures(
     assert back.hydra_recall == pytest.approx(scores.hydra_precision)
 
 
-@given(arrays(np.int64, st.integers(1, 30), elements=st.integers(0, 5)))
+@given(arrays(np.int64, st.integers(2, 30), elements=st.integers(0, 5)))
 def test_the_truth_itself_is_perfect(truth):
     scores = score_rooms(truth, truth)
     perfect = (
@@ -123,7 +124,34 @@ def test_a_revisit_lies_ten_seconds_back():
 def test_place_recognition_asks_for_n_right_matches():
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
     candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
-    assert [count_matches(candidates, truth, n) for n in (1, 3, 5)] == [Counts(1, 1), Counts(1, 1), Counts(0, 2)]
+    earlier = np.tri(6, k=-1, dtype=bool)
+    counts = [count_matches(candidates, earlier, truth, n) for n in (1, 3, 5)]
+    assert counts == [Counts(1, 1, possible=1), Counts(1, 1, possible=1), Counts(0, 2, possible=0)]
+
+
+def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_its_place():
+    truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
+    everyone = [(query, ()) for query in range(6)]
+    earlier = np.tri(6, k=-1, dtype=bool)
+    assert [count_matches(everyone, earlier, truth, n).possible for n in (1, 2, 3, 4)] == [3, 2, 1, 0]
+    long_before = np.tri(6, k=-3, dtype=bool)  # only 0, 1 and 2 are old enough for 5
+    assert [count_matches(everyone, long_before, truth, n).possible for n in (1, 3, 4)] == [1, 1, 0]
+
+
+@given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
+def test_no_more_queries_are_right_than_can_be(x, n):
+    truth, earlier = np.stack([pose(at) for at in x]), np.tri(12, k=-2, dtype=bool)
+    candidates = [(query, tuple(range(max(query - 1, 0)))) for query in range(12)]
+    counts = count_matches(candidates, earlier, truth, n)
+    assert counts.tp == counts.possible and counts.tp + counts.fp == 10
+
+
+def test_a_walk_is_covered_between_keyframes_that_are_no_more_than_three_metres_apart():
+    assert path_covered(np.array([0.0, 3.0, 6.0]), 6.0) == 1.0
+    assert path_covered(np.array([6.0, 0.0, 3.0]), 6.0) == 1.0
+    assert path_covered(np.array([1.0, 2.0, 5.5, 6.0]), 10.0) == pytest.approx(0.15)
+    assert path_covered(np.array([4.0]), 10.0) == 0.0
+    assert path_covered(np.array([0.0]), 0.0) is None
 
 
 def test_spl_weighs_success_by_the_shortest_path():
@@ -138,6 +166,7 @@ def test_what_cannot_be_measured_is_none():
     nothing, nowhere = np.zeros(0, bool), np.zeros(0)
     assert accuracy(NOBODY, NOBODY) is None and graded_accuracy(NOBODY, np.zeros((0, 3), bool)) is None
     assert set(vars(score_rooms(NOBODY, NOBODY)).values()) == {None}
+    assert set(vars(score_rooms(np.array([3]), np.array([0]))).values()) == {None}, "one keyframe cannot be grouped wrongly"
     assert floor_accuracy(NOBODY, NOBODY, nothing) is None and floor_count_error(NOBODY, NOBODY, nothing) is None
     assert spl(nothing, nowhere, nowhere) is None and success_rate(nothing) is None
     scores = score_loops(0, NOBODY, NOBODY, np.zeros((0, 4, 4)), np.zeros((0, 4, 4)), nowhere)

@@ -69,6 +69,14 @@ def test_random_points_lie_in_at_most_one_room_and_on_its_floor(house):
             assert floor == house.rooms[owner].storey
 
 
+def test_feet_are_in_the_room_they_stand_in_whatever_rounding_has_done_to_their_height(house):
+    for i, room in enumerate(house.rooms):
+        if room.label != STAIRS:
+            place = room.polygon.representative_point()
+            feet = np.array([[place.x, place.y, room.floor_m + off] for off in (-1e-9, -1e-15, 0.0, 1e-15, 1e-9)])
+            assert set(room_at(house, feet)) == {i} and set(floor_at(house, feet)) == {room.storey}
+
+
 def test_no_point_falls_between_two_rooms(house):
     for level, pieces in enumerate(house.boundaries):
         for boundary, _ in pieces:

@@ -15,9 +15,10 @@ from sim.errors import SimError
 from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
-from sim.report.findings import Finding, findings, unseen
-from sim.report.overlay import MOST_PATHS, run_marks, storey_of
+from sim.report.findings import Finding, findings, missed, unseen
+from sim.report.overlay import run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
+from worlds.truth import storey_of
 
 NAMES = ("kitchen", "office", "library")
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -154,13 +155,47 @@ def test_a_better_trajectory_is_owed_to_loops_and_not_to_the_alignment(rng):
     assert not any("Loop closing" in finding.text for finding in findings(replace(data, loops=())))
 
 
-def test_a_plan_without_a_path_counts_as_failed_and_only_some_paths_are_drawn(rng):
+def test_every_plan_is_drawn_and_those_that_failed_stand_out_and_are_listed(rng):
     data = example(rng)
-    paths = (*data.paths * 20, PlanPath("library", "office", np.zeros((0, 3)), False))
-    crowded = replace(data, paths=paths)
-    assert any("1 of 21 plans did not reach their room: from library to office." in f.text for f in findings(crowded))
-    lines = sum(mark.style == "path" for mark in run_marks(crowded, 0, dict.fromkeys(NAMES, "#000000")))
-    assert lines == MOST_PATHS < 20
+    short = PlanPath("library", "office", data.paths[0].points[:15], False, "ran into wall#3", "kitchen 1", 4.0)
+    unplanned = PlanPath("office", "library", np.zeros((0, 3)), False, "no plan was found")
+    crowded = replace(data, paths=(*data.paths * 40, short, unplanned))
+    marks = [run_marks(crowded, level, dict.fromkeys(NAMES, "#000000")) for level in (0, 1)]
+    assert [sum(mark.style == "plan" for mark in storey) for storey in marks] == [40, 40]
+    assert [sum(mark.style == "plan-failed" for mark in storey) for storey in marks] == [1, 0]
+    crosses = [mark for mark in marks[0] if mark.style == "plan-end"]
+    assert len(crosses) == 2 and not any(mark.style == "plan-end" for mark in marks[1])
+    np.testing.assert_allclose(np.mean([mark.points for mark in crosses], axis=(0, 1)), short.points[-1, :2])
+    assert {mark.text for mark in marks[0] if mark.style == "plan-number"} == {"1"}
+    page = render_report(crowded)
+    for cell in ("library", "ran into wall#3", "kitchen 1", "no plan was found", f"{short.driven_m:.1f} m", "4.0 m"):
+        assert f">{cell}</td>" in page
+    told = "2 of 42 plans did not reach their room: from library to office (ran into wall#3); from office to library ("
+    assert any(told in finding.text and not finding.good for finding in findings(crowded))
+
+
+def test_stretches_that_loop_closing_bent_are_told_of_though_the_whole_is_better(rng):
+    data = example(rng, n=200, wrong=0)
+    table = data.keyframes
+    truth = np.tile(np.eye(4), (200, 1, 1))
+    truth[:, 0, 3] = np.arange(200) * 0.5
+    drifted, optimised = truth.copy(), truth.copy()
+    drifted[:, 1, 3] = 0.4 * np.sin(truth[:, 0, 3] * 2 * np.pi / 100)
+    optimised[:, 1, 3] = 0.2 * (np.arange(200) // 16 % 2)  # steps 8 m apart
+    bent = replace(data, keyframes=replace(table, true_poses=truth, odometry_poses=drifted, optimised_poses=optimised))
+    texts = {finding.good: finding.text for finding in findings(bent) if "8 m (RPE)" in finding.text}
+    assert list(texts) == [False] and texts[False].endswith("which is worse.")
+    assert any(finding.good and "took the ATE" in finding.text for finding in findings(bent))
+
+
+def test_a_map_of_next_to_nothing_says_so_first(rng):
+    data = example(rng, wrong=0)
+    lost = {**data.result, "coverage": {"rooms_visited": 1, "rooms": 9, "path_covered": 0.0}}
+    first = findings(replace(data, result=lost))[0]
+    assert not first.good and first.text.startswith("The map covers 1 of 9 rooms and 0% of the walk.")
+    whole = {**data.result, "coverage": {"rooms_visited": 9, "rooms": 9, "path_covered": 0.99}}
+    assert missed(whole, ()) is None
+    assert all(finding.good for finding in findings(replace(data, result=whole)))
 
 
 def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
@@ -173,7 +208,7 @@ def test_findings_name_the_planted_faults_and_nothing_on_a_perfect_run(rng):
     )
     bad = " ".join(finding.text for finding in findings(faulty) if not finding.good)
     for fault in (
-        "taken for library",
+        "labelled library",
         "2 of 3 loop edges are false",
         "weight 0.80",
         "keyframe 35 to 1",
@@ -228,3 +263,7 @@ def test_data_that_does_not_fit_is_refused(rng, change, problem):
 
 def test_storey_is_the_highest_floor_below():
     assert storey_of(np.array([-0.1, 0.0, 1.2, 2.99, 3.0, 9.0]), [0.0, 3.0]).tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_a_foot_that_rounding_has_put_below_its_floor_is_on_it():
+    assert storey_of(np.array([2.8999999999999995]), [0.0, 2.9]).tolist() == [1]

@@ -6,9 +6,10 @@ import pytest
 from rich.console import Console
 
 from sim.report.figures import MISSING, SECTIONS, figures, shown
-from sim.report.table import result_table
+from sim.report.table import result_table, result_title
 
 CONTRACT = {
+    "coverage": ["rooms_visited", "rooms", "path_covered"],
     "labels": ["accuracy", "accuracy_baseline", "accuracy_graded"],
     "rooms": [
         "pq",
@@ -24,6 +25,7 @@ CONTRACT = {
     ],
     "floors": ["accuracy", "count_error"],
     "loops": ["proposed", "verified", "true", "false", "precision", "recall"],
+    "place_recognition": [],
     "trajectory": ["ate_odometry_m", "ate_m", "rpe_8m_odometry_m", "rpe_8m_m", "rpe_24m_odometry_m", "rpe_24m_m"],
     "planning": ["queries", "success", "spl", "collisions"],
     "run": ["path_m", "duration_s", "frames", "keyframes"],
@@ -57,15 +59,14 @@ def test_unknown_figures_are_shown_by_their_key_and_groups_are_left_out():
 
 @pytest.mark.parametrize(("preset", "name"), [("home", "home"), (None, "my [old] house")])
 def test_a_house_of_no_preset_goes_by_its_name(preset, name):
-    console = Console(width=140, record=True, file=io.StringIO())
-    console.print(result_table({"preset": preset, "seed": 3}, "my [old] house"))
-    assert f"house {name}, seed 3" in console.export_text()
+    assert result_title({"preset": preset, "seed": 3}, "my [old] house").startswith(f"house {name}, seed 3: ? encoder, ")
 
 
 def test_the_table_holds_every_figure():
     console = Console(width=140, record=True, file=io.StringIO())
-    console.print(result_table({"preset": "home", "seed": 3, "labels": {"accuracy": 0.75}, "loops": {"precision": None}}))
+    places = {"3": {"tp": 17, "fp": 150, "possible": 20}}
+    console.print(result_table({"labels": {"accuracy": 0.75}, "loops": {"precision": None}, "place_recognition": places}))
     text = console.export_text()
-    assert "house home, seed 3: ? encoder" in text
+    assert "found, N = 3" in text and "17 of 20" in text
     assert "75.0%" in text
     assert MISSING in text

@@ -5,7 +5,7 @@ Everything here is a function of the house's polygons, openings and heights. The
 """
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Literal
@@ -25,6 +25,8 @@ AMBIGUITY_BAND_M = 0.75
 AMBIGUOUS_FRAME_M = 1.2
 """From this width on a cased opening or an arch leaves it open where one room ends."""
 NOWHERE = -1
+FLOOR_TOLERANCE_M = 1e-6
+"""A foot stands on a floor that it is this little below: heights that rays or sums give are rounded."""
 
 Point3 = tuple[float, float, float]
 
@@ -82,19 +84,24 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
     """Index into `house.rooms` of the room that holds each point of W [m], `NOWHERE` outside of all.
 
     Walls are split at their centre lines, of which a point right on one belongs to the later room of `house.rooms`; a room
-    reaches from its floor to the next one's.
+    reaches from its floor to the next one's, both taken `FLOOR_TOLERANCE_M` lower, so that feet are in a room.
     """
     owner = np.full(len(points), NOWHERE)
+    heights = points[:, 2] + FLOOR_TOLERANCE_M
     for i, room in enumerate(house.rooms):
-        in_height = (points[:, 2] >= room.floor_m) & (points[:, 2] < room.ceiling_m + house.spec.slab_m)
+        in_height = (heights >= room.floor_m) & (heights < room.ceiling_m + house.spec.slab_m)
         owner[in_height & shapely.intersects_xy(room.polygon, points[:, 0], points[:, 1])] = i
     return owner
 
 
 def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Storey of each point: the one with the highest floor that is not above it."""
-    floors = np.array([storey.floor_m for storey in house.storeys])
-    return np.clip(np.searchsorted(floors, points[:, 2], side="right") - 1, 0, None)
+    """Storey of each point of W [m]: the one with the highest floor that is not above it."""
+    return storey_of(points[:, 2], [storey.floor_m for storey in house.storeys])
+
+
+def storey_of(heights: Float[np.ndarray, "n"], floors_m: Sequence[float]) -> Int[np.ndarray, "n"]:
+    """Index of the highest floor that is not above each height, `FLOOR_TOLERANCE_M` aside; 0 below all floors [m]."""
+    return np.clip(np.searchsorted(floors_m, heights + FLOOR_TOLERANCE_M, side="right") - 1, 0, None)
 
 
 def ambiguity_at(

@@ -1,8 +1,8 @@
 """How well predicted room instances are the true ones. All figures compare two partitions of the same keyframes.
 
 An instance is an integer id; the true id of a keyframe is that of the room that holds the camera. So a room that was walked
-through without a keyframe, where frames were lost say, is in none of these figures, `count_error` included: whoever shows
-them says which rooms those are (`unseen_rooms` of a run).
+through without a keyframe, where frames were lost say, is in none of these figures, `count_error` included: how many rooms
+those are is told by `coverage` of result.json.
 """
 
 import math
@@ -23,7 +23,7 @@ SHARE = 0.5
 
 @dataclass(frozen=True)
 class RoomScores:
-    """`rooms` of result.json. All figures are None where there are no keyframes."""
+    """`rooms` of result.json. All figures are None for fewer than 2 keyframes, which cannot be grouped wrongly."""
 
     pq: float | None
     """Panoptic quality: the sum of matched IoU over (matches + half of the unmatched on both sides)."""
@@ -49,7 +49,7 @@ class RoomScores:
 
 def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:
     """All figures of a partition of keyframes into rooms against the true one."""
-    if not len(truth):
+    if len(truth) < 2:
         return RoomScores(*[None] * 10)
     table = overlap(predicted, truth)
     ious = iou(table)

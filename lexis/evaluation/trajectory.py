@@ -8,6 +8,9 @@ from lexis.types import Pose, Poses
 
 Points = Float64[np.ndarray, "n 3"]
 
+LEAST_POSES = 3
+"""With fewer, an alignment takes the error away, or leaves it free."""
+
 
 def align(estimate: Points, truth: Points) -> Pose:
     """T_truth_estimate: the rigid motion, without scale, that brings the estimate closest to the truth (Umeyama, 1991)."""
@@ -22,7 +25,7 @@ def align(estimate: Points, truth: Points) -> Pose:
 
 def ate_rmse(estimate: Points, truth: Points) -> float | None:
     """Absolute trajectory error: RMSE of positions after SE(3) alignment [m], as `evo_ape tum -a`; None for < 3 poses."""
-    if len(truth) < 3:
+    if len(truth) < LEAST_POSES:
         return None
     T = align(estimate, truth)
     residuals = estimate @ T[:3, :3].T + T[:3, 3] - truth

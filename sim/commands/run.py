@@ -83,8 +83,8 @@ def _run(arguments: argparse.Namespace) -> int:
 def _run_and_report(config: "RunConfig", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKER
-    from sim.report import result_table
-    from sim.report.findings import unseen
+    from sim.report import result_table, result_title
+    from sim.report.findings import missed
 
     tell_of_replacement(out, MARKER)
     console = Console()
@@ -94,8 +94,11 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     trials = try_plans(finished)
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
-    console.print(result_table(result, finished.house.spec.name, meanings=console.width >= _WIDE))
-    if text := unseen(finished.unseen_rooms):
+    print(result_title(result, finished.house.spec.name))
+    console.print(result_table(result, meanings=console.width >= _WIDE))
+    if text := missed(result, finished.unseen_rooms):
         print(f"warning: {text}")
+    if result["planning"]["success"] not in (None, 1.0):
+        print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / 'report.html'}")
     return 0

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import score_loops
@@ -14,6 +15,7 @@ from lexis.evaluation.place_recognition import count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
+from lexis.place_recognition import old_enough
 from sim.doctor import versions
 from sim.faults import written
 from sim.harness.planning import Trial
@@ -40,7 +42,8 @@ def evaluate(run: Run, trials: Sequence[Trial]) -> dict[str, Any]:
         "rooms": asdict(score_rooms(run.map.room_of, run.true_rooms)),
         "floors": _floors(run),
         "loops": _loops(run),
-        "place_recognition": {str(n): asdict(count_matches(run.map.candidates, run.true_poses, n)) for n in (1, 3, 5)},
+        "place_recognition": _place_recognition(run),
+        "coverage": _coverage(run),
         "trajectory": _trajectory(run),
         "planning": _planning(trials),
         "time": _time(run),
@@ -114,6 +117,22 @@ def _loops(run: Run) -> dict[str, Any]:
     )
 
 
+def _place_recognition(run: Run) -> dict[str, Any]:
+    odometry, config = run.odometry_poses, run.config.slam_config().place_recognition
+    path_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(odometry[:, :3, 3], axis=0), axis=1))])
+    eligible = np.array([old_enough(query, run.stamps, path_m, config) for query in range(len(path_m))])
+    return {str(n): asdict(count_matches(run.map.candidates, eligible, run.true_poses, n)) for n in (1, 3, 5)}
+
+
+def _coverage(run: Run) -> dict[str, Any]:
+    distances_m = run.session.tour.distances_m
+    return {
+        "rooms_visited": len(set(run.true_rooms.tolist())),
+        "rooms": len(run.walked_rooms),
+        "path_covered": path_covered(distances_m[run.observed], float(distances_m[-1])),
+    }
+
+
 def _trajectory(run: Run) -> dict[str, Any]:
     truth, estimate = run.true_poses, run.map.T_W_B
     figures: dict[str, Any] = {
@@ -133,7 +152,7 @@ def _planning(trials: Sequence[Trial]) -> dict[str, Any]:
         "queries": len(trials),
         "success": success_rate(success),
         "spl": spl(success, shortest, travelled),
-        "collisions": sum(trial.collisions for trial in trials),
+        "collisions": sum(trial.collisions for trial in trials) if trials else None,
     }
 
 

@@ -4,16 +4,20 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Float64, Int
 
-from lexis.evaluation.trajectory import align
+from lexis.evaluation.trajectory import LEAST_POSES, align
 from lexis.room_names import instance_names
+from lexis.se3 import inverse
+from lexis.types import Poses
 from sim.camera import CameraRenderer
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
 from sim.harness.run import Run
 from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
 from sim.report.house_plan import floor_plans
+from sim.robot.drive import DROP
+from worlds.truth import NOWHERE, room_at
 
 _SAMPLES = 6
 _SCORES = 3
@@ -28,8 +32,7 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
         _keyframes(run),
         _loops(run),
         _samples(run),
-        # Those that failed first, since only the first ones are drawn.
-        tuple(PlanPath(t.start, t.goal, t.path, t.success) for t in sorted(trials, key=lambda t: t.success)),
+        tuple(_plan(run, trial) for trial in trials),
         unseen_rooms=run.unseen_rooms,
     )
 
@@ -42,8 +45,8 @@ def _keyframes(run: Run) -> KeyframeTable:
     return KeyframeTable(
         run.stamps,
         truth,
-        run.odometry_poses,
-        align(estimate[:, :3, 3], truth[:, :3, 3]) @ estimate,
+        _aligned(run.odometry_poses, truth),
+        _aligned(estimate, truth),
         run.true_storeys,
         run.true_labels,
         run.map.baseline_labels,
@@ -51,6 +54,38 @@ def _keyframes(run: Run) -> KeyframeTable:
         tuple(run.house.rooms[room].id for room in run.true_rooms),
         tuple(names[k] for k in range(len(truth))),
     )
+
+
+def _aligned(poses: Poses, truth: Poses) -> Poses:
+    """As for the ATE; where there are too few poses for that, so that the first one is true."""
+    if len(truth) < LEAST_POSES:
+        return np.asarray(truth[0] @ inverse(poses[0]) @ poses)
+    return np.asarray(align(poses[:, :3, 3], truth[:, :3, 3]) @ poses)
+
+
+def _plan(run: Run, trial: Trial) -> PlanPath:
+    reason = "" if trial.success else _why_failed(run, trial)
+    ended = _room(run, trial.path[-1]) if len(trial.path) else None
+    return PlanPath(trial.start, trial.goal, trial.path, trial.success, reason, ended, trial.shortest_m or None)
+
+
+def _why_failed(run: Run, trial: Trial) -> str:
+    if not len(trial.planned):
+        return "no plan was found"
+    if trial.touched:
+        return "came to a drop" if DROP in trial.touched else f"ran into {trial.touched[0]}"
+    # Keyframes sway up and down with the walk: asked for at eye height, the room above the right floor is found.
+    intended = _room(run, trial.planned[-1] + [0.0, 0.0, run.session.tour.eye_height_m])
+    if intended is None or run.house.room_by_id[intended].label != trial.goal:
+        return f"the plan itself ends in {intended or 'no room'}, whose keyframe the map labels {trial.goal}"
+    short_m = np.linalg.norm(trial.planned[-1] - trial.path[-1])
+    return f"stopped {short_m:.1f} m short of the end of its plan, which is in {intended}"
+
+
+def _room(run: Run, point: Float64[np.ndarray, "3"]) -> str | None:
+    """Id of the room that holds a point of W [m]; None outside of all."""
+    room = int(room_at(run.house, point[None])[0])
+    return None if room == NOWHERE else run.house.rooms[room].id
 
 
 def _loops(run: Run) -> tuple[LoopMark, ...]:

@@ -66,11 +66,15 @@ class Run:
         return np.array([self.session.truths[i].room for i in self.observed], int)
 
     @property
+    def walked_rooms(self) -> tuple[int, ...]:
+        """Indices into `house.rooms` of the rooms that the walk went through, in that order."""
+        return tuple(dict.fromkeys(truth.room for truth in self.session.truths))
+
+    @property
     def unseen_rooms(self) -> tuple[str, ...]:
         """Ids of the rooms that the walk went through without a keyframe, in that order."""
         seen = set(self.true_rooms.tolist())
-        walked = dict.fromkeys(truth.room for truth in self.session.truths)
-        return tuple(self.house.rooms[room].id for room in walked if room not in seen)
+        return tuple(self.house.rooms[room].id for room in self.walked_rooms if room not in seen)
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:

@@ -69,9 +69,8 @@ class KeyframeTable:
     """[s]"""
     true_poses: Float64[np.ndarray, "n 4 4"]
     odometry_poses: Float64[np.ndarray, "n 4 4"]
-    """Moved so that the first one is the true one."""
+    """Aligned to the truth as for the ATE, the optimised ones too, so that both can be compared."""
     optimised_poses: Float64[np.ndarray, "n 4 4"]
-    """Aligned to the truth as for the ATE."""
     storeys: Int[np.ndarray, "n"]
     """True level."""
     true_labels: Int[np.ndarray, "n"]
@@ -122,14 +121,25 @@ class SampleFrame:
 
 @dataclass(frozen=True, eq=False)
 class PlanPath:
-    """A path that LEXIS planned, in W, and whether the robot that drove it arrived."""
+    """A path that LEXIS planned and a robot drove, in W."""
 
     start: str
     goal: str
     points: Float[np.ndarray, "k 3"]
-    """[m]; none where no plan was found."""
+    """Where the robot's foot was [m]; none where no plan was found."""
     success: bool | None = None
-    """None: it was not driven."""
+    """Whether it arrived; None: it was not driven."""
+    reason: str = ""
+    """Why it did not arrive."""
+    ended: str | None = None
+    """Name of the room that it ended in; None outside of all, or where it was not driven."""
+    shortest_m: float | None = None
+    """Shortest way to the goal [m]."""
+
+    @property
+    def driven_m(self) -> float:
+        """Length of the path [m]."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +156,11 @@ class ReportData:
     paths: tuple[PlanPath, ...] = ()
     unseen_rooms: tuple[str, ...] = ()
     """Rooms of the walk that no keyframe is in."""
+
+    @property
+    def failed(self) -> tuple[PlanPath, ...]:
+        """The plans that did not arrive, numbered from 1 in this order wherever they are shown."""
+        return tuple(path for path in self.paths if path.success is False)
 
     def __post_init__(self) -> None:
         n, names = len(self.keyframes.stamps), len(self.label_names)

@@ -62,12 +62,16 @@ STYLES: dict[str, Style] = {
     "true": Style(stroke="#2b3138", width=2.5, opacity=0.5),
     "optimised": Style(stroke="#1f6feb", width=2.5),
     "loop-true": Style(stroke="#12866b", width=1.8, opacity=0.6),
+    "plan": Style(stroke="#8b3fd1", width=3.0, opacity=0.3),
     "path": Style(stroke="#8b3fd1", width=5.0, opacity=0.75),
     "name": Style(fill="#3a4149"),
     "heading": Style(stroke="#2b3138", width=2.2),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
     "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
+    "plan-failed": Style(stroke="#d5202a", width=5.5, dash=(5.0, 5.0)),
+    "plan-end": Style(stroke="#d5202a", width=6.0),
+    "plan-number": Style(fill="#d5202a"),
 }
 """Painted in this order. Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
 

@@ -6,11 +6,11 @@ from jaxtyping import Float64
 
 from sim.report.drawing import Mark
 from sim.report.house_plan import floor_plans
-from sim.report.overlay import storey_of
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
 from worlds.house import House
+from worlds.truth import storey_of
 
 _PIXELS_PER_METRE = 60
 _SAME_STOREY_M = 0.3

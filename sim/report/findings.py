@@ -1,14 +1,19 @@
 """The few sentences that a reader wants first: what went wrong, where, and how badly."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from lexis.evaluation.trajectory import ate_rmse
-from sim.report.data import ReportData
+from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
+from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
+
+WELL_COVERED = 0.95
+"""Share of the walk from which on nothing need be said of the rest."""
+_STRETCHES_M = (8.0, 24.0)
 
 
 @dataclass(frozen=True)
@@ -22,8 +27,31 @@ class Finding:
 
 def findings(data: ReportData) -> list[Finding]:
     """What is worth saying about a run, by stage; what went wrong comes first."""
-    stages = (_unseen, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
+    stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
+
+
+def missed(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
+    """What of the walk the map is not about; None where that is next to nothing.
+
+    Args:
+        result: the contents of result.json.
+        rooms: names of the rooms of the walk that no keyframe is in.
+    """
+    sentences = []
+    covered = (result.get("coverage") or {}).get("path_covered")
+    if rooms or (covered is not None and covered < WELL_COVERED):
+        sentences.append(_extent(result))
+    sentences.append(unseen(rooms))
+    return " ".join(filter(None, sentences)) or None
+
+
+def _extent(result: Mapping[str, Any]) -> str | None:
+    coverage: Mapping[str, Any] = result.get("coverage") or {}
+    if coverage.get("path_covered") is None:
+        return None
+    rooms = f"{coverage['rooms_visited']} of {coverage['rooms']} rooms"
+    return f"The map covers {rooms} and {coverage['path_covered']:.0%} of the walk."
 
 
 def unseen(rooms: Sequence[str]) -> str | None:
@@ -35,9 +63,11 @@ def unseen(rooms: Sequence[str]) -> str | None:
     return f"No keyframe in {count} of the walk, so no figure of labels and rooms is about {names}."
 
 
-def _unseen(data: ReportData) -> Iterator[Finding]:
-    if text := unseen(data.unseen_rooms):
+def _coverage(data: ReportData) -> Iterator[Finding]:
+    if text := missed(data.result, data.unseen_rooms):
         yield Finding(False, text)
+    elif text := _extent(data.result):
+        yield Finding(True, text)
 
 
 def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
@@ -48,7 +78,7 @@ def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
     pairs = Counter((int(table.true_labels[k]), int(table.predicted_labels[k])) for k in wrong)
     for (true, said), count in pairs.most_common(most):
         those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
-        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} are taken for {names[said]}."
+        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} are labelled {names[said]}."
         yield Finding(False, text, int(those[0]))
 
 
@@ -58,7 +88,8 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
     if mended or spoiled:
         first = int(np.flatnonzero(before & ~after)[0]) if spoiled else None
-        yield Finding(mended >= spoiled, f"Label refinement mended {mended} keyframes and spoiled {spoiled}.", first)
+        text = f"Refinement corrected the labels of {mended} keyframes and spoiled {spoiled} that were right."
+        yield Finding(mended >= spoiled, text, first)
 
 
 def _rooms(data: ReportData) -> Iterator[Finding]:
@@ -72,8 +103,9 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
             text = f"{count} {kind}{'s' * (count > 1)} ({meaning}): {_listed(groups, ' = ')}."
             yield Finding(False, text, rooms.index(next(iter(groups))))
     if errors.losses:
+        have = "has at least {:.0%} of its" if len(errors.losses) == 1 else "have at least {:.0%} of their"
         text = (
-            f"{len(errors.losses)} of {len(set(true))} true rooms have at least {SUBSTANTIAL:.0%} of their keyframes in a "
+            f"{len(errors.losses)} of {len(set(true))} true rooms {have.format(SUBSTANTIAL)} keyframes in a "
             "predicted room that lies mostly elsewhere, which counts as neither split nor merge: "
             f"{_listed(errors.losses, ' in part in ')}."
         )
@@ -94,34 +126,55 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
+        ignored = worst.weight <= 0.5
+        held = ", but the optimiser gives little weight to any of them" if ignored else ""
         yield Finding(
-            worst.weight <= 0.5,
-            f"{len(false)} of {len(data.loops)} loop edges are false; the heaviest has weight {worst.weight:.2f} and ties "
-            f"keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
+            ignored,
+            f"{len(false)} of {len(data.loops)} loop edges are false{held}; the heaviest has weight {worst.weight:.2f} and "
+            f"ties keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
             worst.query,
         )
 
 
 def _trajectory(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
+    if len(table.stamps) < LEAST_POSES:
+        return
     worst = int(np.argmax(table.optimised_errors))
     off, drift = table.optimised_errors[worst], table.odometry_errors[worst]
-    text = f"The farthest off is keyframe {worst} in {table.true_rooms[worst]}, {off:.2f} m (odometry {drift:.2f} m)."
-    yield Finding(True, text, worst)
-    # Both aligned: the odometry as it is drawn starts at the truth, which would be held against it.
-    odometry, optimised = (
-        ate_rmse(poses[:, :3, 3], table.true_poses[:, :3, 3]) for poses in (table.odometry_poses, table.optimised_poses)
-    )
-    if data.loops and odometry is not None and optimised is not None:
-        yield Finding(optimised <= odometry, f"Loop closing took the ATE from {odometry:.2f} m to {optimised:.2f} m.")
+    place = f"keyframe {worst} in {table.true_rooms[worst]}"
+    yield Finding(True, f"The largest position error is {off:.2f} m, at {place} (odometry there: {drift:.2f} m).", worst)
+    if data.loops:
+        yield from _drift(table)
+
+
+def _drift(table: KeyframeTable) -> Iterator[Finding]:
+    """What loop closing did to the trajectory as a whole, and to stretches of it, which it may bend."""
+    truth, odometry, optimised = table.true_poses, table.odometry_poses, table.optimised_poses
+    ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, optimised)]
+    yield from _compared("Loop closing took the ATE", *ate)
+    for delta in _STRETCHES_M:
+        rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, optimised)]
+        yield from _compared(f"Loop closing took the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
+
+
+def _compared(what: str, before: float | None, after: float | None) -> Iterator[Finding]:
+    if before is not None and after is not None:
+        before, after = round(before, 3), round(after, 3)
+        worse = ", which is worse" if after > before else ""
+        yield Finding(after <= before, f"{what} from {before:.3f} m to {after:.3f} m{worse}.")
 
 
 def _plans(data: ReportData, most: int = 3) -> Iterator[Finding]:
     driven = [path for path in data.paths if path.success is not None]
-    failed = [path for path in driven if not path.success]
+    failed = data.failed
     if failed:
-        examples = ", ".join(f"from {path.start} to {path.goal}" for path in failed[:most])
-        more = f" and {len(failed) - most} more" if len(failed) > most else ""
+        examples = "; ".join(_failure(path) for path in failed[:most])
+        more = f"; and {len(failed) - most} more" if len(failed) > most else ""
         yield Finding(False, f"{len(failed)} of {len(driven)} plans did not reach their room: {examples}{more}.")
     elif driven:
         yield Finding(True, f"All {len(driven)} plans reached their room.")
+
+
+def _failure(path: PlanPath) -> str:
+    return f"from {path.start} to {path.goal}" + (f" ({path.reason})" if path.reason else "")

@@ -1,26 +1,30 @@
 """What a run adds to the plan of a storey: trajectories, loop edges, planned paths and labelled keyframes."""
 
 from collections.abc import Iterator, Mapping
+from itertools import count
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
 from sim.report.data import PlanPath, ReportData
 from sim.report.drawing import Mark
+from worlds.truth import storey_of
 
-MOST_PATHS = 12
-"""More planned paths would hide the plan."""
 _HEADING_M = 0.28
+_CROSS_M = 0.16
+"""Half the width of the cross where a failed plan ended."""
+_NUMBER_M = 0.3
+"""Height of the number beside it."""
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:
-    """Everything of the run that belongs to a storey; of the planned paths the first few."""
+    """Everything of the run that belongs to a storey."""
     table = data.keyframes
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
         *_trajectory(table.odometry_poses, table.storeys == level, "odometry"),
         *_trajectory(table.optimised_poses, table.storeys == level, "optimised"),
-        *(mark for path in data.paths[:MOST_PATHS] for mark in _path(path, level, [plan.floor_m for plan in data.plans])),
+        *_plans(data, level),
         *_loops(data, level),
         *_keyframes(data, level, colours),
     ]
@@ -37,16 +41,28 @@ def _runs(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
     return [run for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(run) > 1]
 
 
-def _path(path: PlanPath, level: int, floors_m: list[float]) -> Iterator[Mark]:
-    here = storey_of(path.points[:, 2], floors_m) == level
-    outcome = {True: "reached", False: "not reached", None: "not driven"}[path.success]
-    for run in _runs(here):
-        yield Mark("line", "path", path.points[run, :2], text=f"plan {path.start} → {path.goal}: {outcome}")
+def _plans(data: ReportData, level: int) -> Iterator[Mark]:
+    """The plans that arrived, and over them those that failed, each with a cross and its number where it ended."""
+    numbers, floors_m = count(1), [plan.floor_m for plan in data.plans]
+    for path in data.paths:
+        here, number = storey_of(path.points[:, 2], floors_m) == level, next(numbers) if path.success is False else None
+        style, text = "plan-failed" if number else "plan", _fate(path, number)
+        for run in _runs(here):
+            yield Mark("line", style, path.points[run, :2], text=text)
+        if number and len(here) and here[-1]:
+            end = path.points[-1, :2]
+            yield from _cross(end, text)
+            yield Mark("text", "plan-number", end[None] + [1.4 * _CROSS_M, 0.0], text=str(number), size=_NUMBER_M)
 
 
-def storey_of(heights: Float[np.ndarray, "k"], floors_m: list[float]) -> Int[np.ndarray, "k"]:
-    """The storey whose floor is the highest one below each height [m]; the lowest where there is none."""
-    return np.asarray(np.clip(np.searchsorted(floors_m, heights, side="right") - 1, 0, None))
+def _fate(path: PlanPath, number: int | None) -> str:
+    outcome = {True: "reached", False: path.reason or "not reached", None: "not driven"}[path.success]
+    return f"{f'failed plan {number}' if number else 'plan'}, {path.start} → {path.goal}: {outcome}"
+
+
+def _cross(at: Float[np.ndarray, "2"], text: str) -> Iterator[Mark]:
+    for slope in (-1.0, 1.0):
+        yield Mark("line", "plan-end", at + np.outer([-_CROSS_M, _CROSS_M], [1.0, slope]), text=text)
 
 
 def _loops(data: ReportData, level: int) -> Iterator[Mark]:

@@ -33,12 +33,13 @@ _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
 """Metres of plan across the page: fewer would be coarse, more would be small."""
 
 _HEADLINES = (
+    ("walk covered", "coverage", "path_covered", "{rooms_visited} of {rooms} rooms"),
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
-    ("room quality (PQ)", "rooms", "pq", "{splits} splits, {merges} merges"),
-    ("floor accuracy", "floors", "accuracy", "count error {count_error}"),
+    ("room quality (PQ)", "rooms", "pq", "splits: {splits}, merges: {merges}"),
+    ("floor accuracy", "floors", "accuracy", "error in their number: {count_error}"),
     ("true loop edges", "loops", "true", "{false} false, recall {recall}"),
     ("trajectory (ATE)", "trajectory", "ate_m", "odometry {ate_odometry_m}"),
-    ("plans that arrive", "planning", "success", "SPL {spl}"),
+    ("plans that arrive", "planning", "success", "of {queries}, SPL {spl}"),
 )
 
 
@@ -71,6 +72,7 @@ def render_report(data: ReportData) -> str:
         findings=findings(data),
         plans=[(drawing.title, share, to_svg(drawing)) for drawing, share in zip(drawings, _widths(drawings), strict=True)],
         plan_css=styles_css("figure svg"),
+        failed=data.failed,
         colours={name: colours[name] for name in _present(data)},
         timeline=timeline_svg(data, colours),
         confusion=confusion(data.keyframes, data.label_names),

@@ -4,28 +4,27 @@ from collections.abc import Mapping
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.markup import escape
 from rich.table import Table
 
 from sim.report.figures import SECTIONS, figures
 
 
-def result_table(result: Mapping[str, Any], house: str | None = None, meanings: bool = True) -> Table:
-    """A rich table with every figure of a result.json, and its meaning beside it, for `rich.console.Console.print`.
+def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
+    """One line on what was run; `house` is the name of a house that is of no preset."""
+    line = "house {house}, seed {seed}: {encoder} encoder, {odometry} odometry, {fidelity} fidelity"
+    return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
 
-    `house` is the name of a house that is of no preset.
-    """
-    title = "house {house}, seed {seed}: {encoder} encoder, {odometry} odometry, {fidelity}".format_map(
-        _Absent({**result, "house": result.get("preset") or house or "?"})
-    )
-    table = Table("", "figure", title=escape(title), box=SIMPLE_HEAD, title_justify="left", title_style="bold")
+
+def result_table(result: Mapping[str, Any], meanings: bool = True) -> Table:
+    """A rich table with every figure of a result.json, and its meaning beside it, for `rich.console.Console.print`."""
+    table = Table("", "figure", box=SIMPLE_HEAD)
     table.add_column("value", justify="right", no_wrap=True, style="bold")
     if meanings:
         table.add_column("meaning", style="dim")
     for section in SECTIONS:
         rows = figures(result, section)
         for i, row in enumerate(rows):
-            cells = (section if i == 0 else "", row.name, row.value, row.meaning)
+            cells = (section.replace("_", " ") if i == 0 else "", row.name, row.value, row.meaning)
             table.add_row(*cells[: len(table.columns)], end_section=i == len(rows) - 1)
     return table
 

@@ -20,7 +20,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     """An `<svg>` element, styled by the page it stands in."""
     table = data.keyframes
     edges = _edges(table.stamps)
-    rows = {"true": table.true_labels, "baseline": table.baseline_labels, "refined": table.predicted_labels}
+    rows = {"true room": table.true_labels, "image alone": table.baseline_labels, "refined": table.predicted_labels}
     body: list[str] = []
     for i, (name, labels) in enumerate(rows.items()):
         body += _strip(i * (_STRIP + _GAP), name, labels, edges, data.label_names, colours)
