@@ -5,7 +5,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn, TypeAlias
+from typing import Any, NoReturn, TypeAlias
 
 from lexis.files import check_replaceable
 
@@ -19,6 +19,13 @@ _BROKEN_PIPE, _INTERRUPTED = 141, 130
 
 class Parser(argparse.ArgumentParser):
     """Reports bad arguments in one line."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Refuse unknown arguments here: argparse would let the parser of the whole program do it, whose help lists none."""
+        known, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return known, unknown
 
     def error(self, message: str) -> NoReturn:
         """End the program with status 2."""
