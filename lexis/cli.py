@@ -41,9 +41,10 @@ EXAMPLE = """example:
 """
 QUERY_NOTE = """\
 Probabilities hold for houses like those of the calibration, if every second question has an answer; where no room
-reaches 0.5, nothing in the map fits. Without a calibration there are similarities alone: those of one question can be
-compared, and always one is the greatest. mini was trained on renders of generated houses; maps of photographs want
-real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
+reaches 0.5, nothing in the map fits. "not a kitchen" asks for all rooms that are none: probabilities are of that, and
+similarities with what is not wanted; a question that negates a part of itself alone is refused. Without a calibration
+there are similarities alone: those of one question can be compared, and always one is the greatest. mini was trained
+on renders of generated houses; maps of photographs want real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

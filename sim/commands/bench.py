@@ -136,6 +136,30 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.queries import SETS, Answered, Row, ask_houses, row_of
+    from sim.harness import RunConfig
+    from sim.report.figures import shown
+
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
+    failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
+    everything: dict[str, list[Answered]] = {name: [] for name in SETS}
+    config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
+    for house, name, answered in ask_houses(config, range(arguments.seed, arguments.seed + arguments.houses)):
+        everything[name] += answered
+        table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+        for one in answered:
+            if not one.succeeded:
+                said = "nothing fits" if one.unknown else one.first
+                failures.add_row(str(house), name, escape(one.question.text), one.first, said)
+    table.add_section()
+    for name, answered in everything.items():
+        table.add_row("all", name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+    yield table
+    yield failures
+
+
 _BENCHMARKS = (
     Action(
         "speed",
@@ -164,6 +188,13 @@ _BENCHMARKS = (
         "accuracy, questions, retrieval and times of encoders, as in the paper's Table I",
         "lexis-sim bench encoders --presets home ori --encoders mini --houses 5",
         bench_encoders.ARGUMENTS,
+    ),
+    Action(
+        "queries",
+        _printing(_queries),
+        "everyday questions to the maps of generated homes, and those that fail",
+        "lexis-sim bench queries --preset home --houses 3 --seed 600",
+        (_PRESET, _HOUSES, _ENCODER, SEED),
     ),
     Action(
         "fidelity",
