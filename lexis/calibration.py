@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.special import expit
 
@@ -40,16 +40,24 @@ class Calibration:
     temperature: float
 
     def probabilities(
-        self, similarities: Float[np.ndarray, "rooms texts"], texts: Sequence[str], encoder: TextEncoder
+        self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """That a room is, or shows, what a text asks for, if every second question has an answer."""
-        thresholds = self.base + self.slope * familiarity(texts, self.room_names, encoder)
+        """That a room is, or shows, what a text asks for, if every second question has an answer.
+
+        Args:
+            similarities: of every room's best views with every text.
+            questions: embeddings of the texts, unit norm.
+            encoder: the one that is calibrated.
+        """
+        thresholds = self.base + self.slope * familiarity(questions, self.room_names, encoder)
         return np.asarray(expit((similarities - thresholds) / self.temperature))
 
 
-def familiarity(texts: Sequence[str], room_names: Sequence[str], encoder: TextEncoder) -> Float[np.ndarray, "texts"]:
-    """How near every text comes to the name of a room: cosine similarity with the nearest."""
-    return np.asarray((encoder.encode_texts(texts) @ encoder.encode_texts(room_names).T).max(axis=1))
+def familiarity(
+    questions: Float32[np.ndarray, "texts d"], room_names: Sequence[str], encoder: TextEncoder
+) -> Float[np.ndarray, "texts"]:
+    """How near every text, by its embedding, comes to the name of a room: cosine similarity with the nearest."""
+    return np.asarray((questions @ encoder.encode_texts(room_names).T).max(axis=1))
 
 
 class _Calibration(BaseModel):

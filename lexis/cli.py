@@ -56,9 +56,10 @@ EXAMPLE = """example:
 """
 QUERY_NOTE = """\
 Probabilities hold for houses like those of the calibration, if every second question has an answer; where no room
-reaches 0.5, nothing in the map fits. Without a calibration there are similarities alone: those of one question can be
-compared, and always one is the greatest. mini was trained on renders of generated houses; maps of photographs want
-real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
+reaches 0.5, nothing in the map fits. "not a kitchen" asks for all rooms that are none: probabilities are of that, and
+similarities with what is not wanted; a question that negates a part of itself alone is refused. Without a calibration
+there are similarities alone: those of one question can be compared, and always one is the greatest. mini was trained
+on renders of generated houses; maps of photographs want real CLIP weights, and 'lexis-sim calibrate-queries' for them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -144,8 +145,8 @@ def _add_relabel(commands: Commands) -> None:
 def _add_export(commands: Commands) -> None:
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
-    export.add_argument("--format", choices=list(FORMATS), required=True)
-    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE")
+    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file")
+    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file to write")
 
 
 def _run(arguments: argparse.Namespace) -> int:

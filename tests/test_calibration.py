@@ -24,9 +24,10 @@ def encoder():
 
 def test_at_the_threshold_it_is_even_and_a_temperature_above_the_odds_are_e(encoder):
     texts = ("office", "desk", "moon")
-    np.testing.assert_allclose(familiarity(texts, CALIBRATION.room_names, encoder), [1.0, 0.6, 0.0], atol=1e-6)
+    questions = encoder.encode_texts(texts)
+    np.testing.assert_allclose(familiarity(questions, CALIBRATION.room_names, encoder), [1.0, 0.6, 0.0], atol=1e-6)
     thresholds = np.array([[0.6, 0.4, 0.1]])
-    p = CALIBRATION.probabilities(np.concatenate([thresholds, thresholds + 0.04]), texts, encoder)
+    p = CALIBRATION.probabilities(np.concatenate([thresholds, thresholds + 0.04]), questions, encoder)
     np.testing.assert_allclose(p / (1 - p), [[1.0] * 3, [np.e] * 3], rtol=1e-5)
 
 

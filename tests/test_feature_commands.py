@@ -5,6 +5,13 @@ import pytest
 from sim.cli import main
 
 
+def status_of(argv):
+    try:
+        return main(argv)
+    except SystemExit as end:
+        return end.code
+
+
 @pytest.mark.parametrize(
     ("argv", "hint"),
     [
@@ -24,7 +31,7 @@ from sim.cli import main
 def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sim.features.fit.fit_features", lambda *_, **__: pytest.fail("rendered for nothing"))
-    assert main(argv) == 2
+    assert status_of(argv) == 2
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and printed.out == ""
 

@@ -72,12 +72,13 @@ def test_nothing_is_fitted_in_words_that_are_held_out(views, rng):
 def drawn(rng, calibration, questions=6_000):
     """Questions to houses of one room whose truth has the probabilities of the calibration."""
     texts = tuple(f"text {i % 50}" for i in range(questions))
+    embeddings = HashingEncoder().encode_texts(texts)
     similarities = rng.normal(0.3, 0.2, (1, questions))
     p = expit(
-        (similarities - calibration.base - calibration.slope * familiarity(texts, ROOM_LABELS, HashingEncoder()))
+        (similarities - calibration.base - calibration.slope * familiarity(embeddings, ROOM_LABELS, HashingEncoder()))
         / calibration.temperature
     )
-    return Asked(texts, (NAME,) * questions, similarities, np.where(rng.random(p.shape) < p, YES, NO))
+    return Asked(texts, (NAME,) * questions, embeddings, similarities, np.where(rng.random(p.shape) < p, YES, NO))
 
 
 def test_what_truth_was_drawn_with_is_found_again(rng):
@@ -94,7 +95,7 @@ def test_what_truth_was_drawn_with_is_found_again(rng):
 def test_figures_of_answers_agree_with_their_definitions(views, rng):
     asked = asked_of(views, rng)
     calibration = Calibration(ENCODER.fingerprint, ROOM_LABELS, base=1.0, slope=0.1, temperature=0.5)
-    said = calibration.probabilities(asked.similarities, asked.texts, HashingEncoder())
+    said = calibration.probabilities(asked.similarities, asked.embeddings, HashingEncoder())
     has, best = (asked.truth == YES).any(axis=0), said.max(axis=0)
     figures = measure(calibration, HashingEncoder(), [asked])
     assert figures.questions == len(has) and figures.unknown_auc == pytest.approx(roc_auc_score(has, best))

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from lexis.command_line import seed
 from sim.faults.catalogue import parse_fault, usage
+from sim.fidelity import ORACLE
 from sim.odometry_config import PRESETS as ODOMETRY_PRESETS
 from sim.sway import SWAYS
 from sim.tours.config import TOUR_KINDS
@@ -49,13 +50,15 @@ def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
 
 
 def folder(text: str) -> Path:
-    """The name of a folder to write, for `type=`; whether it can be written is not looked at."""
+    """The name of a folder to write, for `type=`: no file is in its way; whether it can be written is not looked at."""
     if not text.strip():
         raise argparse.ArgumentTypeError("is blank; valid: the name of a folder")
     try:
-        Path(text).resolve()
+        path = Path(text).resolve()
     except (OSError, RuntimeError) as error:  # a RuntimeError is a loop of symbolic links
         raise argparse.ArgumentTypeError(f"{text}: {error}; valid: the name of a folder") from None
+    if not (nearest := next(found for found in (path, *path.parents) if found.exists())).is_dir():
+        raise argparse.ArgumentTypeError(f"{nearest}: is a file; valid: the name of a folder")
     return Path(text)
 
 
@@ -74,9 +77,18 @@ def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float,
     return parse
 
 
+def seeing_encoder(text: str) -> str:
+    """The name of an encoder that looks at images, for `type=`; whether there is one of that name is not looked at."""
+    if text == ORACLE:
+        raise argparse.ArgumentTypeError(f"{text!r} is told the truth: no benchmark is of it; valid: mini, or open_clip's")
+    return text
+
+
 def out_file(metavar: str) -> Argument:
     """The file that a command writes."""
-    return argument("-o", "--out", type=Path, required=True, metavar=metavar)
+    return argument(
+        "-o", "--out", type=Path, required=True, metavar=metavar, help="file to write; an earlier one is replaced"
+    )
 
 
 SEED = argument("--seed", type=seed, default=0, help="default: %(default)s")

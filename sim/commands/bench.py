@@ -1,56 +1,56 @@
-"""`lexis-sim bench`: benchmarks, each some tables. A new one is a function and an entry of `_BENCHMARKS`."""
+"""`lexis-sim bench`: benchmarks, each some tables. A new one is a function and a row of `_BENCHMARKS`."""
 
 import argparse
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
 from pathlib import Path
+from typing import TypeAlias
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from lexis.command_line import Commands, add_command, positive
+from lexis.command_line import Command, Commands, positive
 from sim.commands import bench_encoders
+from sim.commands.action import Action, add_actions
 from sim.commands.arguments import (
     ENCODER_HELP,
     FEATURE_MODEL_HELP,
     FIDELITY_HELP,
+    PRESET_HELP,
     SEED,
+    argument,
     folder,
+    seeing_encoder,
 )
-from sim.errors import SimError
-from sim.fidelity import FIDELITIES, ORACLE
+from sim.fidelity import FIDELITIES
 from worlds.presets import PRESETS
+
+Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
+
+_PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
+_HOUSES = argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
+_ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
+_FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
 def add_to(commands: Commands) -> None:
     """Add the command."""
-    bench = add_command(commands, "bench", _bench, "benchmarks", "lexis-sim bench segmentation --preset home --houses 5")
-    bench.add_argument("benchmark", choices=_BENCHMARKS)
-    bench.add_argument("--preset", choices=PRESETS, default="home")
-    bench.add_argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
-    bench.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    bench.add_argument(
-        "--work",
-        type=folder,
-        help="encoders: folder of train-encoder, whose frames teach the ceiling; test frames stay in it",
-    )
-    bench.add_argument("--fidelity", choices=FIDELITIES, default="render", help=f"segmentation; {FIDELITY_HELP}")
-    bench.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
-    bench.add_argument("--pictures", type=folder, metavar="DIR", help="planning; draws the drives of LEXIS that failed")
-    SEED(bench)
-    bench_encoders.add_arguments(bench)
+    add_actions(commands, "bench", "benchmarks", _BENCHMARKS, metavar="BENCHMARK")
 
 
-def _bench(arguments: argparse.Namespace) -> int:
-    if arguments.encoder == ORACLE:
-        raise SimError(f"encoder {ORACLE!r} is told the truth: no benchmark is of it; valid: mini, or a model of open_clip")
-    # What is no terminal has no width, for which rich would take 80 columns and cut figures off.
-    console = Console(width=None if sys.stdout.isatty() else 200)
-    for table in _BENCHMARKS[arguments.benchmark](arguments):
-        console.print(table)
-    return 0
+def _printing(tables: Tables) -> Command:
+    """A command that prints every table as soon as it is there."""
+
+    def command(arguments: argparse.Namespace) -> int:
+        # What is no terminal has no width, for which rich would take 80 columns and cut figures off.
+        console = Console(width=None if sys.stdout.isatty() else 200)
+        for table in tables(arguments):
+            console.print(table)
+        return 0
+
+    return command
 
 
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -136,10 +136,84 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
-_BENCHMARKS: dict[str, Callable[[argparse.Namespace], Iterator[Table]]] = {
-    "speed": _speed,
-    "segmentation": _segmentation,
-    "encoders": bench_encoders.tables,
-    "fidelity": _fidelity,
-    "planning": _planning,
-}
+def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.queries import SETS, Answered, Row, ask_houses, row_of
+    from sim.harness import RunConfig
+    from sim.report.figures import shown
+
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
+    failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
+    everything: dict[str, list[Answered]] = {name: [] for name in SETS}
+    config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
+    for house, name, answered in ask_houses(config, range(arguments.seed, arguments.seed + arguments.houses)):
+        everything[name] += answered
+        table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+        for one in answered:
+            if not one.succeeded:
+                said = "nothing fits" if one.unknown else one.first
+                failures.add_row(str(house), name, escape(one.question.text), one.first, said)
+    table.add_section()
+    for name, answered in everything.items():
+        table.add_row("all", name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+    yield table
+    yield failures
+
+
+_BENCHMARKS = (
+    Action(
+        "speed",
+        _printing(_speed),
+        "how long houses, scenes, images and mapping take, each beside its bar",
+        "lexis-sim bench speed --preset home --houses 5",
+        (_PRESET, _HOUSES, SEED),
+    ),
+    Action(
+        "segmentation",
+        _printing(_segmentation),
+        "labels, rooms, loops and plans of whole runs, a row for each house",
+        "lexis-sim bench segmentation --preset home --houses 5 --fidelity features",
+        (
+            _PRESET,
+            _HOUSES,
+            _ENCODER,
+            argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
+            _FEATURE_MODEL,
+            SEED,
+        ),
+    ),
+    Action(
+        "encoders",
+        _printing(bench_encoders.tables),
+        "accuracy, questions, retrieval and times of encoders, as in the paper's Table I",
+        "lexis-sim bench encoders --presets home ori --encoders mini --houses 5",
+        bench_encoders.ARGUMENTS,
+    ),
+    Action(
+        "queries",
+        _printing(_queries),
+        "everyday questions to the maps of generated homes, and those that fail",
+        "lexis-sim bench queries --preset home --houses 3 --seed 600",
+        (_PRESET, _HOUSES, _ENCODER, SEED),
+    ),
+    Action(
+        "fidelity",
+        _printing(_fidelity),
+        "how well runs without pixels predict runs with them",
+        "lexis-sim bench fidelity --houses 5",
+        (_HOUSES, _ENCODER, _FEATURE_MODEL, SEED),
+    ),
+    Action(
+        "planning",
+        _printing(_planning),
+        "plans driven by LEXIS's estimate, by the truth and by odometry alone",
+        "lexis-sim bench planning --preset home --houses 5 --pictures failed-drives",
+        (
+            _PRESET,
+            _HOUSES,
+            _ENCODER,
+            argument("--pictures", type=folder, metavar="DIR", help="draw the drives of LEXIS that failed"),
+            SEED,
+        ),
+    ),
+)

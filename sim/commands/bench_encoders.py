@@ -10,7 +10,8 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
-from lexis.command_line import positive
+from lexis.command_line import positive, seed
+from sim.commands.arguments import argument, folder, seeing_encoder
 from sim.errors import SimError
 from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
@@ -23,23 +24,44 @@ _WAYS = ("cpu", "cpu bf16", "gpu", "gpu fp16")
 _COMPILED = ("cpu compiled", "gpu fp16 compiled")
 
 
-def add_arguments(bench: argparse.ArgumentParser) -> None:
-    """What this benchmark takes beside those of all."""
-    group = bench.add_argument_group("encoders")
-    group.add_argument("--presets", nargs="+", choices=PRESETS, metavar="NAME", help="several, instead of --preset")
-    group.add_argument("--encoders", nargs="+", metavar="MODEL", help="several, instead of --encoder")
-    group.add_argument(
+ARGUMENTS = (
+    argument(
+        "--presets",
+        nargs="+",
+        choices=PRESETS,
+        default=["home"],
+        metavar="NAME",
+        help=f"families of houses: {', '.join(PRESETS)} (default: home)",
+    ),
+    argument("--houses", type=positive, default=5, help="test houses of every family (default: %(default)s)"),
+    argument(
+        "--encoders",
+        nargs="+",
+        type=seeing_encoder,
+        default=["mini"],
+        metavar="MODEL",
+        help="mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: mini)",
+    ),
+    argument(
+        "--work",
+        type=folder,
+        metavar="DIR",
+        help="folder of train-encoder, whose frames teach the ceiling; test frames stay in it",
+    ),
+    argument(
         "--architectures", nargs="+", default=[], metavar="NAME", help="of open_clip, with random weights: their times"
-    )
-    group.add_argument("--compiled", action="store_true", help="time compiled networks, too: a minute or more for each")
-    group.add_argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times")
-    group.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it")
-    group.add_argument(
+    ),
+    argument("--compiled", action="store_true", help="time compiled networks, too: a minute or more for each"),
+    argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times"),
+    argument("--plot", type=Path, metavar="FILE.png", help="draw it"),
+    argument(
         "--worst",
         type=positive,
         metavar="N",
         help="list the N questions that fail most, and the N held-out names that cost most",
-    )
+    ),
+    argument("--seed", type=seed, default=0, help="number of the first test house (default: %(default)s)"),
+)
 
 
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -54,12 +76,12 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 
     _check(arguments)
     work: Path | None = arguments.work
-    models = arguments.encoders or [arguments.encoder]
+    models: list[str] = arguments.encoders
     encoders = [load_encoder(model) for model in models]
     references = References(ceiling_of(work) if work and (work / "frames").is_dir() else None, orb_vocabulary(work))
     seeds = TEST_SEEDS[arguments.seed : arguments.seed + arguments.houses]
     accuracy: dict[str, dict[str, Accuracy]] = {model: {} for model in models}
-    for preset in arguments.presets or [arguments.preset]:
+    for preset in arguments.presets:
         runs = list(measure(encoders, encoder_runs(preset, seeds, work and work / "test-frames"), references))
         for model, houses in zip(models, zip(*runs, strict=True), strict=True):
             accuracy[model][preset] = Accuracy(tuple(house.row.accuracy for house in houses))

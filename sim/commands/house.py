@@ -4,10 +4,11 @@ import argparse
 import json
 from collections.abc import Mapping
 
-from lexis.command_line import Commands, add_command, positive
+from lexis.command_line import Commands, positive
 from lexis.files import replaced_file
+from sim.commands.action import Action, add_actions
 from sim.commands.arguments import SEED, argument, out_file
-from sim.commands.house_action import FILE, Action, describe
+from sim.commands.house_action import FILE, describe
 from sim.commands.house_check import CHECK, PROVE
 from sim.commands.house_make import GENERATE, IMPORT, VARIANT
 from sim.errors import SimError
@@ -23,19 +24,7 @@ _MOST_TILES = 1000
 
 def add_to(commands: Commands) -> None:
     """Add the actions."""
-    examples = "\n".join(f"  {action.example}" for action in _ACTIONS)
-    house = commands.add_parser(
-        "house",
-        help="generate, check and show houses",
-        description="Houses as files.",
-        epilog=f"examples:\n{examples}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    actions = house.add_subparsers(required=True, metavar="ACTION")
-    for action in _ACTIONS:
-        parser = add_command(actions, action.name, action.command, action.help, action.example)
-        for add_argument in action.arguments:
-            add_argument(parser)
+    add_actions(commands, "house", "generate, check and show houses", _ACTIONS)
 
 
 def _show(arguments: argparse.Namespace) -> int:

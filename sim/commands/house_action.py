@@ -1,27 +1,15 @@
-"""What the files of `lexis-sim house` share: a row per action, and how a house is checked, written and told."""
+"""What the files of `lexis-sim house` share: how a house is read, checked, written and described."""
 
 from pathlib import Path
-from typing import NamedTuple
 
-from lexis.command_line import Command
 from lexis.files import replaced_file
-from sim.commands.arguments import Argument, argument
+from sim.commands.arguments import argument
 from worlds.house import House
 from worlds.spec import HouseSpec
 from worlds.truth import floor_area, openness
 from worlds.validation import built_and_checked
 
 FILE = argument("file", type=Path, metavar="FILE.json")
-
-
-class Action(NamedTuple):
-    """A command below `lexis-sim house`."""
-
-    name: str
-    command: Command
-    help: str
-    example: str
-    arguments: tuple[Argument, ...]
 
 
 def write_checked(spec: HouseSpec, path: Path) -> None:

@@ -9,8 +9,9 @@ from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import positive
+from sim.commands.action import Action
 from sim.commands.arguments import SEED, argument
-from sim.commands.house_action import FILE, Action, describe
+from sim.commands.house_action import FILE, describe
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import get_args
 
 from lexis.command_line import seed
+from sim.commands.action import Action
 from sim.commands.arguments import PRESET_HELP, SEED, argument, number, out_file
-from sim.commands.house_action import FILE, Action, write_checked
+from sim.commands.house_action import FILE, write_checked
 from sim.errors import SimError
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
@@ -91,7 +92,7 @@ _APPEARANCE = (
         choices=get_args(AppearanceSpec.model_fields["texture"].annotation),
         help="poor: few features; repeating: walls and floors with a period",
     ),
-    argument("--light", choices=get_args(AppearanceSpec.model_fields["light"].annotation)),
+    argument("--light", choices=get_args(AppearanceSpec.model_fields["light"].annotation), help="of the windows and lamps"),
 )
 
 GENERATE = Action(

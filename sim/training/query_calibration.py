@@ -96,7 +96,7 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Ask
     """Over all questions of all houses."""
     every, best, answered = [], [], []
     for asked in houses:
-        said = calibration.probabilities(asked.similarities, asked.texts, encoder)
+        said = calibration.probabilities(asked.similarities, asked.embeddings, encoder)
         sure = asked.truth != DOUBTFUL
         every.append(np.stack([said[sure], asked.truth[sure] == YES], axis=1))
         first = said.argmax(axis=0)
@@ -117,7 +117,7 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Ask
 
 def _best_rooms(asked: Asked, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
     """Similarity, familiarity and truth of every question's best room, where there is no doubt about it."""
-    known = familiarity(asked.texts, ROOM_LABELS, encoder)
+    known = familiarity(asked.embeddings, ROOM_LABELS, encoder)
     rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)
     return np.asarray(rows[rows[:, 2] != DOUBTFUL])
 

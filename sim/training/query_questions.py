@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
-from lexis.query import best_views
+from lexis.query import best_views, embed_questions
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.training.frames import THINGS, frames_at
@@ -69,6 +69,7 @@ class Asked:
 
     texts: tuple[str, ...]
     topics: tuple[str, ...]
+    embeddings: Float32[np.ndarray, "texts d"]
     similarities: Float64[np.ndarray, "rooms texts"]
     truth: Int[np.ndarray, "rooms texts"]
     """`YES`, `NO` or `DOUBTFUL`."""
@@ -98,9 +99,11 @@ def ask(
     """Draw questions and ask them: in trained words, or in words that no caption ever held. `images`: `embedded(views)`."""
     drawn = [question for topic in TOPICS for question in _drawn(topic, views, rng, held_out)]
     texts = tuple(text for _, text, _ in drawn)
-    fits = (images @ encoder.encode_texts(texts).T).astype(float)
+    questions = embed_questions(texts, encoder)
+    fits = (images @ questions.T).astype(float)
     of_rooms = np.array([best_views(fits[views.room == room]) for room in range(len(views.labels))])
-    return Asked(texts, tuple(topic for topic, _, _ in drawn), of_rooms, np.stack([truth for _, _, truth in drawn], axis=1))
+    topics, truths = tuple(topic for topic, _, _ in drawn), np.stack([truth for _, _, truth in drawn], axis=1)
+    return Asked(texts, topics, questions, of_rooms, truths)
 
 
 def _drawn(

@@ -1,0 +1,36 @@
+"""A command below another one, such as `lexis-sim house check`: a row of a table, with its own options and its example."""
+
+import argparse
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from lexis.command_line import Command, Commands, add_command
+from sim.commands.arguments import Argument
+
+
+class Action(NamedTuple):
+    """A command, its example, and the arguments that it takes."""
+
+    name: str
+    command: Command
+    help: str
+    example: str
+    arguments: tuple[Argument, ...]
+
+
+def add_actions(commands: Commands, name: str, help: str, actions: Iterable[Action], metavar: str = "ACTION") -> None:
+    """Add a command that does nothing but choose among its actions; its help lists the example of each."""
+    actions = tuple(actions)
+    examples = "\n".join(f"  {action.example}" for action in actions)
+    group = commands.add_parser(
+        name,
+        help=help,
+        description=f"{help[0].upper()}{help[1:]}.",
+        epilog=f"examples:\n{examples}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    choices = group.add_subparsers(required=True, metavar=metavar)
+    for action in actions:
+        parser = add_command(choices, action.name, action.command, action.help, action.example)
+        for add_argument in action.arguments:
+            add_argument(parser)
