@@ -28,7 +28,7 @@ def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarr
     while True:
         looked_at = min(2 * looked_at, n)
         distances, indices = tree.query(points, k=np.arange(1, looked_at + 1))
-        distances = settled(distances)
+        distances = settled(np.asarray(distances))
         if looked_at == n or (distances[:, -1] > distances[:, wanted - 1]).all():
             break
     distances[indices == np.arange(n)[:, None]] = -1.0  # a point comes first among its own nearest, and is left out

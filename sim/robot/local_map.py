@@ -84,8 +84,8 @@ class LocalMap:
         points = points[(np.abs(points) <= _FINE * _HALF).all(axis=1)]
         if not len(points):
             return np.full((_N, _N), np.inf)
-        distances = cKDTree(points).query(_FINE * _cells())[0]
-        return np.asarray(distances.reshape(_N, _N) * (CELL_M / _FINE))
+        distances = np.asarray(cKDTree(points).query(_FINE * _cells())[0])
+        return distances.reshape(_N, _N) * (CELL_M / _FINE)
 
 
 @cache
