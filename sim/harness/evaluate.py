@@ -127,8 +127,8 @@ def _place_recognition(run: Run) -> dict[str, Any]:
 def _coverage(run: Run) -> dict[str, Any]:
     distances_m = run.session.tour.distances_m
     return {
-        "rooms_visited": len(set(run.true_rooms.tolist())),
-        "rooms": len(run.walked_rooms),
+        "rooms_with_keyframe": len(set(run.true_rooms.tolist())),
+        "rooms_walked": len(run.walked_rooms),
         "path_covered": path_covered(distances_m[run.observed], float(distances_m[-1])),
     }
 

@@ -33,8 +33,8 @@ PLACES = "place_recognition"
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {
-        "rooms_visited": Definition("rooms in the map", _COUNT, "rooms of the walk that have a keyframe"),
-        "rooms": Definition("rooms on the walk", _COUNT, "rooms that the walk went through"),
+        "rooms_with_keyframe": Definition("rooms in the map", _COUNT, "rooms of the walk that have a keyframe"),
+        "rooms_walked": Definition("rooms on the walk", _COUNT, "rooms that the walk went through"),
         "path_covered": Definition(
             "share of the walk",
             _SHARE,

@@ -33,7 +33,7 @@ _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
 """Metres of plan across the page: fewer would be coarse, more would be small."""
 
 _HEADLINES = (
-    ("walk covered", "coverage", "path_covered", "{rooms_visited} of {rooms} rooms"),
+    ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),
     ("label accuracy", "labels", "accuracy", "{accuracy_baseline} before refinement"),
     ("room quality (PQ)", "rooms", "pq", "splits: {splits}, merges: {merges}"),
     ("floor accuracy", "floors", "accuracy", "error in their number: {count_error}"),
