@@ -38,7 +38,7 @@ from lexis.reading import FileKind, open_file, read_yaml
 from lexis.types import Camera, Image, Intrinsics, Pose
 
 METADATA, CAMERA, ODOMETRY = "metadata.yaml", "cam0", "/odom"
-_METADATA_FILE = FileKind("the metadata of a bag", 300_000, DatasetError)
+_METADATA_FILE = FileKind("the metadata of a bag", 300_000, DatasetError, unusable="not a readable bag")
 _STORAGE_FILE = FileKind("the storage of a bag", 10**13, DatasetError)
 
 _IMAGE, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
