@@ -1,4 +1,7 @@
-"""The code blocks of a README, to be done in the order in which a reader meets them."""
+"""The code blocks of a README, to be done in the order in which a reader meets them.
+
+Blocks of `sh` hold commands of this project and its set-up; blocks of `bash` hold commands of other systems, which are not run.
+"""
 
 import re
 import shlex
