@@ -1,6 +1,6 @@
 """The code blocks of a README, to be done in the order in which a reader meets them.
 
-Blocks of `sh` hold commands of this project and its set-up; blocks of `bash` hold commands of other systems, which are not run.
+Blocks of `sh` hold commands of this project and its set-up; blocks of `bash` hold those of other systems, which are not run.
 """
 
 import re

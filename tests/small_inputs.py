@@ -15,6 +15,7 @@ from sim.features.embedding import KERNELS, EmbeddingModel
 from sim.features.loops import LoopModel, Measured
 from sim.features.model import FeatureModel, save_features
 from sim.features.views import SIZE
+from sim.lens import Distortion
 from sim.record.messages import Messages
 from worlds.plan_import import to_geojson
 from worlds.presets import sample_from_rooms
@@ -129,7 +130,7 @@ def write_bag_run(folder, storage="SQLITE3"):
             if not seen.index:
                 write(stamp, "/tf_static", messages.static_transforms(stamp, places))
             png = cv2.imencode(".png", seen.image)[1].tobytes()
-            write(stamp, "/cam0/camera_info", messages.camera_info(stamp, "cam0", CAMERA, CAMERA))
+            write(stamp, "/cam0/camera_info", messages.camera_info(stamp, "cam0", CAMERA, CAMERA, Distortion()))
             write(stamp, "/cam0/image_raw/compressed", messages.compressed_image(stamp, "cam0", "png", png))
             odometry = messages.odometry(stamp, seen.T_O_B, np.eye(6), np.eye(4), np.eye(6), 0.1)
             write(stamp, "/odom", odometry)

@@ -11,7 +11,7 @@ from lexis.command_line import Parser
 from sim import cli as sim_cli
 
 CONSOLES = {"lexis": lexis_cli, "lexis-sim": sim_cli}
-ROOTS = {name: console._parser() for name, console in CONSOLES.items()}
+ROOTS = {name: console.parser() for name, console in CONSOLES.items()}
 
 
 def tree(parser):

@@ -54,7 +54,7 @@ def status_of(argv):
         (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
         (["house", "check", "broken.json"], "broken.json"),
         (["bench", "speed", "--preset", "castle"], "home"),
-        (["bench", "planning", "--pictures", "file.txt"], "file.txt: cannot hold pictures: File exists; valid: a folder"),
+        (["bench", "planning", "--pictures", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
         (["run", "--house", "/dev/zero"], "/dev/zero: cannot be read: is a device or a pipe"),
         (["run", "--preset", "hom"], "unknown preset 'hom' (did you mean 'home'?); valid: home"),
         (["run", "--odometry", "multicm"], "unknown odometry 'multicm' (did you mean 'multicam'?); valid: perfect"),

@@ -68,10 +68,10 @@ STYLES: dict[str, Style] = {
     "heading": Style(stroke="#2b3138", width=2.2),
     "right": Style(fill="#ffffff", stroke="#ffffff", width=1.6, radius=0.085),
     "loop-false": Style(stroke="#d5202a", width=4.5, dash=(14.0, 8.0)),
-    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
     "plan-failed": Style(stroke="#d5202a", width=5.5, dash=(5.0, 5.0)),
     "plan-end": Style(stroke="#d5202a", width=6.0),
     "plan-number": Style(fill="#d5202a"),
+    "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
 """Painted in this order. Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
 
