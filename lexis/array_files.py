@@ -59,12 +59,12 @@ def read_arrays(
 
 
 class _UnusableError(Exception):
-    """What is wrong with an archive."""
+    """The reason why an archive is refused."""
 
 
 @dataclass(frozen=True)
 class _Header:
-    """What a member of an archive says of its array."""
+    """The header of an array in an archive: its type and its shape."""
 
     start: int
     """Where the numbers begin [bytes]."""

@@ -17,7 +17,7 @@ Command: TypeAlias = Callable[[argparse.Namespace], int]
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 MAX_LINE = 400
-"""Of a message on stderr, in characters: a value from a file or a command line may have megabytes."""
+"""Longest message on stderr, in characters; a value from a file or a command line may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """128 and the number of the signal, as shells have it."""

@@ -123,7 +123,7 @@ class _Bag:
         return present[0]
 
     def messages(self, topic: str, kind: str) -> Iterator[Message]:
-        """Of one topic, as they were written. Raises DatasetError for messages of another type than `kind`."""
+        """Messages of one topic, in the order of writing. Raises DatasetError for messages of another type than `kind`."""
         with self._open() as reader:
             wanted = [connection for connection in reader.connections if connection.topic == topic]
             if other := [connection.msgtype for connection in wanted if connection.msgtype != kind]:

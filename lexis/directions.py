@@ -31,7 +31,7 @@ class Step:
     at_m: float
     """Path from the start [m]."""
     text: str
-    """Such as "turn left" or "enter corridor 1 (floor 0)"."""
+    """The direction itself, for example "turn left" or "enter corridor 1 (floor 0)"."""
 
 
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:

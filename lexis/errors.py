@@ -35,7 +35,7 @@ _LONG_WORD = re.compile(r"(\S{60})\S{20,}(\S{40})")
 
 
 def one_line(said: object, most: int = 240) -> str:
-    """What an error or a text says, on one line of at most `most` characters.
+    """Put the text of an error on one line of at most `most` characters.
 
     In a longer one, the middles of long words are left out first, such as paths, then the middle of the line.
     """

@@ -1,4 +1,4 @@
-"""What a PNG or JPEG states of itself, without decoding it: its size, and whether it is whole."""
+"""Headers of PNG and JPEG images: size and completeness, found without decoding the image."""
 
 import zlib
 

@@ -22,11 +22,11 @@ MAX_POSITION_M = 1e8
 MAX_VARIANCE = 1e12
 """Largest entry of a covariance of poses [rad², m²]: nobody is as wrong as a thousand kilometres."""
 MAX_PIXELS = 50_000_000
-"""Of an image."""
+"""Most pixels of an image."""
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
-"""Of focal lengths; no principal point or key point is farther off than the greater one [px]."""
+"""Bounds of focal lengths; no principal point or key point is farther off than the greater one [px]."""
 DESCRIPTOR_BYTES = 61
-"""Of one AKAZE key point."""
+"""Length of the descriptor of one AKAZE key point."""
 
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 
@@ -162,5 +162,5 @@ def _kind(value: object) -> str:
 
 
 def _told(value: object) -> str:
-    """What may be an array, in a line for messages."""
+    """A value, which may be an array, on one line for messages."""
     return one_line(value.tolist() if isinstance(value, np.ndarray) else value)

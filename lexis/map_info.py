@@ -1,4 +1,4 @@
-"""What a map holds, in short: figures as plain data, and as text for people."""
+"""A summary of a map: its figures as plain data, and as text for people."""
 
 from typing import Any
 

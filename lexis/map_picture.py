@@ -45,7 +45,7 @@ def map_svg(map: LexisMap) -> str:
 
 
 def _plan(map: LexisMap, points: Float64[np.ndarray, "n 2"], floor: int, size: Float64[np.ndarray, "2"]) -> str:
-    """What is drawn of one floor."""
+    """The drawing of one floor."""
     here = np.asarray((map.floors == floor) | (map.floors == NO_FLOOR))
     title = "stairs alone" if floor == NO_FLOOR else f"floor {floor}"
     bar = f'<path d="M.5 {size[1] + TITLE_M - 0.4:.2f}h1" stroke="#555" stroke-width=".08"/>'

@@ -45,7 +45,9 @@ def propose(
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Which keyframes lie at least `min_gap_s` and `min_gap_m` of odometry path before the query, and may be proposed.
+    """Mark the keyframes that lie at least `min_gap_s` and `min_gap_m` of odometry path before the query.
+
+    Only these may be proposed.
 
     Args:
         query: id of a keyframe.

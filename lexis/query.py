@@ -84,7 +84,7 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
 
 
 def embed_questions(texts: Sequence[str], encoder: TextEncoder) -> Float32[np.ndarray, "texts d"]:
-    """What every question says, of unit norm: the mean over the captions of its first reading.
+    """Embed every question, of unit norm: the mean over the captions of its first reading.
 
     Raises LexisError for a question that `read_question` refuses.
     """

@@ -1,4 +1,4 @@
-"""What a question asks for, apart from how it is asked: "where can I cook?" and "a place to cook" are one question.
+"""The content of a question, apart from its wording: "where can I cook?" and "a place to cook" are one question.
 
 An encoder that reads captions takes every word for a part of the picture, so that "I need the toilet" resembles neither a
 toilet nor its room. The words that only ask are therefore taken off, and what is left is put into captions again.
@@ -46,12 +46,12 @@ _TO_A_THING = _leads(
     rf"{_PLACE} (?:with|(?:that|which) (?:has|contains))(?! (?:no|not) )",
     rf"inside(?= {_THE} )|an? (?:wide )?(?:photo|picture|photograph|image|view) (?:of|taken in)",
 )
-"""What stands before a thing or a room."""
+"""Words that stand before a thing or a room."""
 _TO_AN_ACTIVITY = _leads(
     rf"(?:where|how|when) {_CAN} {_WHO}(?: best)?|(?:can|could|may) {_WHO}|where to|{_WANT} to",
     rf"{_PLACE} (?:to|where {_WHO}(?: {_CAN})?)",
 )
-"""What stands before what somebody does."""
+"""Words that stand before an activity."""
 _POLITE = _leads(
     r"please,?|hello,?|hi,?|hey,?|robot,?|excuse me,?", r"(?:can|could|would|will) you(?: please)?(?= \w+ (?:me|us|to) )"
 )
@@ -84,7 +84,7 @@ class Question(NamedTuple):
     """A question as an encoder shall read it."""
 
     readings: tuple[Captions, ...]
-    """What it may ask for: first what it says, then what serves the same need. One that fits is enough."""
+    """Meanings of the question: first the literal one, then those that serve the same need. One that fits is enough."""
     negated: bool
     """Whether it asks for what does not fit the first of them."""
 
@@ -120,7 +120,7 @@ def _filled(captions: Captions, content: str) -> Captions:
 
 
 def _peeled(plain: str) -> tuple[str, Captions | None]:
-    """What remains when all words that only ask are gone, and the captions for it; None where nothing tells what it is."""
+    """The rest without the words that only ask, and its captions; None where nothing tells a thing from an activity."""
     captions: Captions | None = None
     rest = plain
     while lead := _POLITE.match(rest) or _TO_A_THING.match(rest) or _TO_AN_ACTIVITY.match(rest):

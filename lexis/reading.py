@@ -24,17 +24,17 @@ _Model = TypeVar("_Model", bound=BaseModel)
 
 @dataclass(frozen=True)
 class FileKind:
-    """What a reader expects of a file, and how it complains."""
+    """The expectations of a reader on a file, and the errors that it raises."""
 
     valid: str
-    """What would be valid, for messages."""
+    """A description of a valid file, for messages."""
     max_bytes: int
     """Largest size on disk."""
     error: type[ValueError] = LexisError
     missing: str = "cannot be read"
-    """What a message says of a file that cannot be opened."""
+    """Words of the message about a file that cannot be opened."""
     unusable: str = "cannot be used"
-    """What a message says of a file that was opened, and whose content is wrong."""
+    """Words of the message about a file that was opened, and whose content is wrong."""
 
     def refusal(self, path: Path, reason: object) -> ValueError:
         """The error to raise about a file whose content is wrong; the reason is put on one short line."""

@@ -51,7 +51,7 @@ def examine() -> list[Finding]:
 
 
 def versions() -> dict[str, str | None]:
-    """What shapes the last digits of a result, for result.json: packages, processor, BLAS kernels, GL back end."""
+    """Versions that shape the last digits of a result, for result.json: packages, processor, BLAS kernels, GL back end."""
     return {
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},

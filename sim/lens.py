@@ -115,7 +115,7 @@ class Lens:
                 f"distortion: {distortion.coefficients} needs a pinhole of {width} x {height} px; valid: weaker coefficients"
             )
         self.pinhole = Intrinsics(width, height, k.fx, k.fy, float(k.cx - left), float(k.cy - top))
-        """What is rendered: the same focal lengths and pixels, more or fewer of them."""
+        """The pinhole that is rendered: equal focal lengths and pixels, more or fewer of them."""
         v, u = np.mgrid[: k.height, : k.width]
         pixels = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
         straight = distortion.straightened((pixels - [k.cx, k.cy]) / [k.fx, k.fy])

@@ -20,7 +20,7 @@ PROCESSOR_S, WALL_S = 5.0, 60.0
 
 @dataclass
 class Survey:
-    """What became of all inputs."""
+    """The outcome of all inputs."""
 
     tried: int = 0
     refused: int = 0

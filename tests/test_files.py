@@ -39,7 +39,7 @@ def write(folder, content):
 
 
 def content_of(folder):
-    """What was written to the folder; fails unless it is there and whole."""
+    """The content of the folder; the test fails unless it is there and whole."""
     first, second = ((folder / name).read_text() for name in (MARKER, "inner/more"))
     assert first == second and sorted(path.name for path in folder.iterdir()) == ["inner", MARKER]
     return first

@@ -172,7 +172,7 @@ class TinyEncoder:
 
 @many(30, 400)
 def test_bad_command_lines(cases, inputs, tmp_path, monkeypatch):
-    """What comes after the doors is left out: nothing is rendered, and no encoder is loaded."""
+    """All work after reading the input is left out: nothing is rendered, and no encoder is loaded."""
 
     def work(*_, **__):
         raise SimError("the work would begin here")

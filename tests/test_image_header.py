@@ -1,4 +1,4 @@
-"""What a PNG or JPEG states of itself is what it decodes to."""
+"""The header of a PNG or JPEG states the size to which the image decodes."""
 
 import zlib
 

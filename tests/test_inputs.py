@@ -133,7 +133,7 @@ def test_a_percept_of_the_encoders_size_passes():
     ],
 )
 def test_a_percept_that_would_cost_the_map_is_refused(image, complaint):
-    """Of other dimensions it would be stored, and the map of all that came before be lost when it is finished."""
+    """A percept of other dimensions would be stored, and the map of all earlier ones would be lost at the end."""
     wrong = replace(GOOD)
     object.__setattr__(wrong, "image", image)
     with pytest.raises(ObservationError, match=f"observation 3: .*{complaint}"):

@@ -20,7 +20,7 @@ DISTORTIONS = {
     "tangential": Distortion(-0.1, 0.02, 0.01, -0.02),
 }
 QUARTERS = [np.s_[v : v + 70, u : u + 80] for v in (20, 90) for u in (40, 120)]
-"""Of the middle of the image."""
+"""The middle of the image."""
 CAMERA = wide_camera(240, 180)
 
 

@@ -1,4 +1,4 @@
-"""What a map holds, in figures and as a picture."""
+"""The summary of a map, in figures and as a picture."""
 
 from dataclasses import replace
 from xml.etree import ElementTree

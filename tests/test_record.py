@@ -101,7 +101,7 @@ def on_an_arm(tmp_path_factory):
 
 
 FEWER = 5
-"""Of so many frames one is kept where only images and calibrations are looked at."""
+"""One of so many frames is kept where only images and calibrations are looked at."""
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +186,7 @@ def test_euroc_is_laid_out_as_its_readers_expect(recordings):
 
 @pytest.mark.parametrize("rig", ["in the IMU", "on an arm"])
 def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(rig, recordings, on_an_arm):
-    """By the midpoint rule over the whole walk, from rest, less the biases; true velocities are those integrated."""
+    """Integrate the IMU by the midpoint rule over the whole walk, from rest, with the biases taken off."""
     mav = (recordings("euroc", "jpg") if rig == "in the IMU" else on_an_arm("euroc")) / "mav0"
     imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
     state = np.array(csv_rows(mav / "state_groundtruth_estimate0" / "data.csv")[1], float)

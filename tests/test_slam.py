@@ -170,7 +170,7 @@ def _observation(observation, buffers):
 
 
 def percepts(observations):
-    """What LEXIS would see in the images."""
+    """The percepts that LEXIS would get from the images."""
     encoder, extractor = ThumbnailEncoder(), FeatureExtractor(CONFIG.landmarks)
     for observation in observations:
         image = observation.image

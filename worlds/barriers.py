@@ -58,7 +58,7 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
 
 
 def _blocked(house: House, piece: Furniture) -> str:
-    """What a piece does to the way past it, with the opening that it stands beside."""
+    """Say how a piece blocks the way, with the opening that it stands beside."""
     beside = [
         (shapely.distance(_footprint(piece), line), name)
         for storey, name, line in _openings(house)

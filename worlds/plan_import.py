@@ -106,7 +106,7 @@ def _standing(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 
 
 def _hint(plan: _Plan, snap_m: float) -> str:
-    """What would mend a plan that does not stand, to end a message with."""
+    """The end of a message: the value that would mend a plan that does not stand."""
     for wider_m in (wider_m for wider_m in _WIDER_M if wider_m > snap_m):
         with suppress(WorldsError):
             _proved(plan, wider_m)

@@ -1,4 +1,4 @@
-"""What the files of `lexis-sim house` share: how a house is read, checked, written and described."""
+"""Shared steps of the commands of `lexis-sim house`: a house is read, checked, written and described."""
 
 from pathlib import Path
 

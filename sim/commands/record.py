@@ -64,7 +64,7 @@ def add_to(commands: Commands) -> None:
 
 
 def _add_calibration(record: argparse.ArgumentParser) -> None:
-    """What a real rig has and an ideal one has not."""
+    """Imperfections that a real rig has and an ideal one has not."""
     record.add_argument(
         "--lever-arm", type=numbers(LEVER_ARM, (3, 6)), default=(0.0,) * 3, metavar=LEVER_ARM, help=LEVER_ARM_HELP
     )

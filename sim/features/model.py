@@ -133,7 +133,7 @@ def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
 
 
 def _problem(model: FeatureModel) -> str | None:
-    """What keeps the parts of a model from each other or from this version; None where they fit."""
+    """The reason why the parts of a model do not fit each other or this version; None where they fit."""
     wanted = (SIZE, len(model.embedding.offset)), (len(KERNELS),), (len(PREDICTORS),)
     found = model.embedding.weights.shape, model.embedding.kernels.shape, model.loops.weights.shape
     if wanted != found:

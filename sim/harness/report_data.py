@@ -57,7 +57,7 @@ def _keyframes(run: Run) -> KeyframeTable:
 
 
 def _aligned(poses: Poses, truth: Poses) -> Poses:
-    """As for the ATE; where there are too few poses for that, so that the first one is true."""
+    """Align poses as the ATE does; where there are too few for that, move them so that the first one is true."""
     if len(truth) < LEAST_POSES:
         return np.asarray(truth[0] @ inverse(poses[0]) @ poses)
     return np.asarray(align(poses[:, :3, 3], truth[:, :3, 3]) @ poses)

@@ -141,7 +141,7 @@ def _kalibr_imu(imu: ImuConfig) -> str:
 
 
 def _openvins(rate_hz: float) -> str:
-    """What OpenVINS ships for EuRoC, less what is about other data; it reads the two files of Kalibr beside this one."""
+    """The settings that OpenVINS ships for EuRoC, without those for other data; it reads the two files of Kalibr as well."""
     return (
         f'{_YAML}verbosity: "INFO"\nuse_fej: true\nuse_imuavg: true\nuse_rk4int: true\n'
         "use_stereo: true\nmax_cameras: 2\n"

@@ -57,7 +57,7 @@ class Take:
     """cam0 is the one that LEXIS sees."""
     imu_config: ImuConfig
     distortion: Distortion
-    """Of every camera's lens."""
+    """Distortion of the lens of every camera."""
     imu: Imu
     """Stamps count from the start of the walk, so they begin below 0 [s]."""
 

@@ -32,7 +32,7 @@ def findings(data: ReportData) -> list[Finding]:
 
 
 def missed(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
-    """What of the walk the map is not about; None where that is next to nothing.
+    """Say which part of the walk the map does not cover; None where that is next to nothing.
 
     Args:
         result: the contents of result.json.
@@ -149,7 +149,7 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
 
 
 def _drift(table: KeyframeTable) -> Iterator[Finding]:
-    """What loop closing did to the trajectory as a whole, and to stretches of it, which it may bend."""
+    """Say how loop closing changed the error of the whole trajectory and of stretches of it."""
     truth, odometry, optimised = table.true_poses, table.odometry_poses, table.optimised_poses
     ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, optimised)]
     yield from _compared("Loop closing took the ATE", *ate)

@@ -48,7 +48,10 @@ _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
 def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
-    """What an SVG draws; without a scale its root says it, by `data-metres-per-unit` or a page in mm. Raises `SpecError`."""
+    """Read the drawing in an SVG. Raises `SpecError`.
+
+    Without `metres_per_unit` the root states the scale, by `data-metres-per-unit` or a page in mm.
+    """
     root = read_tree(text)
     scale = _scale(root) if metres_per_unit is None else metres_per_unit
     if not 0.0 < scale < 1e6:
@@ -147,7 +150,7 @@ def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
 
 
 def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] | None:
-    """What the innermost group that says something says, if it fits the shape."""
+    """The meaning that the innermost group with one gives to a shape, if it fits the shape."""
     for group in shape.groups:
         label, kind = _meaning(group)
         if label is not None or kind is not None:

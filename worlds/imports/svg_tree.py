@@ -98,7 +98,7 @@ def shown_shapes(root: Element) -> Iterator[SvgShape]:
 
 @dataclass(frozen=True, eq=False)
 class _Around:
-    """What an element hands down to those in it."""
+    """Properties that an element hands down to those in it."""
 
     T_svg_here: Float64[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     storey: object = 0
