@@ -6,6 +6,7 @@ import numpy as np
 
 from lexis.config import KeyframeConfig
 from lexis.se3 import between, compose_covariance, rotation_angle
+from lexis.ties import reaches
 from lexis.types import Covariance, Observation, Pose
 
 
@@ -43,7 +44,7 @@ class KeyframeSelector:
             self._path_since_keyframe = self._path_since_frame = self._turn_since_keyframe = 0.0
             self._covariance = np.zeros((6, 6))
             return frame
-        if self._path_since_frame >= self._config.support_spacing_m:
+        if reaches(self._path_since_frame, self._config.support_spacing_m):
             self._path_since_frame = 0.0
             return Frame(observation, False, self._covariance)
         return None
@@ -56,5 +57,6 @@ class KeyframeSelector:
         self._covariance = compose_covariance(self._covariance, increment, covariance)
 
     def _keyframe_due(self) -> bool:
-        turned = self._config.rotation_rad is not None and self._turn_since_keyframe >= self._config.rotation_rad
-        return turned or self._path_since_keyframe >= self._config.spacing_m
+        rotation_rad = self._config.rotation_rad
+        turned = rotation_rad is not None and bool(reaches(self._turn_since_keyframe, rotation_rad))
+        return turned or bool(reaches(self._path_since_keyframe, self._config.spacing_m))

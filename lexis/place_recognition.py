@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float64
 
 from lexis.config import PlaceRecognitionConfig
 from lexis.pose_graph import PoseGraph
-from lexis.ties import settled
+from lexis.ties import reaches, settled
 from lexis.types import Keyframe, RoomInstance
 
 
@@ -56,5 +56,5 @@ def old_enough(
         config: the two gaps.
     """
     seconds, metres = stamps[query] - stamps, path_m[query] - path_m
-    # Within a microsecond: stamps of recordings are rounded, and a gap at the limit must not depend on how.
-    return np.asarray((seconds >= config.min_gap_s - 1e-6) & (metres >= config.min_gap_m) & (seconds > 0))
+    # Stamps of recordings are rounded, and a gap at the limit must not depend on how.
+    return np.asarray(reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0))

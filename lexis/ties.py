@@ -5,7 +5,7 @@ of threads. A choice between candidates that are truly equal must not depend on 
 """
 
 import numpy as np
-from jaxtyping import Float, Float64, Int, Shaped
+from jaxtyping import Bool, Float, Float64, Int, Shaped
 from scipy.spatial import cKDTree
 
 DECIMALS = 6
@@ -15,6 +15,11 @@ DECIMALS = 6
 def settled(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
     """The values in double precision, rounded so that `argmax`, `argmin` and stable sorting choose alike everywhere."""
     return np.round(np.asarray(values, np.float64), DECIMALS)
+
+
+def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[np.ndarray, "*shape"]:
+    """Whether amounts reach a limit, within a millionth: steps of 0.1 that add up to 0.3 reach it in any order of summation."""
+    return np.asarray(np.asarray(values) >= limit - 10.0**-DECIMALS)
 
 
 def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "n k"]:

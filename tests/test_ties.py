@@ -12,7 +12,7 @@ from lexis.config import LabelConfig
 from lexis.map_io import load_map, save_map
 from lexis.planner import plan
 from lexis.room_labels import label_keyframes, similarities
-from lexis.ties import nearest_others, settled
+from lexis.ties import nearest_others, reaches, settled
 
 LAST_BITS = 1e-15
 """Larger than what another order of summation changes."""
@@ -35,6 +35,15 @@ def test_nearest_points_are_the_first_by_distance_then_index(seed, n, count):
         others = [j for j in range(n) if j != i]
         ordered = sorted(others, key=lambda j, i=i: (np.linalg.norm(points[j] - points[i]), j))
         assert row.tolist() == sorted(ordered[:count])
+
+
+def test_steps_that_add_up_to_a_spacing_reach_it_in_every_order(rng):
+    """Sums of 0.1 m fall short of 0.3 m, or exceed it, by the last bit."""
+    for _ in range(100):
+        steps = rng.uniform(0.0, 1.0, 8)
+        spacing = float(np.sum(steps))
+        assert all(reaches(sum(rng.permutation(steps).tolist()), spacing) for _ in range(10))
+        assert not reaches(spacing - 1e-5, spacing)
 
 
 def test_nearest_points_do_not_depend_on_the_last_bits_of_positions(rng):
