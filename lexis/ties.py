@@ -18,7 +18,7 @@ def settled(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape
 
 
 def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[np.ndarray, "*shape"]:
-    """Whether amounts reach a limit, within a millionth: steps of 0.1 that add up to 0.3 reach it in any order of summation."""
+    """Whether amounts reach a limit, within a millionth: in any order, steps of 0.1 add up to 0.3."""
     return np.asarray(np.asarray(values) >= limit - 10.0**-DECIMALS)
 
 
