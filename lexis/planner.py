@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
+from lexis.floors import NO_FLOOR
 from lexis.room_names import find_rooms, instance_names
 from lexis.ties import settled
 from lexis.types import LexisMap, RoomInstance
@@ -28,8 +29,10 @@ LOOK_AHEAD_M = 1.5
 REACH_M = 2.0
 """An image counts for places up to this far from the one that it tells of, the farther the less [m]; it must exceed
 `LOOK_AHEAD_M`, so that at least its own image counts for every keyframe."""
-AS_GOOD = 0.75
-"""A path ends at a room's own keyframe if that has at least this share of the evidence of any other candidate."""
+WEAK = 0.4
+"""Where a room has less than this share of its greatest evidence, it is taken to end."""
+MARGIN_M = 1.5
+"""A path's end gains by its distance from where the room ends up to this one, which covers the errors of a robot [m]."""
 
 
 @dataclass(frozen=True)
@@ -45,12 +48,12 @@ class Plan:
 
 
 class Inside(NamedTuple):
-    """The keyframe that is most certainly inside a room."""
+    """The keyframe where a path to a room ends."""
 
     room: RoomInstance
     keyframe: int
     evidence: float
-    """How much more the images that look at it resemble the room than any other."""
+    """How much more the images that look at the keyframe's place resemble the room than any other."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
@@ -58,7 +61,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
     A label stands for all its instances; of these, the two that are nearest to each other by the length of the way are
     chosen. Doubtful instances stand for their label only where it has no other: most are a few misread keyframes in a room
-    of another label. In a room the path begins or ends where it is most certainly inside (`innermost`).
+    of another label. In a room the path begins or ends well inside (`innermost`).
 
     Raises:
         PlanError: there is no such room in the map, or no way between the two.
@@ -74,17 +77,15 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where the images that look there tell a room from the others most clearly; the first of equal keyframes.
+    """Where a path to a room ends: in the midst of where images tell the room clearly; at the first of equal keyframes.
 
-    It is one of the room's own keyframes, unless a keyframe of another room that stands where the room's images look has far
-    more evidence: a small room may be recognised from in front of it alone.
+    It need not be one of the room's own keyframes, since a small room may be recognised from in front of it alone: those
+    that stand where the room's images look count as well.
     """
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)
-    own = np.isin(candidates, room.keyframes)
-    inside, anywhere = int(np.argmax(np.where(own, evidence, -np.inf))), int(np.argmax(evidence))
-    enough = max(evidence[inside], evidence[inside] / AS_GOOD)
-    best = anywhere if evidence[anywhere] > enough else inside
+    margins = _margins(map, room, candidates, WEAK * float(evidence.max()))
+    best = int(np.argmax(settled(np.where(evidence > 0.0, evidence * margins, evidence))))
     return Inside(room, int(candidates[best]), float(evidence[best]))
 
 
@@ -153,6 +154,21 @@ def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
     own = list(room.keyframes)
     near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_looked_at(map)[own], REACH_M)
     return np.unique(np.concatenate([own, *near]).astype(int))
+
+
+def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:
+    """Distances of some keyframes from the nearest one with evidence below `weak`, or on stairs; at most `MARGIN_M` [m].
+
+    Keyframes on stairs are told by the climb, not by their images, which show the rooms at either end.
+    """
+    positions = map.T_W_B[:, :3, 3]
+    near = cKDTree(positions).query_ball_point(positions[keyframes], MARGIN_M)
+    around = np.unique(np.concatenate(near).astype(int))
+    outside = _evidence(map, room, around) < weak
+    if room.floor is not None:
+        outside |= map.floors[around] == NO_FLOOR
+    distances = cKDTree(positions[around[outside]]).query(positions[keyframes], distance_upper_bound=MARGIN_M)[0]
+    return settled(np.minimum(distances, MARGIN_M))
 
 
 def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:

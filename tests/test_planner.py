@@ -10,6 +10,7 @@ from map_builder import CAMERA, build_map, corridor_with_offices, random_pose
 
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
+from lexis.floors import NO_FLOOR
 from lexis.planner import adjacency, innermost, plan
 from lexis.room_names import instance_names
 
@@ -121,6 +122,47 @@ def test_a_path_ends_inside_a_room_that_is_recognised_from_in_front_of_it_alone(
     end = innermost(lexis_map, lexis_map.rooms[1])
     assert end.evidence > 0.0
     assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 0.3
+
+
+def walk_along_x(rng, x, room_of, similarities):
+    """A walk along x (n,), the camera ahead, through rooms 0 and 1; `similarities` (n, 2) are with their names."""
+    names = ("corridor", "kitchen")
+    rooms = [(name, np.flatnonzero(room_of == i).tolist()) for i, name in enumerate(names)]
+    lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], room_of, rooms, names, rng)
+    return looking_ahead(replace(lexis_map, similarities=similarities), np.ones(len(x)))
+
+
+def test_a_path_ends_a_metre_inside_a_room_that_shows_best_from_its_door(rng):
+    """The kitchen is at x > 0, fills the image from 2.2 m in front of it on, and less and less so from 1.2 m on."""
+    x = np.arange(-5.0, 4.1, 0.25)
+    kitchen = np.where(x > -1.2, 0.3, 1.0) * (x > -2.2)
+    similarities = np.stack([np.where(kitchen > 0.0, 0.0, 0.6), kitchen], axis=1)
+    lexis_map = walk_along_x(rng, x, (kitchen > 0.0).astype(int), similarities)
+    end = innermost(lexis_map, lexis_map.rooms[1])
+    assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 1.0
+
+
+def test_a_path_ends_a_metre_away_from_stairs(rng):
+    """The corridor, at x < 0, shows best beside the stairs, and on them too, since a climb alone tells stairs."""
+    x = np.arange(-5.0, 3.1, 0.25)
+    climbs = x >= 0.0
+    similarities = np.stack([0.6 - 0.02 * np.abs(x + 1.5), np.zeros(len(x))], axis=1)
+    lexis_map = walk_along_x(rng, x, climbs.astype(int), similarities)
+    stairs = replace(lexis_map.rooms[1], floor=None)
+    lexis_map = replace(lexis_map, rooms=(lexis_map.rooms[0], stairs), floors=np.where(climbs, NO_FLOOR, 0))
+    end = innermost(lexis_map, lexis_map.rooms[0])
+    assert lexis_map.T_W_B[end.keyframe, 0, 3] <= -1.0
+
+
+def test_a_path_to_stairs_ends_on_them(rng):
+    x = np.arange(-5.0, 3.1, 0.25)
+    climbs = x >= 0.0
+    similarities = np.stack([0.3 - 0.1 * x, 0.3 + 0.1 * x], axis=1)
+    lexis_map = walk_along_x(rng, x, climbs.astype(int), similarities)
+    stairs = replace(lexis_map.rooms[1], floor=None)
+    lexis_map = replace(lexis_map, rooms=(lexis_map.rooms[0], stairs), floors=np.where(climbs, NO_FLOOR, 0))
+    assert innermost(lexis_map, stairs).keyframe in stairs.keyframes
+    assert innermost(lexis_map, stairs).evidence > 0.0
 
 
 def test_where_a_path_ends_does_not_depend_on_the_frame_of_the_map(rng):
