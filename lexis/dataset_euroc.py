@@ -28,7 +28,7 @@ from lexis.dataset_files import (
     rectifier,
 )
 from lexis.errors import DatasetError, LexisError, one_line
-from lexis.inputs import check_camera, is_pose, usable_covariance
+from lexis.inputs import check_camera, is_pose, usable_covariances
 from lexis.quaternions import poses_of
 from lexis.reading import FileKind, numbered_lines, read_yaml
 from lexis.se3 import inverse
@@ -99,7 +99,7 @@ def _read_odometry(folder: Path) -> tuple[Track, Float64[np.ndarray, "n 6 6"] | 
     if rows.shape[1] != _WITH_COVARIANCE:
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)
-    if bad := [k for k, matrix in enumerate(covariances) if not usable_covariance(matrix)]:
+    if len(bad := np.flatnonzero(~usable_covariances(covariances))):
         raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
     return track, covariances
 
@@ -109,11 +109,10 @@ def _sensor_pose(folder: Path) -> Pose:
     path = folder / "sensor.yaml"
     if not path.exists():
         return np.eye(4)
+    sensor = read_yaml(path, _SENSOR_FILE)
     try:
-        T_B_S = _extrinsics(read_yaml(path, _SENSOR_FILE))
+        T_B_S = _extrinsics(sensor)
     except (KeyError, TypeError, ValueError) as error:
-        if isinstance(error, DatasetError):
-            raise
         raise _SENSOR_FILE.refusal(path, error) from None
     if not is_pose(T_B_S):
         raise _SENSOR_FILE.refusal(path, "T_BS is not a rigid motion")

@@ -32,7 +32,7 @@ from lexis.dataset_files import (
     rectifier,
 )
 from lexis.errors import DatasetError, LexisError, one_line
-from lexis.inputs import check_camera, usable_covariance
+from lexis.inputs import check_camera, usable_covariances
 from lexis.quaternions import poses_of
 from lexis.reading import FileKind, open_file, read_yaml
 from lexis.types import Camera, Image, Intrinsics, Pose
@@ -173,7 +173,7 @@ def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarra
     if topic not in bag.topics:
         return None
     matrices = [np.asarray(message.data, float) for message in bag.messages(topic, _MATRIX)]
-    usable = all(m.size == 36 and usable_covariance(m.reshape(6, 6)) for m in matrices)
+    usable = all(m.size == 36 and bool(usable_covariances(m.reshape(6, 6))) for m in matrices)
     if not usable or len(matrices) != expected:
         raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per odometry")
     return np.array(matrices).reshape(-1, 6, 6)

@@ -22,7 +22,7 @@ from lexis.camera_io import CameraData
 from lexis.dataset_files import DatasetConfig, Recorded, Track, image_file, read_image, rectifier
 from lexis.errors import DatasetError, LexisError
 from lexis.files import replaced_folder
-from lexis.inputs import check_camera, pixels, usable_covariance
+from lexis.inputs import check_camera, pixels, usable_covariances
 from lexis.quaternions import pose_rows
 from lexis.reading import FileKind, numbered_lines, read_model
 from lexis.tum import read_tum
@@ -135,7 +135,7 @@ def _covariance(path: Path, number: int, line: str, expected: float) -> Covarian
     stamp, rest = _stamp_and_rest(path, number, line)
     try:
         matrix = np.array([float(word) for word in rest.split()]).reshape(6, 6)
-        usable = usable_covariance(matrix) and abs(stamp - expected) <= 1e-6
+        usable = bool(usable_covariances(matrix)) and abs(stamp - expected) <= 1e-6
     except ValueError:
         usable = False
     if not usable:

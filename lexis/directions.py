@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from lexis.floors import NO_FLOOR
 from lexis.planner import Plan
@@ -18,7 +18,7 @@ AROUND_RAD = np.radians(135.0)
 """Smallest change of heading that is turning around [rad]."""
 ALONG_M = 1.0
 """Path before and after a point over which its two headings are taken [m]."""
-GRID_M = 0.1
+SAMPLE_M = 0.1
 """Spacing of the points at which headings are compared [m]."""
 MIN_CLIMB_M = 0.5
 """Smallest difference of height of keyframes on stairs that counts as going up or down [m]."""
@@ -69,10 +69,21 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
     """Start, arrival, and every room that is entered in between; keyframes of no room count as the room before."""
     rooms = map.room_of[list(plan.keyframes)]
     known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
-    rooms = rooms[known]
+    rooms = _from_start_to_goal(rooms[known], plan)
     entered = [Step(float(path[run.start]), f"enter {place(map, int(rooms[run.start]))}") for run in runs_of(rooms)[1:]]
     arrived = Step(float(path[-1]), f"arrive in {place(map, plan.goal.id)}")
     return [Step(0.0, f"start in {place(map, plan.start.id)}"), *entered, arrived]
+
+
+def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
+    """Rooms along a path, where keyframes of a neighbour at its ends count as the plan's own rooms; see `innermost`."""
+    rooms = rooms.copy()
+    runs = runs_of(rooms)
+    starts = np.flatnonzero(rooms == plan.start.id)
+    rooms[: starts[0] if len(starts) else runs[0].stop] = plan.start.id
+    goals = np.flatnonzero(rooms == plan.goal.id)
+    rooms[goals[-1] + 1 if len(goals) else runs[-1].start :] = plan.goal.id
+    return rooms
 
 
 def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
@@ -90,7 +101,7 @@ def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[S
 
 def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]) -> list[Step]:
     """The sharpest turn first, then the sharpest that does not overlap it, and so on."""
-    at = np.arange(ALONG_M / 2, path[-1] - ALONG_M / 2, GRID_M)
+    at = np.arange(ALONG_M / 2, path[-1] - ALONG_M / 2, SAMPLE_M)
     change = _heading_changes(positions, path, at)
     steps = []
     while len(at) and np.abs(change).max() > TURN_RAD:

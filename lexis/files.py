@@ -126,9 +126,12 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str)
             if error.errno not in _OCCUPIED:
                 raise
         _check_ours(path, target, marker)
-        with suppress(FileNotFoundError):
+        try:
             _swap_with_ours(path, new, target, old, marker)
             return
+        except OSError as error:
+            if error.errno not in (errno.ENOENT, *_OCCUPIED):
+                raise
     raise LexisError(f"{path}: other processes keep replacing it; valid: a name that nobody else writes to")
 
 

@@ -9,7 +9,7 @@ _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 
 
 def image_size(content: bytes) -> tuple[int, int] | None:
-    """Width and height [px]; None for what is neither PNG nor JPEG, or is damaged as far as its sums of bytes tell."""
+    """Width and height [px]; None for what is neither PNG nor JPEG, or is damaged as far as a PNG's checksums tell."""
     if content.startswith(_PNG):
         return (int.from_bytes(content[16:20]), int.from_bytes(content[20:24])) if _is_whole(content) else None
     return _jpeg_size(content) if content.startswith(_JPEG) else None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from lexis.errors import LexisError, ObservationError, one_line
 from lexis.se3 import is_rigid
@@ -19,8 +19,12 @@ MAX_NAME_LENGTH = 200
 
 MAX_POSITION_M = 1e8
 """Farthest place from the origin along an axis: any frame on Earth fits, and squares and cubes of it stay exact enough."""
+MAX_STAMP_S = 1e12
+"""Latest stamp of an observation [s]; more than any clock shows, and few enough digits for a microsecond."""
 MAX_VARIANCE = 1e12
 """Largest entry of a covariance of poses [rad², m²]: nobody is as wrong as a thousand kilometres."""
+_ROUNDING = 1e-9
+"""Asymmetry and negative eigenvalues that rounding explains, as shares of the largest entry."""
 MAX_PIXELS = 50_000_000
 """Most pixels of an image."""
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
@@ -80,8 +84,10 @@ def check_observation(
     if not is_pose(observation.T_O_B):
         raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_told(observation.T_O_B)}; {_RIGID}")
     _check_covariance(observation.increment_covariance, where)
-    if not (isinstance(observation.stamp, int | float | np.number) and np.isfinite(observation.stamp)):
-        raise ObservationError(f"{where}: stamp {_told(observation.stamp)} s is not finite; valid: a time in seconds")
+    if not (isinstance(observation.stamp, int | float | np.integer | np.floating) and abs(observation.stamp) <= MAX_STAMP_S):
+        raise ObservationError(
+            f"{where}: stamp {_told(observation.stamp)} s is not finite; valid: a time in seconds up to {MAX_STAMP_S:g}"
+        )
     if previous is not None and observation.stamp <= previous.stamp:
         raise ObservationError(
             f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before; valid: ascending stamps"
@@ -103,10 +109,13 @@ def is_pose(T: object) -> bool:
     return bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
 
 
-def usable_covariance(matrix: Float64[np.ndarray, "6 6"]) -> bool:
-    """Whether a matrix is symmetric and positive semi-definite, and its entries at most `MAX_VARIANCE`."""
-    bounded = bool((np.abs(matrix) <= MAX_VARIANCE).all())
-    return bounded and np.allclose(matrix, matrix.T) and bool(np.linalg.eigvalsh(matrix).min() >= -1e-12)
+def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.ndarray, "*batch"]:
+    """Whether matrices are symmetric and positive semi-definite but for rounding, with entries up to `MAX_VARIANCE`."""
+    bounded = (np.abs(matrices) <= MAX_VARIANCE).all(axis=(-1, -2))
+    matrices = np.where(bounded[..., None, None], matrices, 0.0)
+    rounding = _ROUNDING * np.abs(matrices).max(axis=(-1, -2))
+    symmetric = np.abs(matrices - np.swapaxes(matrices, -1, -2)).max(axis=(-1, -2)) <= rounding
+    return np.asarray(bounded & symmetric & (np.linalg.eigvalsh(matrices).min(axis=-1) >= -rounding))
 
 
 def pixels(observation: Observation) -> Image:
@@ -119,12 +128,11 @@ def pixels(observation: Observation) -> Image:
 def _check_covariance(covariance: object, where: str) -> None:
     if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
         raise ObservationError(f"{where}: increment_covariance is {_kind(covariance)}; valid: a 6x6 one of numbers")
-    if not (np.abs(covariance) <= MAX_VARIANCE).all() or not np.allclose(covariance, covariance.T):
+    if not usable_covariances(covariance.astype(np.float64)):
         raise ObservationError(
-            f"{where}: increment_covariance is not finite and symmetric; valid: values up to {MAX_VARIANCE:g}, symmetric"
+            f"{where}: increment_covariance is not finite, symmetric and without negative eigenvalues; "
+            f"valid: such a matrix of values up to {MAX_VARIANCE:g}"
         )
-    if np.linalg.eigvalsh(covariance).min() < -1e-12:
-        raise ObservationError(f"{where}: increment_covariance has a negative eigenvalue; valid: none")
 
 
 def _check_image(image: object, camera: Camera, where: str) -> None:

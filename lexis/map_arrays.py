@@ -8,7 +8,7 @@ from jaxtyping import Int, Shaped
 
 from lexis.array_files import Arrays, Layout
 from lexis.errors import MapError
-from lexis.inputs import MAX_POSITION_M, MAX_VARIANCE
+from lexis.inputs import MAX_POSITION_M, usable_covariances
 from lexis.se3 import is_rigid
 from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopEdge
 
@@ -136,16 +136,8 @@ def check(arrays: Arrays) -> None:
         if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
             raise MapError(f"array {name} has a place beyond {MAX_POSITION_M:g} m; valid: places on Earth")
     for name in ("step_covariance", "loop_covariance"):
-        _check_covariances(arrays, name)
-
-
-def _check_covariances(arrays: Arrays, name: str) -> None:
-    """Raise MapError unless matrices are positive semi-definite as far as sums of rounded numbers are."""
-    matrices = arrays[name]
-    largest = np.abs(matrices).max(initial=1.0)
-    symmetric = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max(initial=0.0) <= _ROUNDING * largest
-    if not (largest <= MAX_VARIANCE and symmetric and np.linalg.eigvalsh(matrices).min(initial=0.0) >= -_ROUNDING * largest):
-        raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")
+        if not usable_covariances(arrays[name]).all():
+            raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")
 
 
 def _check_references(arrays: Arrays) -> None:

@@ -150,10 +150,14 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 
 
 def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
-    """Ids of a room's keyframes, and of those that stand where its images look; ascending."""
+    """Ids of a room's keyframes, and of those that stand where its images look; ascending.
+
+    Keyframes of other rooms of its label are left out: evidence does not tell rooms of one label apart.
+    """
     own = list(room.keyframes)
     near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_looked_at(map)[own], REACH_M)
-    return np.unique(np.concatenate([own, *near]).astype(int))
+    twins = [k for other in map.rooms if other.label == room.label and other.id != room.id for k in other.keyframes]
+    return np.setdiff1d(np.concatenate([own, *near]).astype(int), twins)
 
 
 def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:

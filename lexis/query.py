@@ -12,6 +12,7 @@ from lexis.errors import LexisError
 from lexis.map_encoder import check_encoder
 from lexis.perception import TextEncoder
 from lexis.questions import Captions, read_question
+from lexis.ties import settled
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5
@@ -58,8 +59,9 @@ class Answer:
 def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration | None = None) -> Answer:
     """Rank all rooms and keyframes of the map; its room names play no part.
 
-    Of the readings of a question, the one that a room fits best counts. A negated question ("not a kitchen") ranks the other
-    way round: similarities are those with what is not wanted, and a probability is that of the contrary.
+    Of the readings of a question, the one that a room fits best counts.
+    A negated question ("not a kitchen") ranks the other way round: similarities are those with what is not wanted, and a
+    probability is that of the contrary.
 
     Args:
         map: where to search.
@@ -77,10 +79,11 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
     check_encoder(map, encoder)
     readings = np.stack([_embedded(captions, encoder) for captions in question.readings])
     images = np.array([keyframe.embedding for keyframe in map.keyframes])
-    answers = [_ranked(map, images @ reading, question.negated) for reading in readings]
-    if calibration is not None:
-        answers = [_likely(answer, calibration, reading, encoder) for answer, reading in zip(answers, readings, strict=True)]
-    return max(answers, key=lambda answer: answer.rooms[0].probability or answer.rooms[0].similarity)
+    answers = [_ranked(map, settled(images.astype(np.float64) @ reading), question.negated) for reading in readings]
+    if calibration is None:
+        return max(answers, key=lambda answer: answer.rooms[0].similarity)
+    likely = [_likely(answer, calibration, reading, encoder) for answer, reading in zip(answers, readings, strict=True)]
+    return max(likely, key=lambda answer: answer.rooms[0].probability or 0.0)
 
 
 def embed_questions(texts: Sequence[str], encoder: TextEncoder) -> Float32[np.ndarray, "texts d"]:

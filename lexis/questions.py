@@ -10,6 +10,8 @@ from typing import NamedTuple, TypeAlias
 from lexis.errors import LexisError
 from lexis.prompts import with_article
 
+MAX_CHARACTERS = 500
+"""Longest question that is read: the time to read one grows with the square of its length."""
 THING_CAPTIONS = ("{}", "{a}", "a photo of {a}", "a view of {a}")
 """Around a thing or the name of a room, {a} with its article."""
 ACTIVITY_CAPTIONS = (
@@ -66,7 +68,7 @@ _NEGATION = _leads(
     rf"{_PLACE} (?:without|with no|other than|(?:that|which) (?:is|has) (?:not|no))",
 )
 _NEGATED_PART = re.compile(r"\b(?:without|with no|except|but not|not(?= (?:an?|the|in|my|our) ))\b")
-_ARTICLE = re.compile(rf"{_THE} (?=\w)")
+_ARTICLE = re.compile(rf"^{_THE} (?=\w)")
 _ROOM_TO = re.compile(r".*\broom to .* in$")
 _SHORT = {"’": "'", "i'm": "i am", "i'd": "i would", "we'd": "we would", "we're": "we are", "where's": "where is"}
 
@@ -95,14 +97,16 @@ def read_question(text: str) -> Question:
     Words that no rule knows stay as they are: one reading of one caption, the text itself.
 
     Raises:
-        LexisError: the text is blank, or negates only a part of what it asks for.
+        LexisError: the text is blank or too long, or negates only a part of what it asks for.
     """
+    if len(text) > MAX_CHARACTERS:
+        raise LexisError(f"the question has {len(text)} characters; valid: at most {MAX_CHARACTERS} characters")
     plain = _plain(text)
     if not plain:
         raise LexisError("the question is blank; valid: some words")
     content, captions = _peeled(plain)
     if negation := _NEGATION.match(content):
-        content, captions = _ARTICLE.sub("", content[negation.end() :]), THING_CAPTIONS
+        content, captions = _ARTICLE.sub("", content[negation.end() :], count=1), THING_CAPTIONS
     if part := _NEGATED_PART.search(content):
         raise LexisError(
             f"the question {text.strip()!r} says {part[0]!r} of a part of it, which images do not show; "

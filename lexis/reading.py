@@ -51,7 +51,7 @@ def open_file(path: Path, kind: FileKind) -> IO[bytes]:
     Pipes and devices are refused, because reading them may never end.
     """
     try:
-        status = os.stat(path)
+        status = _status(path, kind)
         if not stat.S_ISREG(status.st_mode):
             raise kind.unopened(path, "is a folder" if stat.S_ISDIR(status.st_mode) else "is a device or a pipe")
         if status.st_size > kind.max_bytes:
@@ -61,13 +61,23 @@ def open_file(path: Path, kind: FileKind) -> IO[bytes]:
         raise kind.unopened(path, error.strerror) from None
 
 
+def _status(path: Path, kind: FileKind) -> os.stat_result:
+    try:
+        return os.stat(path)
+    except ValueError:  # a null byte, or half of a surrogate pair
+        raise kind.unopened(path, "is no name of a file") from None
+
+
 def read_bytes(path: Path, kind: FileKind) -> bytes:
-    """The content of a file. Raises the kind's error."""
+    """The content of a file. Raises the kind's error, also where the file is larger than its size says."""
     with open_file(path, kind) as file:
         try:
-            return file.read()
+            content = file.read(kind.max_bytes + 1)
         except OSError as error:
             raise kind.unopened(path, error.strerror) from None
+    if len(content) > kind.max_bytes:
+        raise kind.refusal(path, f"larger than {kind.max_bytes / 1e6:g} MB")
+    return content
 
 
 def read_text(path: Path, kind: FileKind) -> str:
@@ -83,7 +93,7 @@ def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
 
     Raises the kind's error, which happens while the lines are taken.
     """
-    with open_file(path, kind) as file, io.TextIOWrapper(file, encoding="utf-8") as text:
+    with open_file(path, kind) as file, io.TextIOWrapper(file, encoding="utf-8-sig") as text:
         try:
             for number, line in enumerate(iter(lambda: text.readline(MAX_LINE_CHARACTERS + 1), ""), 1):
                 if len(line) > MAX_LINE_CHARACTERS:

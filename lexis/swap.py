@@ -10,7 +10,7 @@ from pathlib import Path
 
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 """Constants of Linux, the same on every architecture."""
-_UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM)
+_UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM, errno.EXDEV)
 """Errors of a kernel, a file system or a sandbox that cannot exchange names."""
 
 
@@ -24,9 +24,20 @@ def swap(new: Path, target: Path, old: Path) -> Path:
         return new
     shutil.rmtree(old, ignore_errors=True)
     old.parent.mkdir(exist_ok=True)
-    target.rename(old)
+    move_folder(target, old)
     new.rename(target)
     return old
+
+
+def move_folder(folder: Path, to: Path) -> None:
+    """Rename a folder, or copy and delete it where it cannot be renamed, as in a lower layer of an overlay file system."""
+    try:
+        folder.rename(to)
+    except OSError as error:
+        if error.errno != errno.EXDEV:
+            raise
+        shutil.copytree(folder, to, symlinks=True)
+        shutil.rmtree(folder)
 
 
 def exchange(a: Path, b: Path) -> bool:

@@ -1,4 +1,4 @@
-"""One rule for ties: values that differ by rounding errors alone are equal, and of equal ones the first is chosen.
+"""One rule for ties: values are rounded to a millionth before they are compared, and of equal ones the first is chosen.
 
 The last digits of a sum depend on the order of its terms, and so on the processor, the numerical library and the number
 of threads. A choice between candidates that are truly equal must not depend on them: it is made between settled values.

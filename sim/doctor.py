@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import numpy as np
 from threadpoolctl import threadpool_info
 
 _GIB = 1 << 30
@@ -44,7 +43,7 @@ def examine() -> list[Finding]:
         Finding("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
-        Finding("OpenBLAS kernels", True, _openblas_kernels() or "none: numpy has another BLAS"),
+        Finding("OpenBLAS kernels", True, _openblas_kernels() or "not found: numpy uses another library"),
         drawing,
         probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # a run does both in one process
     ]
@@ -62,10 +61,11 @@ def versions() -> dict[str, str | None]:
 
 
 def _openblas_kernels() -> str | None:
-    """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy brings no OpenBLAS."""
-    directory = str(Path(np.__file__).resolve().parent.with_name("numpy.libs"))  # OpenCV and scipy bring their own
-    found = (library for library in threadpool_info() if library["filepath"].startswith(directory))
-    return next((library["architecture"] for library in found if library["internal_api"] == "openblas"), None)
+    """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy has another library."""
+    found = [library for library in threadpool_info() if library["internal_api"] == "openblas"]
+    others = ("cv2", "opencv", "scipy")  # packages that bring an OpenBLAS of their own
+    own = (library for library in found if not any(name in library["filepath"] for name in others))
+    return next((library["architecture"] for library in own), None)
 
 
 def _package(name: str) -> Finding:

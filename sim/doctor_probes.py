@@ -26,7 +26,7 @@ def draw() -> str:
             raise GraphicsError(
                 f"{choose_backend()} draws nothing but one colour; update its driver or try another MUJOCO_GL"
             )
-        return f"{choose_backend() or 'the own of this system'} draws, on {device_name()}"
+        return f"{choose_backend() or 'OpenGL of this system'} draws, on {device_name()}"
 
 
 def encode() -> str:

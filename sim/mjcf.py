@@ -22,9 +22,11 @@ def write_mjcf(house: House, path: Path) -> None:
     add_collisions(spec, house)
     spec.assets = pictures  # by these the model is compiled before anything is written
     spec.compile()
+    text = spec.to_xml()
     with replaced_folder(folder, _MARKER) as beside:
         (beside / _MARKER).write_text("".join(f"{Path(files[name]).name}\t{name}\n" for name in seen.images))
         for name, content in pictures.items():
             (beside / Path(name).name).write_bytes(content)
-        with replaced_file(path) as file:
-            file.write_text(spec.to_xml())
+    # The XML comes last, so that it never names textures that are not there.
+    with replaced_file(path) as file:
+        file.write_text(text)

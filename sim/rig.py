@@ -21,7 +21,9 @@ from worlds.spec_errors import near
 STEREO_BASELINE_M = 0.11
 """As of the paper's Alphasense and of EuRoC's camera."""
 LEVER_ARM_M = 0.15
-"""Farthest that `displaced` moves cameras from the IMU; the body keeps 0.25 m from everything solid."""
+"""Farthest that `displaced` moves cameras from the IMU [m]."""
+FREE_M = 0.24
+"""Farthest place of a camera beside the IMU: the body keeps 0.25 m from everything solid [m]."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
@@ -50,7 +52,7 @@ def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> 
     """The rig moved and turned as one on the body, whose frame is the IMU's: the lever arm from the IMU to the cameras.
 
     The offset is in B [m]; the rotation is `Rz(yaw) Ry(pitch) Rx(roll)` [deg]. Raises `SimError` for values that are not
-    finite, and for an offset out of the space that is kept free around the body.
+    finite, and for an offset of more than `LEVER_ARM_M`.
     """
     if not np.isfinite([*offset_m, *rpy_deg]).all() or np.linalg.norm(offset_m) > LEVER_ARM_M:
         raise SimError(

@@ -91,3 +91,21 @@ def test_the_plan_as_data_holds_keyframes_and_directions(rng):
     assert data["keyframes"][0]["room"] == "hall" and data["keyframes"][-1]["room"] is None
     assert data["keyframes"][-1]["position_m"] == pytest.approx([4.0, 0.0, 0.0])
     assert [step["text"] for step in data["directions"]] == ["start in hall (floor 0)", "arrive in hall (floor 0)"]
+
+
+def test_a_plan_that_ends_at_keyframes_of_neighbours_still_starts_and_arrives_in_its_own_rooms(rng):
+    """A small room may be recognised from in front of it alone; see `innermost`."""
+    rooms = [("office", range(5, 12)), ("corridor", [*range(5), *range(12, 25)])]
+    lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
+    plan = replace(plan, start=lexis_map.rooms[0], goal=lexis_map.rooms[1])
+    told = [step.text for step in directions(lexis_map, plan)]
+    assert told == [
+        "start in office (floor 0)", "enter corridor (floor 0)", "arrive in corridor (floor 0)",
+    ]  # fmt: skip
+
+
+def test_a_goal_that_no_keyframe_of_the_path_belongs_to_is_entered_before_it_is_arrived_in(rng):
+    rooms = [("office", range(8)), ("corridor", range(8, 24)), ("kitchen", [24])]
+    lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
+    told = [step.text for step in directions(lexis_map, replace(plan, keyframes=plan.keyframes[:-1]))]
+    assert told[-2:] == ["enter kitchen (floor 0)", "arrive in kitchen (floor 0)"]

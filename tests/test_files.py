@@ -285,3 +285,38 @@ def test_a_mount_point_is_refused_before_the_work(tmp_path, monkeypatch):
     monkeypatch.setattr(os.path, "ismount", lambda path: path == tmp_path / "map")
     with pytest.raises(LexisError, match="map: is a mount point"):
         check_replaceable(tmp_path / "map", MARKER)
+
+
+def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_path, monkeypatch):
+    """Where names cannot be exchanged, there is a moment at which nothing has the name."""
+    place = tmp_path / "map"
+    write(place, "old")
+    monkeypatch.setattr(swap, "exchange", lambda a, b: False)
+    move, calls = swap.move_folder, count()
+
+    def and_another_writes(folder, to):
+        move(folder, to)
+        if next(calls) == 0:
+            folder.mkdir()
+            (folder / MARKER).write_text("another")
+
+    monkeypatch.setattr(swap, "move_folder", and_another_writes)
+    write(place, "new")
+    assert content_of(place) == "new" and os.listdir(tmp_path) == ["map"]
+
+
+def test_a_folder_that_cannot_be_renamed_is_copied_aside(tmp_path, monkeypatch):
+    """In a lower layer of an overlay file system, as in a container's image, renaming a folder fails."""
+    place = tmp_path / "map"
+    write(place, "old")
+    monkeypatch.setattr(swap, "exchange", lambda a, b: False)
+    rename = type(place).rename
+
+    def across_layers(self, target):
+        if self == place:
+            raise OSError(errno.EXDEV, "Invalid cross-device link")
+        return rename(self, target)
+
+    monkeypatch.setattr(type(place), "rename", across_layers)
+    write(place, "new")
+    assert content_of(place) == "new" and os.listdir(tmp_path) == ["map"]

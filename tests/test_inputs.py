@@ -42,7 +42,7 @@ def test_good_input_passes():
         ({"stamp": 0.25}, "not after 0.25 s"),
         ({"T_O_B": at(1e155)}, "not a rigid motion"),
         ({"T_O_B": at(-1.1e8)}, "not a rigid motion"),
-        ({"increment_covariance": 1e155 * np.eye(6)}, "not finite and symmetric; valid: values up to 1e[+]12"),
+        ({"increment_covariance": 1e155 * np.eye(6)}, "not finite, symmetric and .*of values up to 1e[+]12"),
     ],
 )
 def test_a_bad_observation_is_refused_by_number(change, complaint):

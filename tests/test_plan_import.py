@@ -8,7 +8,7 @@ import pytest
 
 from worlds.errors import SpecError, WorldsError
 from worlds.plan_import import import_plan, to_geojson
-from worlds.presets import sample_house
+from worlds.presets import sample_from_rooms, sample_house
 
 LEFT, RIGHT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [8, 0], [8, 3], [4, 3]]
 DOOR = {"type": "Feature", "properties": {"kind": "door"}, "geometry": {"type": "Point", "coordinates": [4.1, 1.5]}}
@@ -420,3 +420,26 @@ def test_files_of_other_kinds_and_senseless_scales_are_refused(tmp_path):
     for options in ({"metres_per_unit": 0.0}, {"metres_per_unit": math.nan}, {"snap_m": 1.0}):
         with pytest.raises(SpecError, match="valid:"):
             import_plan("plan.svg", **options)
+
+
+def test_a_use_that_refers_to_nothing_draws_nothing(tmp_path):
+    rooms = '<rect class="kitchen" width="4" height="3"/><rect class="bedroom" x="4" width="4" height="3"/>'
+    plans = []
+    for stray in ("", "<use/>", '<use x="20"/>', '<use href=""/>', '<use href="#nowhere"/>'):
+        path = tmp_path / "plan.svg"
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" data-metres-per-unit="1">{rooms}{stray}</svg>')
+        plans.append(import_plan(path).spec)
+    assert all(plan == plans[0] for plan in plans)
+
+
+def test_every_malformed_field_of_a_drawn_door_is_told(tmp_path):
+    house = to_geojson(sample_from_rooms(("kitchen", "bedroom"), seed=3))
+    drawing = json.loads(house)
+    door = next(feature for feature in drawing["features"] if "kind" in feature["properties"])
+    door["properties"] |= {"height_m": "q", "sill_m": "x"}
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps(drawing))
+    with pytest.raises(SpecError) as caught:
+        import_plan(path)
+    told = [str(caught.value), *caught.value.__notes__]
+    assert len(told) == 2 and any("height_m" in line for line in told) and any("sill_m" in line for line in told)

@@ -247,3 +247,13 @@ def test_unknown_rooms_and_missing_ways_are_named(rng):
     torn[30:, 0, 3] += 100.0
     with pytest.raises(PlanError, match="no way from corridor to office 2"):
         plan(replace(lexis_map, T_W_B=torn), "corridor", "office 2")
+
+
+def test_rooms_of_one_label_side_by_side_have_ends_of_their_own(rng):
+    """Images of one look into the other, and the evidence is the same for both."""
+    lexis_map = open_boundary(rng, and_back=True)
+    x = lexis_map.T_W_B[:, 0, 3]
+    halves = [np.flatnonzero(x < 0.0).tolist(), np.flatnonzero(x >= 0.0).tolist()]
+    rooms = tuple(replace(lexis_map.rooms[1], id=i, keyframes=tuple(half)) for i, half in enumerate(halves))
+    lexis_map = replace(lexis_map, rooms=rooms, labels=np.ones(len(x), int))
+    assert all(innermost(lexis_map, room).keyframe in room.keyframes for room in rooms)

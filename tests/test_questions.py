@@ -123,3 +123,13 @@ def test_the_lists_of_everyday_questions_share_none_and_have_different_forms():
     texts = [question.text for question in (*TUNING, *HELD_OUT)]
     assert len(set(texts)) == len(texts) >= 60 and len(HELD_OUT) >= 30
     assert all(read_question(question.text).negated == question.negated for question in (*TUNING, *HELD_OUT))
+
+
+@pytest.mark.parametrize("thing", ["sofa bed", "tea room", "media room", "yoga studio", "pizza oven"])
+def test_a_negated_thing_keeps_the_letters_of_its_words(thing):
+    assert read_question(f"not a {thing}").readings[0][0] == thing
+
+
+def test_a_question_of_endless_length_is_refused():
+    with pytest.raises(LexisError, match="500 characters"):
+        read_question("please " * 20_000)

@@ -1,6 +1,7 @@
 """The door for files from outside: what is no regular file of bounded size stays outside, and every refusal is one line."""
 
 import os
+from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, ConfigDict
@@ -101,3 +102,20 @@ def test_a_long_text_keeps_its_ends_on_one_line(most):
     said = one_line("first words\n" + "x" * 1_000_000 + "\n valid: 1", most)
     assert len(said) == most and said.startswith("first words xx") and said.endswith("xx valid: 1"[-most // 3 + 1 :])
     assert one_line(" a\n\n b ") == "a b" and one_line(LexisError()) == "LexisError"
+
+
+@pytest.mark.parametrize("name", ["a\0.json", "a\ud800.json"])
+def test_what_cannot_be_the_name_of_a_file_is_no_foreign_exception(tmp_path, name):
+    with pytest.raises(LexisError, match="is no name of a file"):
+        read_bytes(tmp_path / name, FileKind("a file", 10))
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_line(tmp_path):
+    (tmp_path / "list.txt").write_bytes(b"\xef\xbb\xbf# comment\n1 a\n")
+    assert list(numbered_lines(tmp_path / "list.txt", FileKind("a list", 100))) == [(2, "1 a")]
+
+
+def test_a_file_is_not_read_beyond_its_bound_whatever_its_size_says():
+    """Files of /proc say that they are empty."""
+    with pytest.raises(LexisError, match="larger than"):
+        read_bytes(Path("/proc/self/status"), FileKind("a file", 10))

@@ -11,3 +11,11 @@ class SpecError(WorldsError):
 
 class HouseError(WorldsError):
     """A well-formed spec describes a house that cannot stand or cannot be walked."""
+
+
+def reworded(error: WorldsError, message: str) -> WorldsError:
+    """An error of the same class and with the same notes, but another message."""
+    other = type(error)(message)
+    for note in getattr(error, "__notes__", ()):
+        other.add_note(note)
+    return other

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worlds.errors import SpecError, WorldsError
+from worlds.errors import SpecError, WorldsError, reworded
 from worlds.imports.doorways import apart, on_walls
 from worlds.imports.drawing import Drawing, DrawnRoom, Stroke, built
 from worlds.imports.geojson import read_geojson, to_geojson
@@ -77,7 +77,7 @@ def import_plan(
         doubt = drawing.doubt
         spec, notes = _standing(_Plan(drawing, (name or path.stem)[:200], seed, only_drawn), snap_m)
     except WorldsError as error:
-        raise type(error)(f"{path}: {error}{doubt}") from None
+        raise reworded(error, f"{path}: {error}{doubt}") from None
     return ImportedPlan(spec, (*drawing.notes, *notes))
 
 
@@ -101,8 +101,8 @@ def _standing(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     try:
         spec, notes = _proved(plan, snap_m)
     except WorldsError as error:
-        raise type(error)(f"{error}{_hint(plan, snap_m)}") from None
-    return spec, [*notes, f"corners less than {snap_m:g} m off were moved to common lines"]
+        raise reworded(error, f"{error}{_hint(plan, snap_m)}") from None
+    return spec, [*notes, f"corners no more than {snap_m:g} m off were moved to common lines"]
 
 
 def _hint(plan: _Plan, snap_m: float) -> str:

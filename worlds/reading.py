@@ -19,8 +19,16 @@ def read_text(path: Path) -> str:
             raise SpecError(f"cannot be read: is {'a folder' if stat.S_ISDIR(status.st_mode) else 'a device or a pipe'}")
         if status.st_size > MAX_JSON_BYTES:
             raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB")
-        return path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(MAX_JSON_BYTES + 1)
+        if len(content) > MAX_JSON_BYTES:
+            raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB")
+        return content.decode("utf-8-sig")
     except OSError as error:
         raise SpecError(f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise SpecError("is not text in UTF-8") from None
+    except SpecError:
+        raise
+    except ValueError:  # a null byte, or half of a surrogate pair
+        raise SpecError("cannot be read: is no name of a file") from None

@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64
 
 from lexis.array_files import Layout, read_arrays
 from lexis.files import replaced_file
-from lexis.inputs import usable_covariance
+from lexis.inputs import usable_covariances
 from lexis.perception import Encoder
 from lexis.reading import FileKind
 from sim.errors import SimError
@@ -144,7 +144,7 @@ def _problem(model: FeatureModel) -> str | None:
     if not len(loops.true_edges.inliers) or (loops.false_rate > 0.0 and not len(loops.false_edges.inliers)):
         return "it has no edges to draw from"
     edges = np.concatenate([loops.true_edges.covariance, loops.false_edges.covariance])
-    if not (all(map(usable_covariance, edges)) and np.abs(_drawn_from(model)).max() <= _MOST):
+    if not (usable_covariances(edges).all() and np.abs(_drawn_from(model)).max() <= _MOST):
         return "its edges have no covariances, or its values are too large"
     return None
 

@@ -4,7 +4,7 @@ A take begins with a moment at rest, which visual-inertial systems use to find g
 no frame where the odometry has not moved.
 """
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,11 +16,12 @@ from jaxtyping import Float32, Float64, Int64
 
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
+from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
 from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
 from sim.lens import Distortion, rendered_camera
-from sim.rig import STEREO_BASELINE_M
+from sim.rig import FREE_M, STEREO_BASELINE_M
 from sim.session import Session
 from sim.staging import Painter, Staging
 from sim.stream import Truth
@@ -136,6 +137,7 @@ def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: 
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     pinholes = tuple(config.rig.cameras.values())
     cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
+    _check_places(cameras)
     if distortion:
         rendered_camera(config.camera, distortion)  # refuses what cannot be rendered, before the work
     walked = walk(config)
@@ -143,6 +145,16 @@ def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: 
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
     return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu)
+
+
+def _check_places(cameras: Sequence[Camera]) -> None:
+    """Raise SimError for a camera outside of the space that is kept free around the body."""
+    for k, camera in enumerate(cameras):
+        if (distance_m := float(np.linalg.norm(camera.T_B_C[:2, 3]))) > FREE_M:
+            raise SimError(
+                f"rig: cam{k} is {distance_m:.2f} m beside the IMU, where furniture or walls may be; "
+                f"valid: up to {FREE_M} m, with a smaller lever arm"
+            )
 
 
 def stereo_partner(camera: Camera) -> Camera:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
+from lexis.planner import MIN_LOOP_WEIGHT
 from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
@@ -126,7 +127,7 @@ def _loops(data: ReportData) -> Iterator[Finding]:
     else:
         worst = false[0]
         ends = data.keyframes.true_poses[[worst.query, worst.match], :3, 3]
-        ignored = worst.weight <= 0.5
+        ignored = worst.weight < MIN_LOOP_WEIGHT
         held = ", but the optimiser gives little weight to any of them" if ignored else ""
         yield Finding(
             ignored,

@@ -93,7 +93,9 @@ def _refuse(*_: object) -> None:
 
 def shown_shapes(root: Element) -> Iterator[SvgShape]:
     """Every shape that is shown, in the order of the drawing. Raises `SpecError`."""
-    return _Walk({element.get("id", ""): element for element in root.iter()}).below(root, _Around())
+    return _Walk({identifier: element for element in root.iter() if (identifier := element.get("id"))}).below(
+        root, _Around()
+    )
 
 
 @dataclass(frozen=True, eq=False)
