@@ -22,6 +22,8 @@ PACKAGES = (
 )
 PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
+_OTHERS = ("cv2", "opencv", "scipy")
+"""Folders of packages that bring an OpenBLAS of their own."""
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
@@ -62,10 +64,11 @@ def versions() -> dict[str, str | None]:
 
 def _openblas_kernels() -> str | None:
     """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy has another library."""
-    found = [library for library in threadpool_info() if library["internal_api"] == "openblas"]
-    others = ("cv2", "opencv", "scipy")  # packages that bring an OpenBLAS of their own
-    own = (library for library in found if not any(name in library["filepath"] for name in others))
-    return next((library["architecture"] for library in own), None)
+    for library in threadpool_info():
+        folders = Path(library["filepath"]).parent.parts
+        if library["internal_api"] == "openblas" and not any(folder.startswith(_OTHERS) for folder in folders):
+            return str(library["architecture"])
+    return None
 
 
 def _package(name: str) -> Finding:

@@ -113,3 +113,15 @@ def test_versions_name_what_shapes_a_result():
     assert found["machine"] == platform.machine()
     assert found["gl"] == os.environ.get("MUJOCO_GL")
     assert all(value is None or value == value.strip() != "" for value in found.values())
+
+
+@pytest.mark.parametrize("folder", ["numpy.libs", "numpy/.dylibs", "../lib"])
+def test_the_openblas_of_numpy_is_told_from_those_of_other_packages(monkeypatch, folder):
+    """Its file is called libscipy_openblas, whichever package it comes with."""
+    folders = {"/env/site-packages/opencv_python_headless.libs": "Zen", "/env/site-packages/scipy.libs": "Nehalem"}
+    libraries = [
+        {"internal_api": "openblas", "filepath": f"{place}/libscipy_openblas.so", "architecture": name}
+        for place, name in (folders | {f"/env/site-packages/{folder}": "Haswell"}).items()
+    ]
+    monkeypatch.setattr(doctor, "threadpool_info", lambda: libraries)
+    assert doctor.versions()["openblas_kernels"] == "Haswell"
