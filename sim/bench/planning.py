@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
@@ -11,6 +11,7 @@ import numpy as np
 from lexis.encoder import load_encoder
 from lexis.evaluation.planning import spl, success_rate
 from lexis.files import replaced_file
+from sim.bench.houses import configs
 from sim.errors import SimError
 from sim.harness import Run, RunConfig, run, try_plans
 from sim.harness.planning import Steering, Trial
@@ -43,20 +44,23 @@ class Row:
     """For all queries together, on the machine's clock [s]."""
 
 
-def drive_houses(config: RunConfig, seeds: Sequence[int], pictures: Path | None = None) -> Iterator[Row]:
+def drive_houses(
+    config: RunConfig, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
+) -> Iterator[Row]:
     """One run per seed, all else as in `config`; every driver drives all its plans.
 
-    `pictures` is a folder for PNGs of the drives by LEXIS's estimate that failed. Raises `SimError` where it cannot be made.
+    For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the drives by LEXIS's estimate that
+    failed. Raises `SimError` where it cannot be made.
     """
     if pictures is not None:
         _make_folder(pictures)
     encoder = load_encoder(config.encoder)
-    for seed in seeds:
-        finished = run(replace(config, seed=seed), encoder)
+    for own in configs(config, seeds, openness):
+        finished = run(own, encoder)
         for driver, (steering, blind) in DRIVERS.items():
             start = time.perf_counter()
             trials = try_plans(finished, steering, blind)
-            yield _row(seed, driver, trials, time.perf_counter() - start)
+            yield _row(own.seed, driver, trials, time.perf_counter() - start)
             if pictures is not None and driver == "LEXIS":
                 _draw(finished, trials, pictures)
 

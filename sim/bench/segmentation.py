@@ -1,12 +1,13 @@
 """`lexis-sim bench segmentation`: the whole chain on several houses of a preset, with the default encoder unless told."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 
 from lexis.encoder import load_encoder
+from sim.bench.houses import configs
 from sim.harness import RunConfig, evaluate, run, try_plans
 from sim.harness.loops import edge_truth
 
@@ -33,15 +34,15 @@ class Row:
     """Share that reach their room; None where none was asked for."""
 
 
-def run_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, Row]]:
-    """One run per seed, all else as in `config`."""
+def run_houses(config: RunConfig, seeds: Sequence[int], openness: float | None = None) -> Iterator[tuple[int, Row]]:
+    """One run per seed, all else as in `config`; for `openness` see `sim.bench.houses.configs`."""
     encoder = load_encoder(config.encoder)
-    for seed in seeds:
-        finished = run(replace(config, seed=seed), encoder)
+    for own in configs(config, seeds, openness):
+        finished = run(own, encoder)
         result = evaluate(finished, try_plans(finished))
         is_true = edge_truth(finished)
         yield (
-            seed,
+            own.seed,
             Row(
                 result["labels"]["accuracy_baseline"],
                 result["labels"]["accuracy"],

@@ -30,6 +30,9 @@ from worlds.presets import PRESETS
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 _PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
+_OPENNESS = argument(
+    "--openness", type=float, metavar="X", help="open or close inner walls of every house to X in [0, 1] (default: as drawn)"
+)
 _HOUSES = argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
@@ -53,12 +56,17 @@ def _printing(tables: Tables) -> Command:
     return command
 
 
+def _houses(arguments: argparse.Namespace) -> str:
+    """The family of houses, for titles."""
+    return arguments.preset if arguments.openness is None else f"{arguments.preset} at openness {arguments.openness:g}"
+
+
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.segmentation import Row, mean_and_spread, run_houses
     from sim.harness import RunConfig
     from sim.report.figures import shown
 
-    title = escape(f"{arguments.preset}, encoder {arguments.encoder}, {arguments.fidelity}")
+    title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}, {arguments.fidelity}")
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
     last = arguments.seed + arguments.houses - 1
     rows = []
@@ -68,7 +76,7 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
         fidelity=arguments.fidelity,
         feature_model=arguments.feature_model,
     )
-    for house, row in run_houses(config, range(arguments.seed, last + 1)):
+    for house, row in run_houses(config, range(arguments.seed, last + 1), arguments.openness):
         rows.append(row)
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
@@ -120,10 +128,10 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
     seeds = range(arguments.seed, arguments.seed + arguments.houses)
     config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
-    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
     rows = []
-    for row in drive_houses(config, seeds, arguments.pictures):
+    for row in drive_houses(config, seeds, arguments.pictures, arguments.openness):
         rows.append(row)
         figures = (shown(row.success, "{:.3f}"), shown(row.spl, "{:.3f}"), str(row.touched), f"{row.seconds:.1f}")
         table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == list(DRIVERS)[-1])
@@ -176,6 +184,7 @@ _BENCHMARKS = (
         (
             _PRESET,
             _HOUSES,
+            _OPENNESS,
             _ENCODER,
             argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
             _FEATURE_MODEL,
@@ -211,6 +220,7 @@ _BENCHMARKS = (
         (
             _PRESET,
             _HOUSES,
+            _OPENNESS,
             _ENCODER,
             argument("--pictures", type=folder, metavar="DIR", help="draw the drives of LEXIS that failed"),
             SEED,

@@ -1,0 +1,33 @@
+"""The houses of a benchmark are those of the preset; with an openness, the same houses with other inner walls."""
+
+import pytest
+
+from sim.bench.houses import configs
+from sim.harness import RunConfig
+from worlds.errors import WorldsError
+from worlds.house import build_house
+from worlds.truth import openness
+
+SEEDS = (500, 501)
+CONFIG = RunConfig(preset="home")
+
+
+def test_without_an_openness_the_houses_are_those_of_the_preset():
+    assert [(own.preset, own.house, own.seed) for own in configs(CONFIG, SEEDS)] == [
+        ("home", None, 500),
+        ("home", None, 501),
+    ]
+
+
+def test_an_openness_changes_inner_walls_and_no_room():
+    for own, closed, opened in zip(*(configs(CONFIG, SEEDS, x) for x in (None, 0.0, 0.9)), strict=True):
+        rooms = [
+            [room.polygon_m for storey in c.house_spec().storeys for room in storey.rooms] for c in (own, closed, opened)
+        ]
+        assert rooms[0] == rooms[1] == rooms[2]
+        assert openness(build_house(closed.house_spec())) < 0.1 < 0.6 < openness(build_house(opened.house_spec()))
+
+
+def test_an_openness_that_cannot_be_is_refused():
+    with pytest.raises(WorldsError, match="valid"):
+        list(configs(CONFIG, SEEDS, 1.5))
