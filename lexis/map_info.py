@@ -50,7 +50,7 @@ def info_text(info: dict[str, Any]) -> str:
         f"encoder     {info['encoder']['name']} ({info['encoder']['fingerprint'][:12]})",
         f"images      {info['image_px'][0]}x{info['image_px'][1]} px",
         f"room names  {', '.join(info['room_names'])}",
-        f"no room of  {', '.join(info['unused_room_names']) or '-'}",
+        *([f"unused      {', '.join(info['unused_room_names'])}"] if info["unused_room_names"] else []),
         "",
         f"{'room':{width}s}  {'floor':>6s}  keyframes",
         *rooms,

@@ -26,7 +26,7 @@ _MAX_LINE = 380
 _CONTENTS = "valid: a house as JSON"
 _TOO_DEEP = f"is nested too deeply; {_CONTENTS}"
 _IDENTIFIER = "a name of 1 to 64 letters, digits, spaces and _ . ' -, the first a letter or digit"
-_UNIT = re.compile(r"\[(?:m|rad|1)\]")
+_UNIT = re.compile(r"\[(?:m|rad)\]")
 _PATH = tuple[str | int, ...]
 
 
@@ -41,7 +41,8 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
         _check_sizes(data, (), schema, schema)
         json.loads(text, object_pairs_hook=_check_fields)
     except json.JSONDecodeError as error:
-        raise SpecError(f"is not JSON: {error.msg} at line {error.lineno} column {error.colno}; {_CONTENTS}") from None
+        what = error.msg.removesuffix(" at")
+        raise SpecError(f"is not JSON: {what} at line {error.lineno} column {error.colno}; {_CONTENTS}") from None
     except RecursionError:
         raise SpecError(_TOO_DEEP) from None
     except SpecError:

@@ -132,7 +132,7 @@ def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
     if span is None:
         raise HouseError(
             f"opening {opening.rooms[0]!r} - {opening.rooms[1]!r}: its ends {opening.start_m} and {opening.end_m} "
-            "must lie apart along x or along y"
+            "are not on one line along x or y; valid: two different points of a wall"
         )
     return span
 
