@@ -13,6 +13,7 @@ from lexis.features import mutual_matches
 from lexis.pose_graph import PoseGraph
 from lexis.projection import project, project_jacobian
 from lexis.se3 import between, inverse, rotation_angle, skew, transform
+from lexis.ties import settled
 from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 
 _GRID = 6
@@ -122,7 +123,8 @@ class Locator:
             pairs = self._match(keyframe)
             ids.append(pairs[:, 0])
             points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))
-        return _Correspondences(np.concatenate(ids), np.concatenate(points))
+        # RANSAC may end at another pose when the last digit of a point changes, and that digit depends on the processor.
+        return _Correspondences(np.concatenate(ids), settled(np.concatenate(points)))
 
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
         if keyframe.id not in self._matches:

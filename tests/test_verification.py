@@ -148,3 +148,16 @@ def test_a_keyframe_without_landmarks_is_refused(world, true):
     match = keyframe(0, np.eye(4), points, descriptors, landmarks=False)
     query = keyframe(1, true, points, descriptors)
     assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+
+
+def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng):
+    """Processors sum in other orders, and RANSAC can turn their last digits into another pose."""
+    points, descriptors = world
+    match = keyframe(0, np.eye(4), points, descriptors)
+    query = keyframe(1, true, points, descriptors, landmarks=False, noise_px=2.0)
+    (expected,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG)
+    for _ in range(5):
+        last_bits = rng.uniform(-1e-15, 1e-15, match.landmarks.points.shape)
+        shaken = replace(match, landmarks=replace(match.landmarks, points=match.landmarks.points + last_bits))
+        (edge,) = verify(query, [0], graph_of(shaken, query), FORWARD_CAMERA, CONFIG)
+        assert (edge.T_match_query == expected.T_match_query).all() and edge.inliers == expected.inliers
