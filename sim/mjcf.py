@@ -27,6 +27,6 @@ def write_mjcf(house: House, path: Path) -> None:
         (beside / _MARKER).write_text("".join(f"{Path(files[name]).name}\t{name}\n" for name in seen.images))
         for name, content in pictures.items():
             (beside / Path(name).name).write_bytes(content)
-    # The XML comes last, so that it never names textures that are not there.
-    with replaced_file(path) as file:
-        file.write_text(text)
+        # Inside, so that a full disk leaves neither of the two behind.
+        with replaced_file(path) as file:
+            file.write_text(text)
