@@ -43,6 +43,8 @@ def test_every_program_imports_what_there_is(content):
 def test_everything_in_the_documentation_works(readme, tmp_path):
     for number, block in enumerate(blocks(readme)):
         if block.language == "sh":
+            if "nox -s demo" in block.content:
+                run_command(["lexis-sim", "demo"], tmp_path)  # what that session runs
             for words in block.commands:
                 if not any(word.startswith(NEEDS_WEIGHTS) for word in words):
                     run_command(words, tmp_path)
