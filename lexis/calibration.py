@@ -42,7 +42,7 @@ class Calibration:
     def probabilities(
         self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """That a room is, or shows, what a text asks for, if every second question has an answer.
+        """Probabilities that rooms are, or show, the thing that texts ask for, if every second question has an answer.
 
         Args:
             similarities: of every room's best views with every text.

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.floors import NO_FLOOR
+from lexis.paths import arc_length
 from lexis.planner import Plan
 from lexis.room_names import instance_names
 from lexis.runs import runs_of
@@ -37,7 +38,7 @@ class Step:
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
     """Everything that happens along the path, in order: start, rooms, turns, stairs and arrival."""
     positions = map.T_W_B[list(plan.keyframes), :3, 3]
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
+    path = arc_length(positions)
     steps = [*_rooms(map, plan, path), *_stairs(map, plan, path), *_turns(positions, path)]
     return tuple(sorted(steps, key=lambda step: step.at_m))
 

@@ -5,13 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.paths import arc_length
 from sim.errors import SimError
 from sim.motion import Motion
 from sim.sway import draw_sway
 from sim.tours.config import TourConfig
 from sim.tours.itinerary import SMOOTHED, Planner
 from sim.tours.pace import paced
-from sim.tours.smooth import arc_length, smooth_path
+from sim.tours.smooth import smooth_path
 from sim.tours.start import with_start_manoeuvre
 from sim.tours.view import view_along
 from worlds.house import House

@@ -74,7 +74,7 @@ def test_it_turns_and_moves_the_body_but_little(motion, walk):
 
 
 def test_the_body_keeps_clear_of_everything_solid(house, motion, walk):
-    """By its radius less the few centimetres that it swings."""
+    """The body keeps its radius from everything solid, less the few centimetres that it swings."""
     feet = motion.position(np.arange(0.0, lead(motion, walk), 0.02))
     solids = [(w.footprint, w.bottom_m, w.top_m) for w in house.walls]
     solids += [(f.footprint, f.position[2], f.position[2] + f.size[2]) for f in house.furniture if f.solid]

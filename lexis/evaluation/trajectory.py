@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.paths import arc_length
 from lexis.se3 import between
 from lexis.types import Pose, Poses
 
@@ -38,7 +39,7 @@ def rpe_translation(estimate: Poses, truth: Poses, delta_m: float) -> float | No
     Every pose begins a stretch, which ends at the first pose at least `delta_m` of path later; stretches may overlap. None
     where the path is shorter.
     """
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(truth[:, :3, 3], axis=0), axis=1))])
+    path = arc_length(truth[:, :3, 3])
     ends = np.searchsorted(path, path + delta_m)
     starts = np.flatnonzero(ends < len(path))
     if not len(starts):

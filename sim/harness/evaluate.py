@@ -15,6 +15,7 @@ from lexis.evaluation.place_recognition import count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
+from lexis.paths import arc_length
 from lexis.place_recognition import old_enough
 from sim.doctor import versions
 from sim.faults import written
@@ -119,7 +120,7 @@ def _loops(run: Run) -> dict[str, Any]:
 
 def _place_recognition(run: Run) -> dict[str, Any]:
     odometry, config = run.odometry_poses, run.config.slam_config().place_recognition
-    path_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(odometry[:, :3, 3], axis=0), axis=1))])
+    path_m = arc_length(odometry[:, :3, 3])
     eligible = np.array([old_enough(query, run.stamps, path_m, config) for query in range(len(path_m))])
     return {str(n): asdict(count_matches(run.map.candidates, eligible, run.true_poses, n)) for n in (1, 3, 5)}
 

@@ -12,6 +12,7 @@ from jaxtyping import Float64, Int
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import grey_dilation, uniform_filter1d
 
+from lexis.paths import arc_length
 from sim.tours.near import Near
 from worlds.walkable import Walkable
 
@@ -59,11 +60,6 @@ def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64
     band = _relaxed(base[:, :2], hold, near, keep)
     smooth, straight = _spline(np.column_stack([band, base[:, 2]])), _between(base)
     return evenly(_clear(smooth, straight, near, walkable.radius_m + _NEEDED_M), STEP_M)
-
-
-def arc_length(points: Float64[np.ndarray, "k d"]) -> Float64[np.ndarray, "k"]:
-    """Way along the points up to each [m]."""
-    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
 
 def evenly(points: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
