@@ -84,9 +84,16 @@ def _followed(path: Path) -> Path:
 
 def _check_ours(path: Path, target: Path, marker: str) -> None:
     """Raise LexisError unless there is nothing at `target`, an empty folder, or one that holds `marker`."""
-    if target.is_file():
-        raise LexisError(f"{path}: is a file; valid: the name of a folder")
-    if target.exists() and not (target.is_dir() and ((target / marker).is_file() or not any(target.iterdir()))):
+    try:
+        # One listing: between two looks another process may have put its folder there.
+        names = os.listdir(target)
+    except FileNotFoundError:
+        return
+    except NotADirectoryError:
+        if not os.path.lexists(target):  # a folder above it is a file: whoever writes there finds that
+            return
+        raise LexisError(f"{path}: is a file; valid: the name of a folder") from None
+    if names and marker not in names:
         raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
 
 
