@@ -37,7 +37,7 @@ def env(session: nox.Session) -> None:
     if not stamp.exists() or stamp.read_text() != wanted:
         groups = nox.project.dependency_groups(PYPROJECT, "tests", "lint")
         session.install("--editable", ".", *groups, "--constraint", str(CONSTRAINTS))
-        session.run("python", "-m", "sim.gl")
+        session.run("python", "-m", "sim.render.gl")
         stamp.write_text(wanted)
 
 
@@ -111,7 +111,9 @@ def ensure_gl(session: nox.Session) -> None:
 
 def gl_works(backend: str) -> bool:
     """Try a back end in a child process, which a broken driver may crash."""
-    return subprocess.run([sys.executable, "-I", "-S", "sim/gl_probe.py", backend], capture_output=True).returncode == 0
+    return (
+        subprocess.run([sys.executable, "-I", "-S", "sim/render/gl_probe.py", backend], capture_output=True).returncode == 0
+    )
 
 
 def root_prefix() -> list[str] | None:

@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.command_line import Commands, Parser, add_command, positive, run_command, tell_of_replacement
-from lexis.directions import directions, place, plan_summary
-from lexis.encoder_options import PRECISIONS, EncoderOptions
+from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
-from lexis.export import FORMATS, export_map
-from lexis.map_info import info_text, map_info
-from lexis.map_io import JSON_FILE, load_map, save_map
+from lexis.files.reading import FileKind, read_json
+from lexis.map.directions import directions, place, plan_summary
+from lexis.map.export import FORMATS, export_map
+from lexis.map.folder import JSON_FILE, load_map, save_map
+from lexis.map.info import info_text, map_info
+from lexis.map.room_names import instance_names, unused_names
 from lexis.planner import plan
-from lexis.reading import FileKind, read_json
-from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
 if TYPE_CHECKING:
-    from lexis.encoder import OpenClipEncoder
+    from lexis.encoder.open_clip_encoder import OpenClipEncoder
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 
@@ -154,7 +154,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    from lexis.datasets import DatasetConfig, open_dataset
+    from lexis.datasets.dataset import DatasetConfig, open_dataset
     from lexis.slam import Slam
 
     tell_of_replacement(arguments.out, JSON_FILE)
@@ -200,8 +200,8 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 
 def _query(arguments: argparse.Namespace) -> int:
-    from lexis.calibration import calibration_of
-    from lexis.query import ask
+    from lexis.query.answers import ask
+    from lexis.query.calibration import calibration_of
 
     lexis_map = load_map(arguments.map)
     encoder = _map_encoder(lexis_map, arguments.encoder)
@@ -225,7 +225,7 @@ def _query(arguments: argparse.Namespace) -> int:
 
 
 def _relabel(arguments: argparse.Namespace) -> int:
-    from lexis.relabel import relabel
+    from lexis.map.relabel import relabel
 
     tell_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
@@ -268,7 +268,7 @@ def _export(arguments: argparse.Namespace) -> int:
 
 
 def _encoder(model: str, options: EncoderOptions | None = None) -> "OpenClipEncoder":
-    from lexis.encoder import load_encoder
+    from lexis.encoder.open_clip_encoder import load_encoder
 
     return load_encoder(model, options)
 

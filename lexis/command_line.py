@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
 from lexis.errors import one_line
-from lexis.files import check_replaceable
+from lexis.files.replace import check_replaceable
 
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Runs a command; returns the exit status."""

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from lexis.runs import Run, runs_of
+from lexis.maths.runs import Run, runs_of
 
 NO_FLOOR = -1
 """Floor of a keyframe on stairs."""

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
-from lexis.se3 import between
+from lexis.maths.se3 import between
 from lexis.types import Covariance, LoopEdge, Poses
 
 _PRIOR_SIGMA = 1e-6

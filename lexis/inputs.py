@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.errors import LexisError, ObservationError, one_line
-from lexis.se3 import is_rigid
+from lexis.maths.se3 import is_rigid
 from lexis.types import Camera, Image, Observation, Percept
 
 MAX_ROOM_NAMES = 1000

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexis.config import KeyframeConfig
-from lexis.se3 import between, compose_covariance, rotation_angle
-from lexis.ties import reaches
+from lexis.maths.se3 import between, compose_covariance, rotation_angle
+from lexis.maths.ties import reaches
 from lexis.types import Covariance, Observation, Pose
 
 

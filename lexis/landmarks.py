@@ -14,8 +14,8 @@ from jaxtyping import Bool, Float32, Float64, Int
 
 from lexis.config import LandmarkConfig
 from lexis.features import mutual_matches
-from lexis.projection import project, project_jacobian, rays
-from lexis.se3 import between, inverse, skew, transform
+from lexis.maths.projection import project, project_jacobian, rays
+from lexis.maths.se3 import between, inverse, skew, transform
 from lexis.types import Camera, Features, Intrinsics, Landmarks, Pose
 
 _MIN_BASELINE_M = 0.01

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.config import PlaceRecognitionConfig
+from lexis.maths.ties import reaches, settled
 from lexis.pose_graph import PoseGraph
-from lexis.ties import reaches, settled
 from lexis.types import Keyframe, RoomInstance
 
 

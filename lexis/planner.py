@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
-from lexis.room_names import find_rooms, instance_names
-from lexis.ties import settled
+from lexis.map.room_names import find_rooms, instance_names
+from lexis.maths.ties import settled
 from lexis.types import LexisMap, RoomInstance
 
 MAX_STEP_M = 3.0

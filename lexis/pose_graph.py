@@ -7,7 +7,7 @@ from jaxtyping import Float32, Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.graph_optimisation import loop_weights, optimise
-from lexis.se3 import between
+from lexis.maths.se3 import between
 from lexis.types import Keyframe, LoopEdge, Pose, Poses
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Float64, Int
 
 from lexis.config import LabelConfig
+from lexis.maths.ties import nearest_others, settled
 from lexis.stairs import on_stairs
-from lexis.ties import nearest_others, settled
 
 Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]

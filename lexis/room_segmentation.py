@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
-from lexis.ties import settled
+from lexis.maths.ties import settled
 from lexis.types import RoomInstance
 
 Positions = Float64[np.ndarray, "n 3"]

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.config import LabelConfig
-from lexis.runs import Run, runs_of
+from lexis.maths.runs import Run, runs_of
 
 LANDING_M = 2.5
 """Longest path between the first and the last keyframe on a half landing between two flights [m]."""

@@ -14,7 +14,7 @@ _SCENE = '<mujoco><worldbody><light pos="0 0 3"/><geom size=".3 .3 .3" type="box
 
 def draw() -> str:
     """Render a box off-screen; return the GL back end and its device. Raises `GraphicsError` where that fails."""
-    from sim.gl import choose_backend, device_name, graphics_errors, mujoco, require_rendering
+    from sim.render.gl import choose_backend, device_name, graphics_errors, mujoco, require_rendering
 
     require_rendering()
     model = mujoco.MjModel.from_xml_string(_SCENE)
@@ -33,7 +33,7 @@ def encode() -> str:
     """Encode an image with the shipped encoder; return the size of the embedding. Raises `LexisError`."""
     import numpy as np
 
-    from lexis.encoder import load_encoder
+    from lexis.encoder.open_clip_encoder import load_encoder
 
     embedding = load_encoder("mini").encode_image(np.zeros((96, 128, 3), np.uint8))
     return f"{embedding.shape[0]} dimensions"

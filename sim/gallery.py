@@ -8,16 +8,16 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
-from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.errors import SimError
+from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.scene import build_scene
 from sim.report.house_plan import plan_image
-from sim.scene import build_scene
 from worlds.furniture.catalogue import kind_of
 from worlds.house import House, Room, build_house
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
-from worlds.visuals import STAIRS_OBJECT
+from worlds.visuals.house_visuals import STAIRS_OBJECT
 
 Picture = UInt8[np.ndarray, "_ _ 3"]
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from worlds.house import House
 
@@ -20,13 +20,13 @@ def writer_for(path: Path, writers: Mapping[str, Writer]) -> Writer:
 
 
 def _write_glb(house: House, path: Path) -> None:
-    from worlds.export import to_glb
+    from worlds.visuals.mesh_files import to_glb
 
     _write(path, to_glb(house))
 
 
 def _write_mjcf(house: House, path: Path) -> None:
-    from sim.mjcf import write_mjcf
+    from sim.render.mjcf import write_mjcf
 
     write_mjcf(house, path)
 
@@ -38,7 +38,7 @@ def _write_truth(house: House, path: Path) -> None:
 
 
 def _write_geojson(house: House, path: Path) -> None:
-    from worlds.plan_import import to_geojson
+    from worlds.plan_import.importer import to_geojson
 
     _write(path, to_geojson(house.spec).encode())
 

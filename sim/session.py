@@ -6,19 +6,19 @@ from contextlib import closing
 
 import numpy as np
 
-from lexis.quaternions import pose_rows, poses_of
+from lexis.maths.quaternions import pose_rows, poses_of
 from lexis.types import Camera, Image, Observation, Percept
 from lexis.verification import Verifier, verify
-from sim.ahead import ahead
+from sim.changing_world import Painter, Staging
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
-from sim.features.sensor import FeatureSensor
-from sim.lens import Distortion, rendered_camera
-from sim.odometry import Odometry
-from sim.scene import Scene
-from sim.staging import Painter, Staging
-from sim.stream import Truth
-from sim.tour import Tour
+from sim.feature_sensor.sensor import FeatureSensor
+from sim.odometry.simulation import Odometry
+from sim.prefetch import ahead
+from sim.render.lens import Distortion, rendered_camera
+from sim.render.scene import Scene
+from sim.tours.tour import Tour
+from sim.truth import Truth
 from worlds.house import House
 from worlds.truth import NOWHERE, floor_at, room_at
 

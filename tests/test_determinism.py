@@ -16,7 +16,7 @@ import pytest
 
 from sim.harness import RunConfig, evaluate, run
 from sim.harness.walk import walk
-from sim.rig import make_rig
+from sim.render.rig import make_rig
 from worlds.presets import sample_from_rooms
 
 GUARD_S = 120.0

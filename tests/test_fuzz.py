@@ -7,21 +7,20 @@ import contextlib
 import os
 import shutil
 
-import damage
 import numpy as np
 import pytest
-import small_inputs
-from survey import MEMORY_BYTES, PROCESSOR_S, survey
+from helpers import damage, small_inputs
+from helpers.survey import MEMORY_BYTES, PROCESSOR_S, survey
 
 from lexis import cli
-from lexis.datasets import open_dataset
+from lexis.datasets.dataset import open_dataset
 from lexis.errors import LexisError
-from lexis.export import FORMATS, export_map
-from lexis.map_io import load_map
+from lexis.map.export import FORMATS, export_map
+from lexis.map.folder import load_map
 from lexis.planner import plan
 from sim.cli import main as lexis_sim
 from sim.errors import SimError
-from sim.features.model import load_features
+from sim.feature_sensor.model import load_features
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import spec_problems
@@ -178,7 +177,12 @@ def test_bad_command_lines(cases, inputs, tmp_path, monkeypatch):
         raise SimError("the work would begin here")
 
     monkeypatch.setattr(cli, "_encoder", lambda model, options=None: TinyEncoder())
-    for heavy in ("sim.harness.run", "sim.record.record", "lexis.encoder.load_encoder", "sim.bench.planning.load_encoder"):
+    for heavy in (
+        "sim.harness.run",
+        "sim.record.record",
+        "lexis.encoder.open_clip_encoder.load_encoder",
+        "sim.bench.planning.load_encoder",
+    ):
         monkeypatch.setattr(heavy, work)
 
     def attempt(rng, folder):

@@ -11,7 +11,7 @@ STEPS = {
     "render": "from sim.doctor_probes import draw; draw()",
     "torch": "import torch",
     "triton": "import triton",
-    "encoder": "from lexis.encoder import load_encoder; load_encoder('mini')",
+    "encoder": "from lexis.encoder.open_clip_encoder import load_encoder; load_encoder('mini')",
 }
 QUICK = [("render", "triton"), ("triton", "render"), ("render", "encoder", "render")]
 """The first is the one that used to crash; the last is a notebook that renders first."""
@@ -40,5 +40,5 @@ def test_every_order(order):
 
 
 def test_physics_and_geometry_load_neither_torch_nor_triton():
-    done = python("import sys, sim.scene, sim.harness.evaluate; print(*{'torch', 'triton'} & set(sys.modules))")
+    done = python("import sys, sim.render.scene, sim.harness.evaluate; print(*{'torch', 'triton'} & set(sys.modules))")
     assert done.returncode == 0 and done.stdout.split() == []

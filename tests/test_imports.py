@@ -47,10 +47,10 @@ def test_mujoco_comes_from_sim_gl_alone():
     "source",
     [
         "import sim",
-        "import sim.gl as g",
-        "from sim.gl import mujoco",
+        "import sim.render.gl as g",
+        "from sim.render.gl import mujoco",
         "def f():\n    from sim import gl",
-        "importlib.import_module('sim.gl')",
+        "importlib.import_module('sim.render.gl')",
     ],
 )
 def test_every_form_of_import_is_seen(source):

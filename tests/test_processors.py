@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from decisions import decisions
+from helpers.decisions import decisions
 
 from sim.harness import RunConfig, run
-from sim.rig import make_rig
+from sim.render.rig import make_rig
 from worlds.presets import sample_from_rooms
 
 SMALL = {

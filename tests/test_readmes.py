@@ -6,7 +6,7 @@ worlds/README.md has a test of its own, which runs every time.
 import ast
 
 import pytest
-from documentation import CONSOLE_SCRIPTS, blocks, run_command, run_python
+from helpers.documentation import CONSOLE_SCRIPTS, blocks, run_command, run_python
 
 from lexis.cli import parser as lexis_parser
 from sim.cli import parser as sim_parser

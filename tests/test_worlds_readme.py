@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from documentation import blocks
+from helpers.documentation import blocks
 
 from sim.cli import main
 

@@ -11,17 +11,18 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from worlds.doors import Leaf, hang_leaves
 from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import kind_of
 from worlds.furniture.kinds import Size
-from worlds.furniture.placement import furnish, is_solid
+from worlds.furniture.placing.furnish import furnish, is_solid
 from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.openings.doors import Leaf, hang_leaves
+from worlds.openings.windows import Window, hang_windows, sample_windows
 from worlds.parts import Part
 from worlds.placed import Placed
 from worlds.seeds import room_rng
 from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec, WindowSpec
-from worlds.stairs import Stairs, build_stairs
+from worlds.stairs.build import Stairs, build_stairs
 from worlds.walls import (
     FENCE_HEIGHT_M,
     Boundary,
@@ -33,7 +34,6 @@ from worlds.walls import (
     split_at_openings,
     wall_spans,
 )
-from worlds.windows import Window, hang_windows, sample_windows
 
 _Pieces = tuple[tuple[Boundary, OpeningSpec | None], ...]
 

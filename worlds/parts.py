@@ -23,6 +23,6 @@ class Part:
     colour: Colour
     """RGB in [0, 1]; tints the material."""
     material: str = "plain"
-    """A pattern of `worlds.materials.PATTERNS`."""
+    """A pattern of `worlds.visuals.materials.PATTERNS`."""
     yaw: float = 0.0
     """About z through the centre [rad]."""

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from worlds.building_kinds import KINDS, Kind
 from worlds.errors import WorldsError
-from worlds.floor_plan import SLAB_M, Style, lay_out
+from worlds.floor_plans.building_kinds import KINDS, Kind
+from worlds.floor_plans.floor_plan import SLAB_M, Style, lay_out
+from worlds.floor_plans.programmes import Habits, StoreyProgramme
+from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
-from worlds.openings import place_openings
-from worlds.openness import with_openness
-from worlds.programmes import Habits, StoreyProgramme
-from worlds.room_lists import by_storey, draw_programmes, programmes_of
+from worlds.openings.openness import with_openness
+from worlds.openings.placement import place_openings
 from worlds.spec import HouseSpec, StoreySpec
 from worlds.spec_errors import near
 
@@ -34,8 +34,8 @@ def sample_house(
 ) -> HouseSpec:
     """The house of a family that belongs to `seed`.
 
-    `openness` in [0, 1]: the share of the inner walls' area that is gap (`worlds.openness`); `clutter`: see `HouseSpec`;
-    `rooms`: how many besides corridors, halls and stairs, which come on top. Absent: as the family has it.
+    `openness` in [0, 1]: the share of the inner walls' area that is gap (`worlds.openings.openness`); `clutter`: see
+    `HouseSpec`; `rooms`: how many besides corridors, halls and stairs, which come on top. Absent: as the family has it.
     Raises `WorldsError` for an unknown preset and for what cannot be.
     """
     if preset not in PRESETS:

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.errors import InvalidArgument
 from hypothesis.strategies import SearchStrategy
 
-from worlds.grown_plan import MIN_SIZE_DM, MIN_WIDTH_DM, DoorState, GrownRoom, Shape, Start, Way, grow
+from worlds.floor_plans.grown_plan import MIN_SIZE_DM, MIN_WIDTH_DM, DoorState, GrownRoom, Shape, Start, Way, grow
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
-from worlds.openness import openness_of, with_openness
+from worlds.openings.openness import openness_of, with_openness
 from worlds.spec import HouseSpec, OpeningKind
 
 MAX_ROOMS, MAX_STOREYS = 40, 4
@@ -49,8 +49,8 @@ def houses(
         labels: what the rooms can be, the simplest first; gardens and balconies in one-storey houses only.
         kinds: what can be in the walls, the simplest first; where nobody could walk through, there is a door beside it.
         doors: how door leaves can stand, the simplest first; "closed" doors end a walk that cannot open them.
-        openness: if given, inner walls are opened or closed with doors (see `worlds.openness`) until the house's openness
-            is within 0.05 of a value drawn from this range.
+        openness: if given, inner walls are opened or closed with doors (see `worlds.openings.openness`) until the house's
+            openness is within 0.05 of a value drawn from this range.
     """
     _check_rooms(min_rooms, max_rooms)
     _check_int("max_storeys", max_storeys, 1, MAX_STOREYS)

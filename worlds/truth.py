@@ -17,7 +17,7 @@ from shapely.geometry import LineString
 
 from worlds.house import House
 from worlds.labels import STAIRS
-from worlds.partitions import gap_area
+from worlds.openings.partitions import gap_area
 from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
-from worlds.barriers import reachability_problems
+from worlds.checks.barriers import reachability_problems
+from worlds.checks.furniture_checks import furniture_problems
+from worlds.checks.opening_checks import opening_problems
+from worlds.checks.plan_checks import overlap_problems, plan_problems
+from worlds.checks.plan_grid import PlanGrid
 from worlds.errors import HouseError
-from worlds.furniture_checks import furniture_problems
 from worlds.house import House, build_house
-from worlds.opening_checks import opening_problems
-from worlds.plan_checks import overlap_problems, plan_problems
-from worlds.plan_grid import PlanGrid
 from worlds.spec import HouseSpec
 
 BODY_RADIUS_M = 0.25
@@ -35,8 +35,8 @@ def problems(house: House) -> Iterator[str]:
 
     Rooms of a storey do not overlap or nearly touch, and stand on rooms; openings and windows lie in the right walls, clear
     of each other, and let the body through; stairs join storeys; furniture stays in its room and runs into nothing, nor into
-    where doors swing; every room can be reached on foot from every other, doors being opened. (`worlds.stairs` holds the
-    rules of stairs: a house that breaks them cannot be built.)
+    where doors swing; every room can be reached on foot from every other, doors being opened. (`worlds.stairs.build` holds
+    the rules of stairs: a house that breaks them cannot be built.)
     """
     grid = PlanGrid.of(house.spec)
     yield from plan_problems(house, grid)

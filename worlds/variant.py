@@ -1,11 +1,11 @@
 """`variant`: the same house with one thing changed, for comparisons in pairs."""
 
 from worlds.errors import WorldsError
+from worlds.floor_plans.symmetry import in_place
+from worlds.floor_plans.upper_storey import with_storey_on_top
 from worlds.house import House, build_house
-from worlds.openness import with_openness
+from worlds.openings.openness import with_openness
 from worlds.spec import FurnitureSpec, HouseSpec, WindowSpec
-from worlds.symmetry import in_place
-from worlds.upper_storey import with_storey_on_top
 
 _DIGITS = 6
 

@@ -15,10 +15,10 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
+from worlds.checks.reachability import STAIRS_LINK_M
 from worlds.errors import WorldsError
 from worlds.free_space import CLEARANCE_CAP_M, FreeSpace, Obstacles, solid_obstacles, stair_wells, survey
 from worlds.house import House
-from worlds.reachability import STAIRS_LINK_M
 from worlds.truth import room_at
 
 _CROWDING = 3.0

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from lexis.evaluation.relative import separation
-from lexis.se3 import between, rotation_angle
+from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 
 TRUE_M, TRUE_RAD = 0.5, 0.2

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64, Int
 
-from lexis.se3 import between, rotation_angle
+from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.paths import arc_length
-from lexis.se3 import between
+from lexis.maths.paths import arc_length
+from lexis.maths.se3 import between
 from lexis.types import Pose, Poses
 
 Points = Float64[np.ndarray, "n 3"]

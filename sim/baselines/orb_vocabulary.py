@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from sim.baselines.orb_words import FEATURES, WORDS, OrbWords
+from sim.training.array_cache import house_origin, kept, origin
 from sim.training.frames import frames_of_house, frames_origin
 from sim.training.houses import TRAINING_SEEDS, HouseDraw, draw_houses
-from sim.training.kept import house_origin, kept, origin
 from sim.training.views import LEXIS_VIEWS
 
 _HOUSES, _SEED = 8, 8

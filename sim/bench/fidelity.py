@@ -15,13 +15,13 @@ from scipy.stats import spearmanr
 
 from lexis.config import Config, LandmarkConfig
 from lexis.perception import Encoder
-from sim.features.model import MINI_FEATURES, load_features
-from sim.features.samples import choices
-from sim.features.sensor import FeatureSensor
+from sim.feature_sensor.fit_samples import choices
+from sim.feature_sensor.model import MINI_FEATURES, load_features
+from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES
 from sim.harness import RunConfig, evaluate, run
 from sim.harness.walk import walk
-from sim.rig import make_rig
+from sim.render.rig import make_rig
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
 

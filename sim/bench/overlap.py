@@ -4,14 +4,14 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from lexis.encoder import load_encoder
+from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.slam import Slam
 from lexis.types import Observation
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
-from sim.odometry import Odometry
+from sim.odometry.simulation import Odometry
 from sim.session import Session
-from sim.tour import Tour
+from sim.tours.tour import Tour
 
 
 @dataclass(frozen=True)

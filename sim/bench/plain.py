@@ -6,13 +6,13 @@ import numpy as np
 from jaxtyping import UInt8
 
 from lexis.types import Camera, Pose
-from sim.camera import fovy_deg
-from sim.gl import mujoco, require_rendering
-from sim.scene import CAMERA, house_mjspec
+from sim.render.camera import fovy_deg
+from sim.render.gl import mujoco, require_rendering
+from sim.render.scene import CAMERA, house_mjspec
 from worlds.house import House
-from worlds.meshes import Solid, solids_mesh
 from worlds.parts import Part
-from worlds.visuals import ATLAS, STAIRS_OBJECT, Visual, Visuals, visuals
+from worlds.visuals.house_visuals import ATLAS, STAIRS_OBJECT, Visual, Visuals, visuals
+from worlds.visuals.meshes import Solid, solids_mesh
 
 _CV_FROM_MUJOCO = np.diag([1.0, -1.0, -1.0])
 _MAX_GEOMS = 20_000

@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lexis.encoder import load_encoder
+from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.evaluation.planning import spl, success_rate
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.bench.houses import configs
 from sim.errors import SimError
 from sim.harness import Run, RunConfig, run, try_plans

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from lexis.calibration import Calibration, calibration_of
-from lexis.encoder import load_encoder
+from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
-from lexis.query import ask
+from lexis.query.answers import ask
+from lexis.query.calibration import Calibration, calibration_of
 from lexis.types import LexisMap
 from sim.bench.everyday_questions import HELD_OUT, TUNING, EverydayQuestion
 from sim.harness import RunConfig, run

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lexis.encoder import load_encoder
+from lexis.encoder.open_clip_encoder import load_encoder
 from sim.bench.houses import configs
 from sim.harness import RunConfig, evaluate, run, try_plans
 from sim.harness.loops import edge_truth

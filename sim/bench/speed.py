@@ -10,10 +10,10 @@ from lexis.types import Poses
 from sim.bench.memory import measure_memory
 from sim.bench.overlap import measure_overlap
 from sim.bench.plain import PlainRenderer
-from sim.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.harness.config import RunConfig
-from sim.scene import build_scene
-from sim.tour import plan_tour
+from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.scene import build_scene
+from sim.tours.tour import plan_tour
 from worlds.house import House, build_house
 from worlds.presets import sample_house
 from worlds.truth import boundary_lines, objects, openness, room_graph

@@ -99,7 +99,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
-    from lexis.encoder import load_encoder
+    from lexis.encoder.open_clip_encoder import load_encoder
     from sim.bench.fidelity import FIGURES, compare, mixed_houses, percepts_per_second, summarised
     from sim.report.figures import shown
 

@@ -17,8 +17,8 @@ from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
 if TYPE_CHECKING:
-    from sim.bench.encoder_table import Accuracy, TableRow
-    from sim.bench.encoders import Measured
+    from sim.bench.encoders.measure import Measured
+    from sim.bench.encoders.table import Accuracy, TableRow
 
 _WAYS = ("cpu", "cpu bf16", "gpu", "gpu fp16")
 _COMPILED = ("cpu compiled", "gpu fp16 compiled")
@@ -66,12 +66,12 @@ ARGUMENTS = (
 
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
     """Tables of every preset and encoder, then accuracy and times of all encoders, as in the paper's Table I."""
-    from lexis.encoder import load_encoder
+    from lexis.encoder.open_clip_encoder import load_encoder
     from sim.baselines.orb_vocabulary import orb_vocabulary
-    from sim.bench.encoder_ceiling import ceiling_of
-    from sim.bench.encoder_runs import encoder_runs
-    from sim.bench.encoder_table import Accuracy, draw_plot, write_csv
-    from sim.bench.encoders import References, measure
+    from sim.bench.encoders.ceiling import ceiling_of
+    from sim.bench.encoders.measure import References, measure
+    from sim.bench.encoders.runs import encoder_runs
+    from sim.bench.encoders.table import Accuracy, draw_plot, write_csv
     from sim.training.houses import TEST_SEEDS
 
     _check(arguments)
@@ -96,8 +96,8 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _check(arguments: argparse.Namespace) -> None:
     """Raise before minutes of work what would be raised after them."""
-    from sim.bench.encoder_table import import_matplotlib
-    from sim.bench.encoder_times import check_architecture
+    from sim.bench.encoders.table import import_matplotlib
+    from sim.bench.encoders.times import check_architecture
 
     for architecture in arguments.architectures:
         check_architecture(architecture)
@@ -118,8 +118,8 @@ def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> I
 
 
 def _houses(title: str, houses: Sequence["Measured"]) -> Table:
-    from sim.bench.encoders import EncoderRow, overall_calibration_error
-    from sim.bench.retrieval import share
+    from sim.bench.encoders.measure import EncoderRow, overall_calibration_error
+    from sim.bench.encoders.retrieval import share
     from sim.bench.segmentation import mean_and_spread
 
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(EncoderRow)), title=escape(title))
@@ -137,7 +137,7 @@ def _houses(title: str, houses: Sequence["Measured"]) -> Table:
 
 
 def _questions(houses: Sequence["Measured"]) -> Table:
-    from sim.bench.encoder_questions import TOPICS, WORDINGS, share_right
+    from sim.bench.encoders.questions import TOPICS, WORDINGS, share_right
 
     title = "questions that rank the right room first: mean over houses (questions in all)"
     table = Table("about", *WORDINGS, title=title, title_justify="left")
@@ -153,7 +153,7 @@ def _questions(houses: Sequence["Measured"]) -> Table:
 
 
 def _bands(houses: Sequence["Measured"]) -> Table:
-    from sim.bench.encoder_ceiling import by_own_room
+    from sim.bench.encoders.ceiling import by_own_room
 
     columns = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
     answers = {name: [getattr(house, field) for house in houses] for name, field in columns.items()}
@@ -167,7 +167,7 @@ def _bands(houses: Sequence["Measured"]) -> Table:
 
 
 def _worst(houses: Sequence["Measured"], count: int) -> Table:
-    from sim.bench.encoder_questions import failures
+    from sim.bench.encoders.questions import failures
 
     title = "questions that fail most"
     table = Table(
@@ -180,7 +180,7 @@ def _worst(houses: Sequence["Measured"], count: int) -> Table:
 
 
 def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
-    from sim.bench.encoders import worst_names
+    from sim.bench.encoders.measure import worst_names
 
     title = "held-out names that cost most, where all other rooms keep theirs"
     table = Table("rooms", "called", "loss of accuracy", title=title, title_justify="left")
@@ -190,8 +190,8 @@ def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
 
 
 def _timed_rows(accuracy: Mapping[str, Mapping[str, "Accuracy"]], arguments: argparse.Namespace) -> Iterator["TableRow"]:
-    from sim.bench.encoder_table import RANDOM, TRAINED, TableRow
-    from sim.bench.encoder_times import example_image, timed, timed_with_random_weights
+    from sim.bench.encoders.table import RANDOM, TRAINED, TableRow
+    from sim.bench.encoders.times import example_image, timed, timed_with_random_weights
 
     image = example_image()
     ways = [*_WAYS, *(_COMPILED if arguments.compiled else ())]
@@ -202,7 +202,7 @@ def _timed_rows(accuracy: Mapping[str, Mapping[str, "Accuracy"]], arguments: arg
 
 
 def _table_one(rows: Sequence["TableRow"]) -> Table:
-    from sim.bench.encoder_times import Timing
+    from sim.bench.encoders.times import Timing
 
     presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
     ways = list(rows[0].times)

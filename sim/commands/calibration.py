@@ -13,7 +13,7 @@ from sim.commands.arguments import ENCODER_HELP, SEED
 from sim.errors import SimError
 
 if TYPE_CHECKING:
-    from lexis.encoder import OpenClipEncoder
+    from lexis.encoder.open_clip_encoder import OpenClipEncoder
     from sim.training.houses import HouseDraw
     from sim.training.query_calibration import CalibrationFigures
     from sim.training.query_questions import Asked
@@ -45,9 +45,9 @@ def add_to(commands: Commands) -> None:
 
 
 def _calibrate(arguments: argparse.Namespace) -> int:
-    from lexis.calibration import MINI_CALIBRATION, save_calibration
-    from lexis.encoder import load_encoder
-    from lexis.model_source import MINI
+    from lexis.encoder.model_source import MINI
+    from lexis.encoder.open_clip_encoder import load_encoder
+    from lexis.query.calibration import MINI_CALIBRATION, save_calibration
     from sim.training.houses import TEST_SEEDS, HouseDraw
     from sim.training.query_calibration import fit_calibration, measure, tuning_houses
 

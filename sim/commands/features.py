@@ -26,10 +26,10 @@ def add_to(commands: Commands) -> None:
 
 
 def _fit(arguments: argparse.Namespace) -> int:
-    from lexis.encoder import load_encoder
-    from lexis.model_source import MINI
-    from sim.features.fit import fit_features
-    from sim.features.model import MINI_FEATURES, save_features
+    from lexis.encoder.model_source import MINI
+    from lexis.encoder.open_clip_encoder import load_encoder
+    from sim.feature_sensor.fit import fit_features
+    from sim.feature_sensor.model import MINI_FEATURES, save_features
 
     if arguments.out is None and arguments.encoder != MINI:
         raise SimError(f"--out is missing: only the model of {MINI!r} has its place; valid: --out FILE.npz")

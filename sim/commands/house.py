@@ -5,7 +5,7 @@ import json
 from collections.abc import Mapping
 
 from lexis.command_line import Commands, positive
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.commands.action import Action, add_actions
 from sim.commands.arguments import SEED, argument, out_file
 from sim.commands.house_action import FILE, describe

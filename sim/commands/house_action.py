@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.commands.arguments import argument
 from worlds.house import House
 from worlds.spec import HouseSpec

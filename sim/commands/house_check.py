@@ -30,7 +30,7 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _prove(arguments: argparse.Namespace) -> int:
-    from sim.bench.worlds import cases, prove, summaries
+    from sim.house_proof import cases, prove, summaries
 
     wanted = cases(arguments.preset, arguments.seed, arguments.houses)
     proofs, progress = [], Console(stderr=True)

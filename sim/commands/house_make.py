@@ -64,7 +64,7 @@ def _variant(arguments: argparse.Namespace) -> int:
 
 
 def _import(arguments: argparse.Namespace) -> int:
-    from worlds.plan_import import import_plan
+    from worlds.plan_import.importer import import_plan
 
     plan = import_plan(
         arguments.plan,

@@ -80,11 +80,11 @@ def _distortion(text: str) -> tuple[float, ...]:
 
 def _record(arguments: argparse.Namespace) -> int:
     from sim.harness import RunConfig
-    from sim.imu import TURN_ON, ImuConfig
-    from sim.lens import Distortion
+    from sim.odometry.imu import TURN_ON, ImuConfig
     from sim.record import record
     from sim.record.rooms import ROOMS
-    from sim.rig import displaced, make_rig
+    from sim.render.lens import Distortion
+    from sim.render.rig import displaced, make_rig
 
     arm = arguments.lever_arm
     rig = displaced(make_rig(arguments.rig), arm[:3], arm[3:] or (0.0, 0.0, 0.0))

@@ -66,7 +66,7 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 def _run(arguments: argparse.Namespace) -> int:
     from sim.harness import RunConfig
-    from sim.rig import make_rig
+    from sim.render.rig import make_rig
 
     config = RunConfig(
         encoder=arguments.encoder,

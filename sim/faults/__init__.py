@@ -12,7 +12,7 @@ import numpy as np
 from sim.faults.catalogue import FAULTS, parse_fault, written
 from sim.faults.fault import Fault, StreamFault
 from sim.faults.world import Stage, WorldFault
-from sim.stream import Stream
+from sim.truth import Stream
 
 __all__ = ["FAULTS", "Fault", "Stage", "StreamFault", "WorldFault", "corrupted", "fault_rng", "parse_fault", "written"]
 

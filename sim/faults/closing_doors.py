@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from sim.actors import Actor
-from worlds.doors import Leaf, hang_leaves
+from sim.render.actor import Actor
 from worlds.house import House
-from worlds.meshes import Solid
+from worlds.openings.doors import Leaf, hang_leaves
 from worlds.spec import LeafSpec, OpeningSpec
+from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
 """Of the body from the door: more than a leaf's width, so that no leaf swings through the body."""

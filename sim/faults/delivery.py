@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexis.se3 import between, compose_covariance
+from lexis.maths.se3 import between, compose_covariance
 from lexis.types import Observation
 from sim.faults.fault import StreamFault, setting
-from sim.stream import Stream, Truth
+from sim.truth import Stream, Truth
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lexis.types import Observation
 from sim.errors import SimError
-from sim.stream import Stream, Truth
+from sim.truth import Stream, Truth
 
 
 def setting(default: int | float | None, low: int | float, high: int | float = math.inf, kw_only: bool = False) -> Any:

@@ -11,7 +11,7 @@ from jaxtyping import Float32
 from lexis.inputs import pixels
 from lexis.types import Image, Observation
 from sim.faults.fault import FrameFault, SpanFault, setting
-from sim.stream import Stream
+from sim.truth import Stream
 
 _GAMMA = 2.2
 _HAZE, _HAZE_LEVEL = 0.25, 190.0

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from sim.actors import Actor
-from sim.tour import Tour
-from worlds.meshes import Solid
+from sim.render.actor import Actor
+from sim.tours.tour import Tour
 from worlds.parts import Colour, Part
+from worlds.visuals.meshes import Solid
 
 _STRIDE_M = 0.45
 """From one foot to the other, both on the floor."""

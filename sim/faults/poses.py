@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexis.se3 import between, exp, inverse
+from lexis.maths.se3 import between, exp, inverse
 from lexis.types import Observation
 from sim.faults.fault import SpanFault, StreamFault, setting
-from sim.stream import Stream
+from sim.truth import Stream
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from lexis.types import Observation
 from sim.faults.fault import FrameFault, StreamFault, setting
-from sim.stream import Stream, Truth
+from sim.truth import Stream, Truth
 
 
 @dataclass(frozen=True)

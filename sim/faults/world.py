@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.actors import Actor
 from sim.faults.closing_doors import ClosingDoors, all_leaves
 from sim.faults.fault import Fault, setting
 from sim.faults.moved_furniture import with_furniture_moved
 from sim.faults.person import Person, draw_person
-from sim.tour import Tour
+from sim.render.actor import Actor
+from sim.tours.tour import Tour
 from worlds.house import House
 
 

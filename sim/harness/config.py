@@ -12,10 +12,10 @@ from sim.faults import Fault
 from sim.faults.images import ImageFault, Smear
 from sim.faults.world import ClosedDoors, Pedestrian
 from sim.fidelity import FIDELITIES, ORACLE
-from sim.odometry import PRESETS as ODOMETRY_PRESETS
-from sim.odometry import OdometryConfig
-from sim.rig import Rig, make_rig
-from sim.tour import TourConfig
+from sim.odometry.simulation import PRESETS as ODOMETRY_PRESETS
+from sim.odometry.simulation import OdometryConfig
+from sim.render.rig import Rig, make_rig
+from sim.tours.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 from worlds.spec_errors import near
@@ -43,15 +43,15 @@ class RunConfig:
     frame_rate_hz: float = 10.0
     """Observations a second; less than two a keyframe leaves no landmarks."""
     sway: str = "none"
-    """How the body swings as it walks: one of `sim.sway.SWAYS`."""
+    """How the body swings as it walks: one of `sim.tours.sway.SWAYS`."""
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds before it walks."""
     odometry: str = "multicam"
-    """How the odometry drifts: a key of `sim.odometry.PRESETS`."""
+    """How the odometry drifts: a key of `sim.odometry.simulation.PRESETS`."""
     overconfidence: float = 1.0
     """Factor by which the odometry's covariances are too small; 1 is honest."""
     encoder: str = "mini"
-    """As `lexis.encoder.load_encoder` takes it; or, with features, `ORACLE`."""
+    """As `lexis.encoder.open_clip_encoder.load_encoder` takes it; or, with features, `ORACLE`."""
     fidelity: str = "render"
     """render: LEXIS is given images. features: what a model of the encoder makes of what is truly in view."""
     feature_model: Path | None = None

@@ -15,7 +15,7 @@ from lexis.evaluation.place_recognition import count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
-from lexis.paths import arc_length
+from lexis.maths.paths import arc_length
 from lexis.place_recognition import old_enough
 from sim.doctor import versions
 from sim.faults import written

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lexis.files import replaced_folder
-from lexis.map_io import save_map
-from lexis.tum import write_tum
+from lexis.files.replace import replaced_folder
+from lexis.files.tum_trajectory import write_tum
+from lexis.map.folder import save_map
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.run import Run

@@ -10,12 +10,12 @@ import shapely
 from jaxtyping import Float64, Int
 
 from lexis.errors import PlanError
+from lexis.maths.se3 import inverse
+from lexis.maths.ties import settled
 from lexis.planner import plan
-from lexis.se3 import inverse
-from lexis.ties import settled
 from lexis.types import Pose
 from sim.harness.run import Run
-from sim.odometry import OdometryConfig
+from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
 from worlds.walkable import UnreachableError, Walkable, polyline_length

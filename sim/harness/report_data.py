@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
 from lexis.evaluation.trajectory import LEAST_POSES, align
-from lexis.room_names import instance_names
-from lexis.se3 import inverse
+from lexis.map.room_names import instance_names
+from lexis.maths.se3 import inverse
 from lexis.types import Poses
-from sim.camera import CameraRenderer
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
 from sim.harness.run import Run
+from sim.render.camera import CameraRenderer
 from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP

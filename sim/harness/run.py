@@ -12,14 +12,14 @@ from lexis.errors import ObservationError
 from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import LexisMap
-from sim.features.model import MINI_FEATURES, load_features
-from sim.features.oracle import Oracle
-from sim.features.sensor import FeatureSensor
+from sim.feature_sensor.model import MINI_FEATURES, load_features
+from sim.feature_sensor.oracle import Oracle
+from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.session import Session
-from sim.stream import Truth
+from sim.truth import Truth
 from worlds.house import House
 from worlds.walkable import Walkable
 
@@ -122,7 +122,7 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
 def _encoder(name: str) -> Encoder:
     if name == ORACLE:
         return Oracle()
-    from lexis.encoder import load_encoder  # torch takes seconds, and the oracle does without
+    from lexis.encoder.open_clip_encoder import load_encoder  # torch takes seconds, and the oracle does without
 
     return load_encoder(name)
 

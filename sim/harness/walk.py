@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from sim.harness.config import RunConfig
-from sim.odometry import Odometry, tour_odometry
-from sim.tour import Tour, plan_tour
+from sim.odometry.simulation import Odometry, tour_odometry
+from sim.tours.tour import Tour, plan_tour
 from worlds.house import House
 from worlds.validation import built_and_checked
 from worlds.walkable import Walkable

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.dataset_euroc import ODOMETRY, SENSORS
-from lexis.quaternions import pose_rows
+from lexis.datasets.euroc import ODOMETRY, SENSORS
+from lexis.maths.quaternions import pose_rows
 from lexis.types import Camera
-from sim.imu import ImuConfig
+from sim.odometry.imu import ImuConfig
 from sim.record.images import SUFFIXES, encoded
 from sim.record.settings import write_settings
 from sim.record.take import Frame, Take

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.quaternions import pose_rows
-from lexis.se3 import inverse, log
+from lexis.maths.quaternions import pose_rows
+from lexis.maths.se3 import inverse, log
 from lexis.types import Camera, Image
 from sim.errors import SimError
-from sim.imu import ImuConfig
-from sim.lens import Distortion
+from sim.odometry.imu import ImuConfig
+from sim.render.lens import Distortion
 
 WORLD, ODOM, BODY, IMU = "map", "odom", "base_link", "imu0"
 

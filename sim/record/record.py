@@ -9,16 +9,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TypeAlias
 
-from lexis.files import replaced_folder
+from lexis.files.replace import replaced_folder
 from sim.errors import SimError
 from sim.harness.config import RunConfig
-from sim.imu import ImuConfig
-from sim.lens import Distortion
+from sim.odometry.imu import ImuConfig
 from sim.record.euroc import write_euroc
 from sim.record.rooms import ROOMS, FrameRooms
 from sim.record.ros2 import write_bag
 from sim.record.take import Frame, Take, prepare
 from sim.record.tum_rgbd import write_tum_rgbd
+from sim.render.lens import Distortion
 
 Write: TypeAlias = Callable[[Path, Take, Iterable[Frame], str], None]
 

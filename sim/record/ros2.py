@@ -1,6 +1,7 @@
 """Runs as ROS 2 bags of standard messages, written without ROS by the package `rosbags`; topics as in EuRoC's bags.
 
-`lexis.dataset_ros2` says which of them LEXIS reads. The others are `/cam1/...`, `/imu0` and `/ground_truth/pose`, the truth.
+`lexis.datasets.ros2` says which of them LEXIS reads. The others are `/cam1/...`, `/imu0` and
+`/ground_truth/pose`, the truth.
 """
 
 import sqlite3
@@ -11,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lexis.dataset_ros2 import ODOMETRY
-from lexis.quaternions import pose_rows
-from lexis.se3 import between, compose_covariance
+from lexis.datasets.ros2 import ODOMETRY
+from lexis.maths.quaternions import pose_rows
+from lexis.maths.se3 import between, compose_covariance
 from lexis.types import Observation
 from sim.errors import SimError
 from sim.record.images import SUFFIXES, encoded

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.se3 import inverse
+from lexis.maths.se3 import inverse
 from lexis.types import Camera
-from sim.imu import GRAVITY_M_S2, ImuConfig
-from sim.lens import Distortion
+from sim.odometry.imu import GRAVITY_M_S2, ImuConfig
 from sim.record.images import DEPTH_FACTOR
 from sim.record.take import REST_S, Take
+from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"
 _OPENVINS_JERK_M_S2 = 0.2

@@ -16,15 +16,15 @@ from jaxtyping import Float32, Float64, Int64
 
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
+from sim.changing_world import Painter, Staging
 from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
-from sim.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
-from sim.lens import Distortion, rendered_camera
-from sim.rig import FREE_M, STEREO_BASELINE_M
+from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
+from sim.render.lens import Distortion, rendered_camera
+from sim.render.rig import FREE_M, STEREO_BASELINE_M
 from sim.session import Session
-from sim.staging import Painter, Staging
-from sim.stream import Truth
+from sim.truth import Truth
 
 EPOCH_NS = 10**18
 """Stamp of the first frame, in 2001: stamps have 19 digits, as tools that cut them into seconds and nanoseconds expect."""

@@ -1,7 +1,7 @@
 """Runs as the TUM RGB-D benchmark lays them out: colour, depth, the camera's true path, accelerometer; and the odometry.
 
 `groundtruth.txt` is of the camera's optical frame, as in the benchmark; `odometry.tum` is of the body (see
-`lexis.dataset_tum`).
+`lexis.datasets.tum_rgbd`).
 """
 
 from collections.abc import Iterable
@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.dataset_tum import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, covariance_line, odometry_line, write_camera
-from lexis.quaternions import pose_rows
+from lexis.datasets.tum_rgbd import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, covariance_line, odometry_line, write_camera
+from lexis.maths.quaternions import pose_rows
 from sim.record.images import SUFFIXES, encoded, encoded_depth
 from sim.record.settings import write_rgbd_settings
 from sim.record.take import Frame, Take

@@ -8,7 +8,7 @@ from typing import Any
 
 import jinja2
 
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.report.confusion import confusion
 from sim.report.data import ReportData, SampleFrame
 from sim.report.drawing import Drawing

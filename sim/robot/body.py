@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float64
 
-from sim.collision import add_ground, add_obstacles
 from sim.errors import SimError
-from sim.gl import mujoco
+from sim.render.collision_geoms import add_ground, add_obstacles
+from sim.render.gl import mujoco
 from sim.robot.outlines import add_outlines
 from worlds.house import House
 

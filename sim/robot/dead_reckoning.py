@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from sim.odometry import METRES_PER_RADIAN, OdometryConfig
+from sim.odometry.simulation import METRES_PER_RADIAN, OdometryConfig
 
 _BLOCK = 512
 """Draws fetched at a time."""

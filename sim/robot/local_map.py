@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from lexis.ties import settled
+from lexis.maths.ties import settled
 
 CELL_M = 0.08
 _FINE = 4

@@ -5,9 +5,9 @@ A real robot makes such a scan from a depth sensor's points: a table shows as it
 
 import numpy as np
 
-from sim.gl import mujoco
+from sim.render.gl import mujoco
 from worlds.house import House
-from worlds.stairs import Stairs
+from worlds.stairs.build import Stairs
 
 Interval = tuple[float, float]
 

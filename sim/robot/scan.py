@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
-from sim.gl import mujoco
+from sim.render.gl import mujoco
 from sim.robot.body import GROUND_GROUP, OUTLINE_GROUP, STEP_M, Body, group_mask
 
 RANGE_M = 3.0

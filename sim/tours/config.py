@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.errors import SimError
-from sim.sway import SWAYS
 from sim.tours.pace import Limits
+from sim.tours.sway import SWAYS
 
 TOUR_KINDS = ("rooms", "both ways", "loop", "random", "lawn-mower")
 

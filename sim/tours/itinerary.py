@@ -12,8 +12,8 @@ from sim.errors import SimError
 from sim.tours.config import TourConfig
 from sim.tours.lanes import lanes_through
 from sim.tours.order import drawn_in, first_lap, short_cycle, thinned, walked
+from sim.tours.paths import Ways
 from sim.tours.stops import COMFORT_M, Stops
-from sim.tours.ways import Ways
 from worlds.house import House
 from worlds.labels import STAIRS
 from worlds.walkable import Walkable, polyline_length

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from sim.motion import DEGREE, Motion
-from sim.sway import Sway
+from sim.tours.motion import DEGREE, Motion
+from sim.tours.sway import Sway
 
 _KNOT_S = 0.05
 _TANGENTIAL, _LATERAL = 0.7, 0.7

@@ -12,8 +12,8 @@ from jaxtyping import Float64, Int
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import grey_dilation, uniform_filter1d
 
-from lexis.paths import arc_length
-from sim.tours.near import Near
+from lexis.maths.paths import arc_length
+from sim.tours.clearance import Near
 from worlds.walkable import Walkable
 
 STEP_M = 0.01

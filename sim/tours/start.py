@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64
 
-from sim.motion import DEGREE, Motion
+from sim.tours.motion import DEGREE, Motion
 from sim.tours.pace import Limits
 
 _DURATION_S = 5.0

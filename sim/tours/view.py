@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.ndimage import uniform_filter1d
 
-from lexis.paths import arc_length
+from lexis.maths.paths import arc_length
 from sim.tours.smooth import STEP_M
 from worlds.house import House
 from worlds.labels import STAIRS

@@ -16,7 +16,7 @@ from jaxtyping import Float, Float32, Int
 from open_clip.transformer import TextTransformer
 from torch import Tensor, nn
 
-from lexis.prompts import prompts
+from lexis.encoder.prompts import prompts
 from sim.training.batches import PRESENT, Batch, chosen_once, normalised
 from sim.training.dense import DenseTower, Seen, dense_loss, room_weights, told_right
 from sim.training.fit import PROCESSOR
@@ -159,7 +159,7 @@ def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Genera
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
-    """As `lexis.encoder` embeds room names: unit means over prompts."""
+    """As `lexis.encoder.open_clip_encoder` embeds room names: unit means over prompts."""
     said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
     means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))

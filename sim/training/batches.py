@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor, nn
 
-from lexis.preprocessing import MINI_MEAN, MINI_STD
+from lexis.encoder.preprocessing import MINI_MEAN, MINI_STD
 from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 

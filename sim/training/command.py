@@ -10,10 +10,10 @@ import torch
 from open_clip.transformer import TextTransformer
 from rich.console import Console
 
-from lexis.encoder import load_encoder
-from lexis.files import replaced_file
-from lexis.model_source import MINI_CONFIG
-from lexis.reading import FileKind, read_json
+from lexis.encoder.model_source import MINI_CONFIG
+from lexis.encoder.open_clip_encoder import load_encoder
+from lexis.files.reading import FileKind, read_json
+from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner

@@ -11,7 +11,7 @@ from open_clip.transformer import TextTransformer
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.training.align import AlignedTower
 from sim.training.dense import TRUNK, DenseTower

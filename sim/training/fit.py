@@ -11,7 +11,7 @@ import torch
 from torch import Tensor, nn
 
 from lexis.errors import one_line
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.training.batches import Batch, batches
 from sim.training.frames import Frames

@@ -10,20 +10,20 @@ import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
-from sim.camera import fovy_deg, wide_camera
 from sim.errors import SimError
-from sim.raster import NO_GEOM, Raster
-from sim.scene import LIGHTS, Scene, build_scene
-from sim.tour import TourConfig
+from sim.render.camera import fovy_deg, wide_camera
+from sim.render.raster import NO_GEOM, Raster
+from sim.render.scene import LIGHTS, Scene, build_scene
+from sim.tours.tour import TourConfig
+from sim.training.array_cache import Arrays, house_origin, kept, loaded, origin
 from sim.training.houses import HouseDraw
-from sim.training.kept import Arrays, house_origin, kept, loaded, origin
 from sim.training.variants import HELD_OUT_COLOURS, repainted
 from sim.training.views import TRAINING_VIEWS, Views, poses_along_tour
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House, build_house
 from worlds.labels import ROOM_LABELS, STAIRS
 from worlds.truth import objects, room_at
-from worlds.visuals import STAIRS_OBJECT
+from worlds.visuals.house_visuals import STAIRS_OBJECT
 
 THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 """What is told apart in a frame."""

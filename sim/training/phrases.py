@@ -11,7 +11,7 @@ from itertools import chain
 
 import numpy as np
 
-from lexis.prompts import with_article
+from lexis.encoder.prompts import with_article
 from sim.training.lexicon import ACTIVITIES, ROOMS, SYNONYMS, THINGS
 from worlds.furniture.catalogue import CATALOGUE
 
@@ -59,7 +59,7 @@ TEMPLATES = (
     "{}", "a photo of {a}", "a picture of {a}", "{a} in a house", "a view of {a}", "inside {a}", "an image of {a}",
     "this is {a}", "a wide photo of {a}", "a photo taken in {a}",
 )  # fmt: skip
-"""Around the name of a room, {a} with its article; those of `lexis.prompts` are among them."""
+"""Around the name of a room, {a} with its article; those of `lexis.encoder.prompts` are among them."""
 
 
 def _frames(frames: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:

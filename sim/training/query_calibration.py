@@ -10,9 +10,9 @@ from jaxtyping import Bool, Float64, Int, Shaped
 from scipy.optimize import minimize
 from scipy.stats import rankdata
 
-from lexis.calibration import Calibration, familiarity, load_calibration, save_calibration
 from lexis.perception import TextEncoder
-from lexis.query import FITS
+from lexis.query.answers import FITS
+from lexis.query.calibration import Calibration, familiarity, load_calibration, save_calibration
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.query_questions import DOUBTFUL, NO, YES, Asked, ask, embedded, room_views

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
-from lexis.query import best_views, embed_questions
+from lexis.query.answers import best_views, embed_questions
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.training.frames import THINGS, frames_at

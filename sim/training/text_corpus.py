@@ -12,7 +12,7 @@ import numpy as np
 import open_clip.tokenizer
 from jaxtyping import Float32
 
-from lexis.prompts import with_article
+from lexis.encoder.prompts import with_article
 from sim.training.phrases import (
     HELD_OUT_PHRASES,
     OBJECT_NAMES,

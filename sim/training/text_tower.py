@@ -22,7 +22,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from lexis.errors import one_line
-from lexis.files import replaced_file
+from lexis.files.replace import replaced_file
 from sim.errors import SimError
 from sim.training.teacher import SentenceEncoder
 from sim.training.text_corpus import captions, compositions, near_words, plain_words, room_scenes

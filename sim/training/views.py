@@ -7,7 +7,7 @@ from jaxtyping import Float64, Int
 
 from lexis.types import Pose
 from sim.errors import SimError
-from sim.tour import Tour, TourConfig, plan_tour
+from sim.tours.tour import Tour, TourConfig, plan_tour
 from worlds.house import House
 from worlds.walkable import Walkable
 

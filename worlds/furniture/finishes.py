@@ -10,7 +10,7 @@ from worlds.labels import ROOM_LABELS
 from worlds.parts import Colour
 
 Covering = tuple[str, Colour]
-"""A pattern of `worlds.materials.PATTERNS` and its colour."""
+"""A pattern of `worlds.visuals.materials.PATTERNS` and its colour."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,100 @@
+"""Recorded runs in three forms, known by what their folder holds: TUM RGB-D, EuRoC ASL, and ROS 2 bags.
+
+`lexis.datasets.tum_rgbd`, `lexis.datasets.euroc` and `lexis.datasets.ros2` say which files and topics are read. Everything
+but the pixels is checked when a dataset is opened.
+"""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.datasets.euroc import SENSORS, is_euroc, read_euroc
+from lexis.datasets.recorded import DatasetConfig, Recorded, odometry_at
+from lexis.datasets.ros2 import METADATA, is_bag, read_bag
+from lexis.datasets.tum_rgbd import CAMERA, IMAGE_LIST, ODOMETRY, read_tum_dataset, write_dataset
+from lexis.errors import DatasetError
+from lexis.files.workshop import restore
+from lexis.maths.se3 import between, rotation_angle
+from lexis.types import Camera, Observation, Poses
+
+__all__ = ["Dataset", "DatasetConfig", "assumed_covariances", "open_dataset", "write_dataset"]
+
+TURNING_M = 0.3
+"""Path that turning by one radian on the spot counts as [m/rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """A recorded run; iterating reads one image at a time."""
+
+    directory: Path
+    recorded: Recorded = field(repr=False)
+    T_O_B: Poses = field(repr=False)
+    """Odometry at the images' stamps."""
+    increment_covariances: Float64[np.ndarray, "n 6 6"] = field(repr=False)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that took the images."""
+        return self.recorded.camera
+
+    @property
+    def stamps(self) -> Float64[np.ndarray, "n"]:
+        """Of the images [s]."""
+        return self.recorded.stamps
+
+    def __len__(self) -> int:
+        return len(self.stamps)
+
+    def __iter__(self) -> Iterator[Observation]:
+        for i, image in enumerate(self.recorded.images()):
+            yield Observation(i, float(self.stamps[i]), image, self.T_O_B[i], self.increment_covariances[i])
+
+
+def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
+    """Open a recorded run. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    config = config or DatasetConfig()
+    restore(directory)
+    _check_contents(directory, config)
+    if is_euroc(directory):
+        recorded = read_euroc(directory, config)
+    elif is_bag(directory):
+        recorded = read_bag(directory, config)
+    else:
+        recorded = read_tum_dataset(directory, config)
+    poses = odometry_at(recorded.odometry, recorded.stamps, config.max_odometry_gap_s)
+    covariances = recorded.increment_covariances
+    return Dataset(directory, recorded, poses, assumed_covariances(poses, config) if covariances is None else covariances)
+
+
+def _check_contents(directory: Path, config: DatasetConfig) -> None:
+    """Raise DatasetError unless `directory` is a folder that holds what one of the forms is known by."""
+    valid = (
+        f"valid: a folder with {IMAGE_LIST}, {ODOMETRY} and {CAMERA} (TUM RGB-D), with {SENSORS} (EuRoC), or with "
+        f"{METADATA} (ROS 2 bag); lexis run --help says more"
+    )
+    needed = (IMAGE_LIST, config.odometry or ODOMETRY, config.camera or CAMERA)
+    try:
+        empty = not os.listdir(directory)
+        other = is_euroc(directory) or is_bag(directory)
+        missing = [name for name in needed if not (directory / name).exists()]
+    except NotADirectoryError:
+        raise DatasetError(f"{directory}: is a file, no dataset; {valid}") from None
+    except OSError as error:
+        raise DatasetError(f"{directory}: no dataset there: {error.strerror}; {valid}") from None
+    if missing and not other:
+        what = "is empty" if empty else f"holds no {', no '.join(missing)}"
+        raise DatasetError(f"{directory}: {what}; {valid}")
+
+
+def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
+    """Covariances of increments that grow with the path, as a random walk; turning on the spot counts as path too."""
+    increments = between(T_O_B[:-1], T_O_B[1:])
+    path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * TURNING_M
+    variances = np.repeat([config.rotation_sigma**2, config.translation_sigma**2], 3)
+    scaled = np.concatenate([[0.0], path])[:, None] * variances
+    return np.asarray(scaled[:, :, None] * np.eye(6))

@@ -1,0 +1,157 @@
+"""Recorded runs as EuRoC's micro aerial vehicle datasets lay them out (ASL).
+
+    mav0/cam0/data.csv, data/, sensor.yaml    images by their stamp [ns], pinhole with radial-tangential distortion, T_BS
+    mav0/odom0/data.csv, sensor.yaml          the odometry: stamp [ns], position [m], quaternion w x y z; then, optionally,
+                                              the 36 numbers of the covariance of its increment since the line before,
+                                              rotation first [rad², m²]; T_BS is optional
+
+Any sensor that reports poses in these columns can be the odometry: `vicon0`, or even `state_groundtruth_estimate0`.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.datasets.recorded import (
+    DatasetConfig,
+    Recorded,
+    Track,
+    check_ascending,
+    check_distortion,
+    image_file,
+    read_image,
+    rectifier,
+)
+from lexis.errors import DatasetError, LexisError, one_line
+from lexis.files.reading import FileKind, numbered_lines, read_yaml
+from lexis.inputs import check_camera, is_pose, usable_covariances
+from lexis.maths.quaternions import poses_of
+from lexis.maths.se3 import inverse
+from lexis.types import Camera, Image, Intrinsics, Pose
+
+SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
+_WITH_COVARIANCE = 8 + 36
+_NANOSECONDS = re.compile(r"[0-9]{1,19}")
+_DISTORTION_MODELS = ("radial-tangential", "", "~", "null")
+"""The only one, and none."""
+_CAMERA_FILE = FileKind(
+    "a camera's calibration with resolution, intrinsics [fu, fv, cu, cv] and T_BS of 16 numbers", 100_000, DatasetError
+)
+_SENSOR_FILE = FileKind("a sensor's calibration with T_BS of 16 numbers", 100_000, DatasetError)
+_DATA_FILE = FileKind("lines of numbers with commas", 200_000_000, DatasetError)
+
+
+def is_euroc(directory: Path) -> bool:
+    """Whether a folder looks like a dataset of this form."""
+    return (directory / SENSORS).is_dir()
+
+
+def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
+    """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    folder = directory / SENSORS / (config.camera or CAMERA)
+    camera, distortion = _read_camera(folder / "sensor.yaml")
+    listed = folder / "data.csv"
+    rows = _rows(listed, 2)
+    stamps = np.array([_stamp(listed, *row) for row in rows])
+    check_ascending(str(listed), stamps)
+    paths = [image_file(folder / "data", f"{listed}:{number}", words[1]) for number, words in rows]
+    rectified = rectifier(camera, distortion)
+
+    def images() -> Iterator[Image]:
+        return (rectified(read_image(path, camera)) for path in paths)
+
+    track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
+    at_images = covariances is not None and np.array_equal(track.stamps, stamps)
+    return Recorded(camera, stamps, images, track, covariances if at_images else None)
+
+
+def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
+    """The pinhole and its distortion coefficients."""
+    data = read_yaml(path, _CAMERA_FILE)
+    if data.get("camera_model") != "pinhole" or data.get("distortion_model", "") not in _DISTORTION_MODELS:
+        raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
+    try:
+        width, height = map(int, _listed(data["resolution"]))
+        fx, fy, cx, cy = _listed(data["intrinsics"])
+        camera = Camera(Intrinsics(width, height, fx, fy, cx, cy), _extrinsics(data))
+        distortion = np.array(_listed(data.get("distortion_coefficients") or []))
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise _CAMERA_FILE.refusal(path, error) from None
+    try:
+        check_camera(camera)
+    except LexisError as error:
+        raise DatasetError(f"{path}: {error}") from None
+    check_distortion(str(path), distortion)
+    return camera, distortion
+
+
+def _read_odometry(folder: Path) -> tuple[Track, Float64[np.ndarray, "n 6 6"] | None]:
+    path = folder / "data.csv"
+    rows = np.array([_numbers(path, *line) for line in _rows(path, 8)])
+    check_ascending(str(path), rows[:, 0])
+    poses, T_B_S = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]]), _sensor_pose(folder)
+    track = Track(str(path), rows[:, 0], poses if np.array_equal(T_B_S, np.eye(4)) else poses @ inverse(T_B_S))
+    if rows.shape[1] != _WITH_COVARIANCE:
+        return track, None
+    covariances = rows[:, 8:].reshape(-1, 6, 6)
+    if len(bad := np.flatnonzero(~usable_covariances(covariances))):
+        raise DatasetError(f"{path}: pose {bad[0]}: valid: a positive semi-definite 6x6 matrix as covariance")
+    return track, covariances
+
+
+def _sensor_pose(folder: Path) -> Pose:
+    """T_B_S of a sensor that reports poses; without a calibration it is that of the body."""
+    path = folder / "sensor.yaml"
+    if not path.exists():
+        return np.eye(4)
+    sensor = read_yaml(path, _SENSOR_FILE)
+    try:
+        T_B_S = _extrinsics(sensor)
+    except (KeyError, TypeError, ValueError) as error:
+        raise _SENSOR_FILE.refusal(path, error) from None
+    if not is_pose(T_B_S):
+        raise _SENSOR_FILE.refusal(path, "T_BS is not a rigid motion")
+    return T_B_S
+
+
+def _rows(path: Path, columns: int) -> list[tuple[int, list[str]]]:
+    rows = [(number, [word.strip() for word in line.split(",")]) for number, line in numbered_lines(path, _DATA_FILE)]
+    if not rows:
+        raise DatasetError(f"{path}: is empty; valid: at least one line of {_DATA_FILE.valid}")
+    for number, words in rows:
+        if len(words) < columns or len(words) != len(rows[0][1]):
+            raise DatasetError(f"{path}:{number}: {len(words)} columns; valid: at least {columns}, as many in every line")
+    return rows
+
+
+def _stamp(path: Path, number: int, words: list[str]) -> float:
+    if not (_NANOSECONDS.fullmatch(words[0]) and int(words[0]) < 2**63):
+        raise DatasetError(f"{path}:{number}: stamp {words[0][:40]!r}; valid: whole nanoseconds")
+    return int(words[0]) / 1e9
+
+
+def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
+    stamp = _stamp(path, number, words)
+    try:
+        values = [stamp, *map(float, words[1:])]
+    except ValueError as error:
+        raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers with commas") from None
+    if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
+        raise DatasetError(f"{path}:{number}: valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
+    return values
+
+
+def _extrinsics(data: Mapping[str, Any]) -> Pose:
+    return np.array(_listed(data["T_BS"]["data"])).reshape(4, 4)
+
+
+def _listed(values: object) -> list[float]:
+    """The numbers of a list of texts. Raises TypeError or ValueError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{one_line(values, 40)} is no list of numbers")
+    return [float(value) for value in values]

@@ -1,0 +1,234 @@
+"""Recorded runs as ROS 2 bags, sqlite3 or MCAP, read without ROS by the package `rosbags` (`pip install lexis-sim[ros]`).
+
+    /cam0/image_raw              sensor_msgs/Image (rgb8, bgr8 or mono8), or
+    /cam0/image_raw/compressed   sensor_msgs/CompressedImage (PNG or JPEG)
+    /cam0/camera_info            sensor_msgs/CameraInfo: pinhole, plumb_bob
+    /odom                        nav_msgs/Odometry: T_O_B
+    /odom/increment_covariance   std_msgs/Float64MultiArray, optional: one message for every one of the odometry, in its
+                                 order: 6x6, of the increment since the message before, rotation first [rad², m²]
+    /tf_static                   tf2_msgs/TFMessage: from the odometry's child frame to the camera's frame
+
+Stamps are those of the headers. Odometry's own covariances are not read: they are of the pose, and differences of theirs
+need not be covariances.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.datasets.recorded import (
+    DatasetConfig,
+    Recorded,
+    Track,
+    check_ascending,
+    check_distortion,
+    decode_image,
+    fitting,
+    rectifier,
+)
+from lexis.errors import DatasetError, LexisError, one_line
+from lexis.files.reading import FileKind, open_file, read_yaml
+from lexis.inputs import check_camera, usable_covariances
+from lexis.maths.quaternions import poses_of
+from lexis.types import Camera, Image, Intrinsics, Pose
+
+METADATA, CAMERA, ODOMETRY = "metadata.yaml", "cam0", "/odom"
+_METADATA_FILE = FileKind("the metadata of a bag", 300_000, DatasetError, unusable="not a readable bag")
+_STORAGE_FILE = FileKind("the storage of a bag", 10**13, DatasetError)
+
+_IMAGE, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+_INFO, _ODOMETRY = "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
+_MATRIX, _TRANSFORMS = "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"
+
+Message: TypeAlias = Any
+"""Of a class that `rosbags` makes at run time."""
+
+_CHANNELS: dict[str, Callable[[Image], Image]] = {
+    "rgb8": lambda image: image,
+    "bgr8": lambda image: image[..., ::-1].copy(),
+    "mono8": lambda image: np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), np.uint8),
+}
+
+
+def is_bag(directory: Path) -> bool:
+    """Whether a folder is a bag, or holds one named `bag`."""
+    return (directory / METADATA).is_file() or (directory / "bag" / METADATA).is_file()
+
+
+def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
+    """A bag with the topics above. Raises LexisError, naming the topic, where it is incomplete or contradicts itself."""
+    bag = _Bag(directory if (directory / METADATA).is_file() else directory / "bag")
+    name = f"/{(config.camera or CAMERA).strip('/')}"
+    raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"
+    topic = bag.first_of(raw, compressed)
+    kind = _COMPRESSED if topic == compressed else _IMAGE
+    track, body = _read_odometry(bag, config.odometry or ODOMETRY)
+    camera, distortion = _read_camera(bag, f"{name}/camera_info", body)
+    rectified = rectifier(camera, distortion)
+    decode = _decode if topic == compressed else _as_image
+
+    def images() -> Iterator[Image]:
+        return (rectified(decode(message, f"{bag.path}: {topic}", camera)) for message in bag.messages(topic, kind))
+
+    stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
+    check_ascending(f"{bag.path}: {topic}", stamps)
+    covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
+    at_images = covariances is not None and np.array_equal(track.stamps, stamps)
+    return Recorded(camera, stamps, images, track, covariances if at_images else None)
+
+
+class _Bag:
+    """The messages of a bag by topic."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            from rosbags.typesys import Stores, get_typestore
+        except ImportError:
+            raise DatasetError(
+                f"{path}: a ROS 2 bag needs the package rosbags; install it: pip install lexis-sim[ros]"
+            ) from None
+        self.path = path
+        self._check_files()
+        self._types = get_typestore(Stores.ROS2_HUMBLE)
+        with self._open() as reader:
+            self.topics = sorted({topic for c in reader.connections if isinstance(topic := c.topic, str)})
+
+    def _check_files(self) -> None:
+        """Raise DatasetError unless the metadata are plain YAML, and all files of the bag regular ones.
+
+        The package reads aliases, pipes and devices too, and unpacks files that are compressed as a whole, without end.
+        """
+        path = self.path / METADATA
+        bag = read_yaml(path, _METADATA_FILE).get("rosbag2_bagfile_information")
+        names = bag.get("relative_file_paths") if isinstance(bag, dict) else None
+        if not isinstance(bag, dict) or not isinstance(names, list):
+            raise _METADATA_FILE.refusal(path, "lists no relative_file_paths")
+        if str(bag.get("compression_mode", "")).lower() == "file":
+            raise _METADATA_FILE.refusal(path, "its files are compressed as a whole; unpack them first")
+        for name in names:
+            with open_file(self.path / Path(str(name)).name, _STORAGE_FILE):
+                pass
+
+    def first_of(self, *topics: str) -> str:
+        """The first of the topics that is in the bag."""
+        present = [topic for topic in topics if topic in self.topics]
+        if not present:
+            found = ", ".join(self.topics) or "nothing"
+            raise DatasetError(f"{self.path}: has no topic {' or '.join(topics)}; it holds {found}")
+        return present[0]
+
+    def messages(self, topic: str, kind: str) -> Iterator[Message]:
+        """Messages of one topic, in the order of writing. Raises DatasetError for messages of another type than `kind`."""
+        with self._open() as reader:
+            wanted = [connection for connection in reader.connections if connection.topic == topic]
+            if other := [connection.msgtype for connection in wanted if connection.msgtype != kind]:
+                raise DatasetError(f"{self.path}: {topic}: holds {one_line(other[0], 80)}; valid: {kind}")
+            stored = iter(reader.messages(wanted))
+            while (message := self._next(stored, topic, kind)) is not None:
+                yield message
+
+    def _next(self, stored: Iterator[Any], topic: str, kind: str) -> Message | None:
+        """The next message; None after the last."""
+        try:
+            found = next(stored, None)
+            return None if found is None else self._types.deserialize_cdr(found[2], kind)
+        except Exception as error:
+            # Damaged bytes make the package and those below it (SQLite, zstd, LZ4, numpy) raise nearly everything.
+            raise DatasetError(f"{self.path}: {topic}: {kind} is not readable: {one_line(error, 120)}") from None
+
+    @contextmanager
+    def _open(self) -> Iterator[Any]:
+        from rosbags.rosbag2 import Reader
+
+        reader = Reader(self.path)
+        try:
+            reader.open()
+        except Exception as error:  # sqlite, YAML, MCAP: the package lets the errors of all of them through
+            raise DatasetError(f"{self.path}: is not a readable bag: {one_line(error, 120)}") from None
+        try:
+            yield reader
+        finally:
+            reader.close()
+
+
+def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
+    """The odometry, and the name of the frame that it moves."""
+    messages = list(bag.messages(bag.first_of(topic), _ODOMETRY))
+    where = f"{bag.path}: {topic}"
+    stamps = np.array([_stamp(message) for message in messages])
+    check_ascending(where, stamps)
+    rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
+    bad = ~np.isfinite(rows).all(axis=1) | ~(np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
+    if bad.any():
+        raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position and unit quaternion")
+    return Track(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
+
+
+def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarray, "n 6 6"] | None:
+    if topic not in bag.topics:
+        return None
+    matrices = [np.asarray(message.data, float) for message in bag.messages(topic, _MATRIX)]
+    usable = all(m.size == 36 and bool(usable_covariances(m.reshape(6, 6))) for m in matrices)
+    if not usable or len(matrices) != expected:
+        raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per odometry")
+    return np.array(matrices).reshape(-1, 6, 6)
+
+
+def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.ndarray, "k"]]:
+    """The pinhole at its place on the frame `body`, and its distortion coefficients."""
+    info = next(bag.messages(bag.first_of(topic), _INFO), None)
+    if info is None or info.distortion_model not in ("", "plumb_bob"):
+        raise DatasetError(f"{bag.path}: {topic}: valid: a CameraInfo with the distortion model plumb_bob")
+    k = np.asarray(info.k, float)
+    intrinsics = Intrinsics(int(info.width), int(info.height), *(float(k[i]) for i in (0, 4, 2, 5)))
+    camera = Camera(intrinsics, _place(bag, body, str(info.header.frame_id)))
+    try:
+        check_camera(camera)
+    except LexisError as error:
+        raise DatasetError(f"{bag.path}: {topic}: {error}") from None
+    distortion = np.asarray(info.d, float)
+    check_distortion(f"{bag.path}: {topic}", distortion)
+    return camera, distortion
+
+
+def _place(bag: _Bag, body: str, frame: str) -> Pose:
+    """T_body_frame by the static transforms."""
+    above: dict[str, tuple[str, Pose]] = {}
+    for message in bag.messages("/tf_static", _TRANSFORMS):
+        for link in message.transforms:
+            row = np.array([_pose_row(link.transform.translation, link.transform.rotation)])
+            above[link.child_frame_id] = link.header.frame_id, poses_of(row)[0]
+    T, here = np.eye(4), frame
+    for _ in range(len(above)):
+        if here == body or here not in above:
+            break
+        here, T_parent = above[here]
+        T = T_parent @ T
+    if here != body:
+        raise DatasetError(f"{bag.path}: /tf_static does not lead from {frame!r} up to {body!r}, the frame of the odometry")
+    return T
+
+
+def _pose_row(position: Message, orientation: Message) -> list[float]:
+    return [position.x, position.y, position.z, orientation.x, orientation.y, orientation.z, orientation.w]
+
+
+def _stamp(message: Message) -> float:
+    return float((message.header.stamp.sec * 10**9 + message.header.stamp.nanosec) / 1e9)
+
+
+def _decode(message: Message, where: str, camera: Camera) -> Image:
+    return decode_image(np.asarray(message.data, np.uint8), where, camera)
+
+
+def _as_image(message: Message, where: str, camera: Camera) -> Image:
+    channels = 1 if message.encoding == "mono8" else 3
+    if message.encoding not in _CHANNELS or message.data.size != message.height * message.width * channels:
+        raise DatasetError(f"{where}: encoding {message.encoding!r}; valid: {', '.join(_CHANNELS)}, without padding")
+    pixels = np.asarray(message.data, np.uint8).reshape(message.height, message.width, channels)
+    return fitting(_CHANNELS[message.encoding](pixels), where, camera)

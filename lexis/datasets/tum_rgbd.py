@@ -1,0 +1,154 @@
+"""Recorded runs as the TUM RGB-D benchmark lays them out.
+
+    rgb.txt                    lines of "stamp file"; # begins a comment
+    odometry.tum               lines of "stamp tx ty tz qx qy qz qw": T_O_B, at any rate over the same time
+    camera.json                width, height, fx, fy, cx, cy [px] and T_B_C, row by row; optionally distortion, the
+                               radial-tangential coefficients k1, k2, p1, p2, which are taken out of the images
+    odometry_covariance.txt    optional: per image, "stamp" and the 36 numbers of the covariance of the odometry's increment
+                               since the image before, rotation first [rad², m²]
+
+Images are 8-bit PNG or JPEG.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.datasets.recorded import DatasetConfig, Recorded, Track, image_file, read_image, rectifier
+from lexis.errors import DatasetError, LexisError
+from lexis.files.camera import CameraData
+from lexis.files.reading import FileKind, numbered_lines, read_model
+from lexis.files.replace import replaced_folder
+from lexis.files.tum_trajectory import read_tum
+from lexis.inputs import check_camera, pixels, usable_covariances
+from lexis.maths.quaternions import pose_rows
+from lexis.types import Camera, Covariance, Image, Observation
+
+IMAGE_LIST, ODOMETRY, CAMERA, COVARIANCE = "rgb.txt", "odometry.tum", "camera.json", "odometry_covariance.txt"
+_CAMERA_FILE = FileKind("a camera as JSON", 1_000_000, DatasetError, unusable="no camera")
+_LIST_FILE = FileKind("lines of 'stamp file'", 200_000_000, DatasetError)
+_COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, DatasetError)
+
+
+def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
+    """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    camera, distortion = _read_camera(directory / (config.camera or CAMERA))
+    rectified = rectifier(camera, distortion)
+    stamps, paths = _read_image_list(directory)
+    odometry = directory / (config.odometry or ODOMETRY)
+
+    def images() -> Iterator[Image]:
+        return (rectified(read_image(path, camera)) for path in paths)
+
+    track = Track(str(odometry), *read_tum(odometry))
+    # The covariances are of LEXIS-sim's odometry and say nothing of another one.
+    covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
+    return Recorded(camera, stamps, images, track, covariances)
+
+
+def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observation]) -> None:
+    """Record observations, images as PNG; the folder appears whole or not at all. Raises LexisError."""
+    with replaced_folder(directory, IMAGE_LIST) as folder:
+        (folder / "rgb").mkdir()
+        write_camera(folder / CAMERA, camera)
+        with (
+            open(folder / IMAGE_LIST, "w") as images,
+            open(folder / ODOMETRY, "w") as odometry,
+            open(folder / COVARIANCE, "w") as covariances,
+        ):
+            images.write("# stamp [s], file\n")
+            covariances.write("# stamp [s], 6x6 row by row\n")
+            for i, observation in enumerate(observations):
+                stamp, name = f"{observation.stamp:.6f}", f"rgb/{i:06d}.png"
+                (folder / name).write_bytes(cv2.imencode(".png", pixels(observation)[..., ::-1])[1].tobytes())
+                images.write(f"{stamp} {name}\n")
+                odometry.write(odometry_line(stamp, observation))
+                covariances.write(covariance_line(stamp, observation))
+
+
+class _LensCameraData(CameraData):
+    """A camera whose images are distorted."""
+
+    distortion: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """Radial-tangential: k1, k2, p1, p2."""
+
+
+def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -> None:
+    """Write a camera as JSON, with the distortion of its images where there is one. Raises OSError."""
+    data = CameraData.of(camera)
+    if any(distortion):
+        data = _LensCameraData.model_validate({**data.model_dump(), "distortion": distortion})
+    path.write_text(data.model_dump_json(indent=1) + "\n", encoding="utf-8")
+
+
+def odometry_line(stamp: str, observation: Observation) -> str:
+    """A line of the odometry's file, with every digit."""
+    return f"{stamp} {' '.join(map(repr, pose_rows(observation.T_O_B[None])[0].tolist()))}\n"
+
+
+def covariance_line(stamp: str, observation: Observation) -> str:
+    """A line of the covariances' file, with every digit."""
+    return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
+
+
+def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "4"]]:
+    data = read_model(path, _CAMERA_FILE, _LensCameraData)
+    camera = data.camera()
+    try:
+        check_camera(camera)
+    except LexisError as error:
+        raise DatasetError(f"{path}: {error}") from None
+    return camera, np.array(data.distortion)
+
+
+def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[Path, ...]]:
+    """Stamps [s] and paths of the images that `rgb.txt` lists."""
+    path = directory / IMAGE_LIST
+    stamps: list[float] = []
+    images: list[Path] = []
+    for number, line in numbered_lines(path, _LIST_FILE):
+        stamp, name = _stamp_and_rest(path, number, line)
+        if stamps and stamp <= stamps[-1]:
+            raise DatasetError(f"{path}:{number}: stamp {stamp} follows {stamps[-1]}; valid: ascending stamps")
+        stamps.append(stamp)
+        images.append(image_file(directory, f"{path}:{number}", name))
+    if not images:
+        raise DatasetError(f"{path}: lists no image; valid: lines of 'stamp file'")
+    return np.array(stamps), tuple(images)
+
+
+def _read_covariances(path: Path, stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 6 6"] | None:
+    """Covariances of the odometry's increments, one per image; None without the file."""
+    if not path.exists():
+        return None
+    lines = list(numbered_lines(path, _COVARIANCE_FILE))
+    if len(lines) != len(stamps):
+        raise DatasetError(f"{path}: {len(lines)} covariances; valid: one for each of the {len(stamps)} images")
+    return np.array([_covariance(path, *line, stamp) for line, stamp in zip(lines, stamps.tolist(), strict=True)])
+
+
+def _covariance(path: Path, number: int, line: str, expected: float) -> Covariance:
+    stamp, rest = _stamp_and_rest(path, number, line)
+    try:
+        matrix = np.array([float(word) for word in rest.split()]).reshape(6, 6)
+        usable = bool(usable_covariances(matrix)) and abs(stamp - expected) <= 1e-6
+    except ValueError:
+        usable = False
+    if not usable:
+        raise DatasetError(f"{path}:{number}: valid: the image's stamp {expected} and a positive semi-definite 6x6 matrix")
+    return matrix
+
+
+def _stamp_and_rest(path: Path, number: int, line: str) -> tuple[float, str]:
+    first, _, rest = line.strip().partition(" ")
+    try:
+        stamp = float(first)
+    except ValueError:
+        stamp = math.nan
+    if not math.isfinite(stamp) or not rest.strip():
+        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and what belongs to it")
+    return stamp, rest.strip()

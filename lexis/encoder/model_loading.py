@@ -1,0 +1,90 @@
+"""open_clip's networks with weights, tokenizer and preprocessing that belong to each other; one clear line where not."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import open_clip
+from open_clip.factory import load_state_dict
+from open_clip.transform import PreprocessCfg, merge_preprocess_dict
+from safetensors import safe_open
+
+from lexis.encoder.model_source import ModelSource
+from lexis.encoder.preprocessing import Preprocessing, as_open_clip, squashing
+from lexis.errors import EncoderError, one_line
+
+_POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.positional_embedding")
+
+
+def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
+    """A network, its tokenizer and its preprocessing. `model` is its name in messages. Raises EncoderError."""
+    with open_clip_quiet():
+        try:
+            weights = source.weights()
+            if source.config is not None:
+                open_clip.add_model_config(source.config)
+            network = open_clip.create_model(
+                source.architecture,
+                pretrained=None if weights is None else str(weights),
+                force_quick_gelu=source.quick_gelu,
+                require_pretrained=True,
+                weights_only=True,
+            )
+            tokenizer = open_clip.get_tokenizer(source.architecture)
+            if weights is not None and not source.published:
+                _check_positions(network, weights)
+            return network, tokenizer, _preprocessing(source, network)
+        except EncoderError as error:
+            raise EncoderError(f"encoder {model}: {error}") from None
+        except Exception as error:  # a damaged or foreign file makes torch, timm and open_clip raise nearly everything
+            raise EncoderError(
+                f"encoder {model}: {source.kind} cannot be loaded: {one_line(error)}; "
+                "valid: whole weights of this very architecture, in safetensors or as torch.save writes tensors"
+            ) from None
+
+
+def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
+    """As stated, resized to what the network takes. Raises ValueError where the two contradict each other."""
+    height, width = _pair(network.visual.image_size)
+    if source.config is not None:
+        return squashing(height, width)
+    stated = source.preprocess.get("size")
+    if stated is not None and _pair(stated) != (height, width):
+        raise ValueError(f"its configuration states images of {stated} px, its architecture {(height, width)}")
+    settings = merge_preprocess_dict(asdict(PreprocessCfg()), {**source.preprocess, "size": (height, width)})
+    return as_open_clip(settings)
+
+
+def _check_positions(network: Any, checkpoint: Path) -> None:
+    """Raise ValueError where open_clip has resized embeddings of positions: it would only log that."""
+    stored, own = _shapes(checkpoint), network.state_dict()
+    for name, shape in stored.items():
+        mine = own.get(name, own.get(f"text.{name}"))  # in some architectures the text tower is a module of its own
+        if mine is not None and shape != tuple(mine.shape):
+            raise ValueError(f"of another architecture: its {name} is {shape}, that of the model {tuple(mine.shape)}")
+
+
+def _shapes(checkpoint: Path) -> dict[str, tuple[int, ...]]:
+    if checkpoint.suffix == ".safetensors":
+        with safe_open(checkpoint, "pt") as file:
+            return {name: tuple(file.get_slice(name).get_shape()) for name in _POSITIONS if name in file.keys()}  # noqa: SIM118
+    return {name: tuple(values.shape) for name, values in load_state_dict(str(checkpoint)).items() if name in _POSITIONS}
+
+
+def _pair(size: Any) -> tuple[int, int]:
+    height, width = size if isinstance(size, list | tuple) else (size, size)
+    return int(height), int(width)
+
+
+@contextmanager
+def open_clip_quiet() -> Iterator[None]:
+    """Drop open_clip's and the hub's log lines (retries, fallbacks): what matters of them is in the error."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)

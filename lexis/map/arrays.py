@@ -1,0 +1,186 @@
+"""A map's numbers as flat arrays, and back: the layout of `arrays.npz`.
+
+Ragged data lie behind one another, with a count per owner. The names of dimensions in `LAYOUT` stand for one size each.
+"""
+
+import numpy as np
+from jaxtyping import Int, Shaped
+
+from lexis.errors import MapError
+from lexis.files.arrays import Arrays, Layout
+from lexis.inputs import MAX_POSITION_M, usable_covariances
+from lexis.maths.se3 import is_rigid
+from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopEdge
+
+LAYOUT: Layout = {
+    "observation_index": ("i8", ("keyframes",)),
+    "stamp": ("f8", ("keyframes",)),
+    "T_O_B": ("f8", ("keyframes", 4, 4)),
+    "T_W_B": ("f8", ("keyframes", 4, 4)),
+    "step_covariance": ("f8", ("keyframes", 6, 6)),
+    "embedding": ("f4", ("keyframes", "d")),
+    "similarities": ("f8", ("keyframes", "room_names")),
+    "baseline_labels": ("i8", ("keyframes",)),
+    "labels": ("i8", ("keyframes",)),
+    "floors": ("i8", ("keyframes",)),
+    "room_of": ("i8", ("keyframes",)),
+    "room_mean": ("f8", ("rooms", 3)),
+    "feature_count": ("i8", ("keyframes",)),
+    "keypoints": ("f4", ("features", 2)),
+    "descriptors": ("u1", ("features", "bytes")),
+    "landmark_count": ("i8", ("keyframes",)),
+    "landmark_points": ("f8", ("landmarks", 3)),
+    "landmark_feature": ("i8", ("landmarks",)),
+    "loop_query": ("i8", ("loops",)),
+    "loop_match": ("i8", ("loops",)),
+    "loop_pose": ("f8", ("loops", 4, 4)),
+    "loop_covariance": ("f8", ("loops", 6, 6)),
+    "loop_inliers": ("i8", ("loops",)),
+    "loop_weight": ("f8", ("loops",)),
+    "candidate_query": ("i8", ("queries",)),
+    "candidate_count": ("i8", ("queries",)),
+    "candidate_match": ("i8", ("candidates",)),
+}
+"""Type and shape of every array."""
+
+_COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
+"""The array whose rows are counted by the owner."""
+_ROUNDING = 1e-9
+
+
+def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
+    """The map's arrays; without `features` the keyframes lose their key points and landmarks."""
+    keyframes, loops = map.keyframes, map.loops
+    seen = keyframes if features else ()
+    nothing = np.zeros(len(keyframes))
+    columns = {
+        "observation_index": [k.observation_index for k in keyframes],
+        "stamp": [k.stamp for k in keyframes],
+        "T_O_B": [k.T_O_B for k in keyframes],
+        "T_W_B": map.T_W_B,
+        "step_covariance": [k.step_covariance for k in keyframes],
+        "embedding": [k.embedding for k in keyframes],
+        "similarities": map.similarities,
+        "baseline_labels": map.baseline_labels,
+        "labels": map.labels,
+        "floors": map.floors,
+        "room_of": map.room_of,
+        "room_mean": [room.mean for room in map.rooms],
+        "feature_count": [len(k.features.keypoints) for k in seen] if features else nothing,
+        "keypoints": _joined([k.features.keypoints for k in seen], (0, 2)),
+        "descriptors": _joined([k.features.descriptors for k in seen], (0, 0)),
+        "landmark_count": [len(k.landmarks.points) for k in seen] if features else nothing,
+        "landmark_points": _joined([k.landmarks.points for k in seen], (0, 3)),
+        "landmark_feature": _joined([k.landmarks.feature_ids for k in seen], (0,)),
+        "loop_query": [loop.query for loop in loops],
+        "loop_match": [loop.match for loop in loops],
+        "loop_pose": [loop.T_match_query for loop in loops],
+        "loop_covariance": [loop.covariance for loop in loops],
+        "loop_inliers": [loop.inliers for loop in loops],
+        "loop_weight": map.loop_weights,
+        "candidate_query": [query for query, _ in map.candidates],
+        "candidate_count": [len(matches) for _, matches in map.candidates],
+        "candidate_match": [match for _, matches in map.candidates for match in matches],
+    }
+    return {name: _as_laid_out(name, column) for name, column in columns.items()}
+
+
+def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
+    """The keyframes of arrays that `check` has passed."""
+    keypoints = _split(arrays["keypoints"], arrays["feature_count"])
+    descriptors = _split(arrays["descriptors"], arrays["feature_count"])
+    points = _split(arrays["landmark_points"], arrays["landmark_count"])
+    feature_ids = _split(arrays["landmark_feature"], arrays["landmark_count"])
+    return tuple(
+        Keyframe(
+            id=i,
+            observation_index=int(arrays["observation_index"][i]),
+            stamp=float(arrays["stamp"][i]),
+            T_O_B=arrays["T_O_B"][i],
+            step_covariance=arrays["step_covariance"][i],
+            embedding=arrays["embedding"][i],
+            features=Features(keypoints[i], descriptors[i]),
+            landmarks=Landmarks(points[i], feature_ids[i]),
+        )
+        for i in range(len(arrays["stamp"]))
+    )
+
+
+def unpack_loops(arrays: Arrays) -> tuple[LoopEdge, ...]:
+    """The loop edges."""
+    columns = zip(arrays["loop_query"].tolist(), arrays["loop_match"].tolist(), arrays["loop_inliers"].tolist(), strict=True)
+    poses, covariances = arrays["loop_pose"], arrays["loop_covariance"]
+    return tuple(LoopEdge(q, m, poses[i], covariances[i], inliers) for i, (q, m, inliers) in enumerate(columns))
+
+
+def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """The keyframes proposed for every query."""
+    matches = _split(arrays["candidate_match"], arrays["candidate_count"])
+    return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
+
+
+def check(arrays: Arrays) -> None:
+    """Raise MapError unless arrays of the layout's types and sizes are finite, and refer to what exists."""
+    for name, array in arrays.items():
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise MapError(f"array {name} has values that are not finite")
+    _check_references(arrays)
+    for name in ("feature", "landmark", "candidate"):
+        _check_counts(arrays, name)
+    owners = np.repeat(arrays["feature_count"], arrays["landmark_count"])
+    if (arrays["landmark_feature"] >= owners).any():
+        raise MapError("array landmark_feature refers to a feature that its keyframe does not have")
+    for name in ("T_O_B", "T_W_B", "loop_pose"):
+        if not is_rigid(arrays[name], tolerance=1e-5).all():
+            raise MapError(f"array {name} has a matrix that is no rigid motion")
+        if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
+            raise MapError(f"array {name} has a place beyond {MAX_POSITION_M:g} m; valid: places on Earth")
+    for name in ("step_covariance", "loop_covariance"):
+        if not usable_covariances(arrays[name]).all():
+            raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")
+
+
+def _check_references(arrays: Arrays) -> None:
+    n = len(arrays["stamp"])
+    bounds = {
+        "labels": (0, arrays["similarities"].shape[1]),
+        "baseline_labels": (0, arrays["similarities"].shape[1]),
+        "floors": (-1, n),
+        "room_of": (-1, len(arrays["room_mean"])),
+        "loop_query": (0, n),
+        "loop_match": (0, n),
+        "candidate_query": (0, n),
+        "candidate_match": (0, n),
+        "landmark_feature": (0, max(len(arrays["keypoints"]), 1)),
+        "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
+    }
+    for name, (low, high) in bounds.items():
+        if ((arrays[name] < low) | (arrays[name] >= high)).any():
+            raise MapError(f"array {name} has a value outside [{low}, {high})")
+    if n < 1:
+        raise MapError("the map has no keyframes; valid: at least one")
+    if (np.diff(arrays["stamp"]) <= 0).any():
+        raise MapError("array stamp does not ascend")
+
+
+def _check_counts(arrays: Arrays, name: str) -> None:
+    """Raise MapError unless the counts of what every owner has add up to all that there is."""
+    counts, total = arrays[f"{name}_count"], len(arrays[_COUNTED[name]])
+    # Counts are bounded one by one first, so that their sum cannot overflow.
+    if ((counts < 0) | (counts > total)).any() or counts.sum() != total:
+        raise MapError(f"array {name}_count does not add up to the {total} {name}s of the map")
+
+
+def _as_laid_out(name: str, column: object) -> Shaped[np.ndarray, "..."]:
+    kind, shape = LAYOUT[name]
+    array = np.asarray(column, kind)
+    # An empty list has lost the sizes of its elements.
+    return array if array.ndim == len(shape) else array.reshape([s if isinstance(s, int) else 0 for s in shape])
+
+
+def _joined(parts: list[Shaped[np.ndarray, "..."]], empty: tuple[int, ...]) -> Shaped[np.ndarray, "..."]:
+    return np.concatenate(parts) if parts else np.zeros(empty)
+
+
+def _split(array: Shaped[np.ndarray, "..."], counts: Int[np.ndarray, "n"]) -> list[Shaped[np.ndarray, "..."]]:
+    return np.split(array, np.cumsum(counts)[:-1]) if len(counts) else []

@@ -1,0 +1,125 @@
+"""A plan as directions for people: the rooms that the path passes through, its turns, and its stairs."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int
+
+from lexis.floors import NO_FLOOR
+from lexis.map.room_names import instance_names
+from lexis.maths.paths import arc_length
+from lexis.maths.runs import runs_of
+from lexis.planner import Plan
+from lexis.types import LexisMap
+
+TURN_RAD = np.radians(45.0)
+"""Smallest change of heading that counts as a turn [rad]."""
+AROUND_RAD = np.radians(135.0)
+"""Smallest change of heading that is turning around [rad]."""
+ALONG_M = 1.0
+"""Path before and after a point over which its two headings are taken [m]."""
+SAMPLE_M = 0.1
+"""Spacing of the points at which headings are compared [m]."""
+MIN_CLIMB_M = 0.5
+"""Smallest difference of height of keyframes on stairs that counts as going up or down [m]."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One direction."""
+
+    at_m: float
+    """Path from the start [m]."""
+    text: str
+    """The direction itself, for example "turn left" or "enter corridor 1 (floor 0)"."""
+
+
+def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
+    """Everything that happens along the path, in order: start, rooms, turns, stairs and arrival."""
+    positions = map.T_W_B[list(plan.keyframes), :3, 3]
+    path = arc_length(positions)
+    steps = [*_rooms(map, plan, path), *_stairs(map, plan, path), *_turns(positions, path)]
+    return tuple(sorted(steps, key=lambda step: step.at_m))
+
+
+def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
+    """A plan as plain data: rooms, length [m], directions, and keyframes with positions in W [m]."""
+    names = (*instance_names(map.rooms), None)
+    keyframes = [
+        {"id": i, "position_m": map.T_W_B[i, :3, 3].tolist(), "room": names[map.room_of[i]], "label": map.label_of(i)}
+        for i in plan.keyframes
+    ]
+    return {
+        "schema": 1,
+        "from": names[plan.start.id],
+        "to": names[plan.goal.id],
+        "length_m": plan.length_m,
+        "directions": [{"at_m": step.at_m, "text": step.text} for step in directions(map, plan)],
+        "keyframes": keyframes,
+    }
+
+
+def place(map: LexisMap, room: int) -> str:
+    """The name of a room with its floor, such as "office 2 (floor 1)"."""
+    floor = map.rooms[room].floor
+    return f"{instance_names(map.rooms)[room]} ({'between floors' if floor is None else f'floor {floor}'})"
+
+
+def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
+    """Start, arrival, and every room that is entered in between; keyframes of no room count as the room before."""
+    rooms = map.room_of[list(plan.keyframes)]
+    known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
+    rooms = _from_start_to_goal(rooms[known], plan)
+    entered = [Step(float(path[run.start]), f"enter {place(map, int(rooms[run.start]))}") for run in runs_of(rooms)[1:]]
+    arrived = Step(float(path[-1]), f"arrive in {place(map, plan.goal.id)}")
+    return [Step(0.0, f"start in {place(map, plan.start.id)}"), *entered, arrived]
+
+
+def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
+    """Rooms along a path, where keyframes of a neighbour at its ends count as the plan's own rooms; see `innermost`."""
+    rooms = rooms.copy()
+    runs = runs_of(rooms)
+    starts = np.flatnonzero(rooms == plan.start.id)
+    rooms[: starts[0] if len(starts) else runs[0].stop] = plan.start.id
+    goals = np.flatnonzero(rooms == plan.goal.id)
+    rooms[goals[-1] + 1 if len(goals) else runs[-1].start :] = plan.goal.id
+    return rooms
+
+
+def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
+    """Every stretch on stairs that climbs, with the floor that it leads to where the path goes on there."""
+    floors, heights = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), 2, 3]
+    steps = []
+    for run in runs_of(np.equal(floors, NO_FLOOR)):
+        before, after = max(run.start - 1, 0), min(run.stop, len(floors) - 1)
+        climb = heights[after] - heights[before]
+        if floors[run.start] == NO_FLOOR and abs(climb) >= MIN_CLIMB_M:
+            leads = "" if floors[after] == NO_FLOOR else f" to floor {floors[after]}"
+            steps.append(Step(float(path[run.start]), f"take the stairs {'up' if climb > 0 else 'down'}{leads}"))
+    return steps
+
+
+def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]) -> list[Step]:
+    """The sharpest turn first, then the sharpest that does not overlap it, and so on."""
+    at = np.arange(ALONG_M / 2, path[-1] - ALONG_M / 2, SAMPLE_M)
+    change = _heading_changes(positions, path, at)
+    steps = []
+    while len(at) and np.abs(change).max() > TURN_RAD:
+        i = int(np.abs(change).argmax())
+        side = "around" if abs(change[i]) > AROUND_RAD else "left" if change[i] > 0 else "right"
+        steps.append(Step(float(at[i]), f"turn {side}"))
+        change[np.abs(at - at[i]) <= ALONG_M] = 0.0
+    return steps
+
+
+def _heading_changes(
+    positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"], at: Float64[np.ndarray, "k"]
+) -> Float64[np.ndarray, "k"]:
+    """How much the heading differs after and before points of the path, positive to the left [rad]."""
+    before, here, after = (
+        np.stack([np.interp(at + offset, path, positions[:, axis]) for axis in (0, 1)], axis=1)
+        for offset in (-ALONG_M, 0.0, ALONG_M)
+    )
+    (x, y), (u, v) = (here - before).T, (after - here).T
+    return np.asarray(np.arctan2(x * v - y * u, x * u + y * v))

@@ -1,0 +1,119 @@
+"""A map in the formats of other tools."""
+
+import json
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from lexis.errors import LexisError
+from lexis.files.replace import replaced_file
+from lexis.files.tum_trajectory import write_tum
+from lexis.map.picture import map_svg
+from lexis.map.room_names import instance_names
+from lexis.maths.se3 import between
+from lexis.types import Covariance, LexisMap, Pose
+
+TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
+"""Order of our rotation-first tangents in g2o's information matrices."""
+
+
+def export_map(map: LexisMap, format: str, path: Path) -> None:
+    """Write the map to a file in one of `FORMATS`. Raises LexisError for another, or where it cannot be written."""
+    if format not in FORMATS:
+        raise LexisError(f"unknown format {format!r}; valid: {', '.join(FORMATS)}")
+    FORMATS[format](map, path)
+
+
+def _tum(map: LexisMap, path: Path) -> None:
+    """Optimised poses: "stamp tx ty tz qx qy qz qw"."""
+    write_tum(path, [keyframe.stamp for keyframe in map.keyframes], map.T_W_B)
+
+
+def _kitti(map: LexisMap, path: Path) -> None:
+    """Optimised poses: the upper three rows of every T_W_B."""
+    _write(path, [" ".join(f"{value:.9e}" for value in pose[:3].ravel()) for pose in map.T_W_B])
+
+
+def _g2o(map: LexisMap, path: Path) -> None:
+    """The pose graph: optimised vertices, odometry edges, loop edges (all, whatever weight the kernel gave them)."""
+    vertices = [f"VERTEX_SE3:QUAT {i} {_pose(pose)}" for i, pose in enumerate(map.T_W_B)]
+    steps = [_edge(a.id, b.id, between(a.T_O_B, b.T_O_B), b.step_covariance) for a, b in pairwise(map.keyframes)]
+    loops = [_edge(loop.match, loop.query, loop.T_match_query, loop.covariance) for loop in map.loops]
+    _write(path, [*vertices, *steps, *loops])
+
+
+def _json(map: LexisMap, path: Path) -> None:
+    """Rooms, keyframes and loops with names, for people and for scripts in other languages."""
+    _write(path, [json.dumps(summary(map), indent=1)])
+
+
+def _svg(map: LexisMap, path: Path) -> None:
+    """A picture: the plan of every floor with keyframes, rooms and loop edges."""
+    _write(path, [map_svg(map)])
+
+
+FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
+    "tum": _tum,
+    "kitti": _kitti,
+    "g2o": _g2o,
+    "json": _json,
+    "svg": _svg,
+}
+
+
+def summary(map: LexisMap) -> dict[str, Any]:
+    """The map's meaning as plain data: positions in W [m], quaternions as x, y, z, w."""
+    names = instance_names(map.rooms)
+    room_of = {i: name for room, name in zip(map.rooms, names, strict=True) for i in room.keyframes}
+    quaternions = Rotation.from_matrix(map.T_W_B[:, :3, :3]).as_quat(canonical=True)
+    keyframes = [
+        {
+            "id": i,
+            "stamp_s": keyframe.stamp,
+            "position_m": map.T_W_B[i, :3, 3].tolist(),
+            "orientation_xyzw": quaternions[i].tolist(),
+            "label": map.label_of(i),
+            "room": room_of.get(i),
+            "floor": int(map.floors[i]) if map.floors[i] >= 0 else None,
+        }
+        for i, keyframe in enumerate(map.keyframes)
+    ]
+    rooms = [
+        {
+            "name": name,
+            "label": room.label,
+            "floor": room.floor,
+            "mean_m": room.mean.tolist(),
+            "keyframes": list(room.keyframes),
+        }
+        for room, name in zip(map.rooms, names, strict=True)
+    ]
+    loops = [
+        {"query": loop.query, "match": loop.match, "inliers": loop.inliers, "weight": float(weight)}
+        for loop, weight in zip(map.loops, map.loop_weights, strict=True)
+    ]
+    return {"schema": 1, "room_names": list(map.room_names), "rooms": rooms, "keyframes": keyframes, "loops": loops}
+
+
+def _edge(a: int, b: int, T_a_b: Pose, covariance: Covariance) -> str:
+    """An EDGE_SE3:QUAT, its information in g2o's order and of the tangent as GTSAM reads and writes it.
+
+    A step of exact odometry has no finite information: its covariance is raised to (0.1 mm, 0.1 mrad)².
+    """
+    information = np.linalg.inv(covariance + 1e-8 * np.eye(6))[np.ix_(TRANSLATION_FIRST, TRANSLATION_FIRST)]
+    upper = " ".join(f"{value:.9g}" for value in information[np.triu_indices(6)])
+    return f"EDGE_SE3:QUAT {a} {b} {_pose(T_a_b)} {upper}"
+
+
+def _pose(pose: Pose) -> str:
+    quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat(canonical=True)
+    return " ".join(f"{value:.9f}" for value in (*pose[:3, 3], *quaternion))
+
+
+def _write(path: Path, lines: list[str]) -> None:
+    with replaced_file(path) as beside:
+        beside.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,115 @@
+"""A map as a folder: `map.json` for what is few and named, `arrays.npz` for the numbers. Nothing is ever unpickled."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from lexis.errors import MapError
+from lexis.files.arrays import Arrays, read_arrays
+from lexis.files.camera import CameraData
+from lexis.files.reading import FileKind, read_model
+from lexis.files.replace import replaced_folder
+from lexis.files.workshop import restore
+from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
+from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
+from lexis.types import EncoderId, LexisMap, RoomInstance
+
+JSON_FILE = "map.json"
+ARRAY_FILE = "arrays.npz"
+_WRITTEN = "a folder written by 'lexis run'"
+_HEADER_FILE = FileKind(_WRITTEN, 16_000_000, MapError, missing="no map there", unusable="no map")
+_ARRAYS_FILE = FileKind(_WRITTEN, 8_000_000_000, MapError, missing="no arrays of a map there", unusable="no arrays of a map")
+
+_STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+_Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
+_EncoderName = Annotated[str, Field(max_length=10_000)]
+"""It may hold the path of a checkpoint."""
+
+
+class _Room(BaseModel):
+    model_config = _STRICT
+
+    label: _Name
+    floor: int | None
+
+
+class _Encoder(BaseModel):
+    model_config = _STRICT
+
+    name: _EncoderName
+    fingerprint: _EncoderName
+
+
+class _Map(BaseModel):
+    model_config = _STRICT
+
+    schema_version: Literal[2] = Field(alias="schema")
+    camera: CameraData
+    encoder: _Encoder
+    room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
+    rooms: tuple[_Room, ...] = Field(max_length=100_000)
+    stage_seconds: dict[str, float] = Field(max_length=100)
+
+
+def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
+    """Write the map to a folder, which appears whole or not at all; an earlier map there is replaced.
+
+    Without `features`, key points and landmarks are left out: smaller, but no later walk can close loops with it.
+    Raises LexisError where the folder cannot be written, or holds something that is no map.
+    """
+    header = _Map(
+        schema=2,
+        camera=CameraData.of(map.camera),
+        encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
+        room_names=map.room_names,
+        rooms=tuple(_Room(label=room.label, floor=room.floor) for room in map.rooms),
+        stage_seconds=map.stage_seconds,
+    )
+    with replaced_folder(directory, JSON_FILE) as folder:
+        text = json.dumps(header.model_dump(mode="json", by_alias=True), indent=1)
+        (folder / JSON_FILE).write_text(text + "\n", encoding="utf-8")
+        np.savez(folder / ARRAY_FILE, allow_pickle=False, **pack(map, features))
+
+
+def load_map(directory: Path) -> LexisMap:
+    """Read a map that `save_map` has written. Raises MapError for anything else."""
+    restore(directory)
+    header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
+    sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names)}
+    arrays = read_arrays(directory / ARRAY_FILE, _ARRAYS_FILE, LAYOUT, sizes)
+    camera = header.camera.camera()
+    try:
+        check_camera(camera)
+        check_room_names(header.room_names)
+        check(arrays)
+    except ValueError as error:
+        raise MapError(f"{directory}: {error}") from None
+    return LexisMap(
+        camera=camera,
+        encoder=EncoderId(header.encoder.name, header.encoder.fingerprint),
+        room_names=header.room_names,
+        keyframes=unpack_keyframes(arrays),
+        T_W_B=arrays["T_W_B"],
+        similarities=arrays["similarities"],
+        baseline_labels=arrays["baseline_labels"],
+        labels=arrays["labels"],
+        floors=arrays["floors"],
+        rooms=_rooms(directory, header, arrays),
+        loops=unpack_loops(arrays),
+        loop_weights=arrays["loop_weight"],
+        candidates=unpack_candidates(arrays),
+        stage_seconds=header.stage_seconds,
+    )
+
+
+def _rooms(directory: Path, header: _Map, arrays: Arrays) -> tuple[RoomInstance, ...]:
+    rooms = []
+    for i, room in enumerate(header.rooms):
+        members = np.flatnonzero(arrays["room_of"] == i)
+        if not len(members) or room.label not in header.room_names:
+            raise MapError(f"{directory}: rooms[{i}] has no keyframe, or a label that is not among room_names")
+        rooms.append(RoomInstance(i, room.label, tuple(members.tolist()), arrays["room_mean"][i], room.floor))
+    return tuple(rooms)

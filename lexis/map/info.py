@@ -1,0 +1,57 @@
+"""A summary of a map: its figures as plain data, and as text for people."""
+
+from typing import Any
+
+import numpy as np
+
+from lexis.map.room_names import instance_names, unused_names
+from lexis.planner import MIN_LOOP_WEIGHT
+from lexis.types import LexisMap
+
+
+def map_info(map: LexisMap) -> dict[str, Any]:
+    """The figures of a map as plain data: lengths in [m], times in [s]."""
+    steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
+    size = map.camera.intrinsics
+    rooms = [
+        {"name": name, "label": room.label, "floor": room.floor, "keyframes": len(room.keyframes)}
+        for room, name in zip(map.rooms, instance_names(map.rooms), strict=True)
+    ]
+    return {
+        "schema": 1,
+        "keyframes": len(map.keyframes),
+        "path_m": float(steps.sum()),
+        "duration_s": map.keyframes[-1].stamp - map.keyframes[0].stamp,
+        "floors": sorted({int(floor) for floor in map.floors if floor >= 0}),
+        "rooms": rooms,
+        "loops": len(map.loops),
+        "trusted_loops": int((map.loop_weights >= MIN_LOOP_WEIGHT).sum()),
+        "room_names": list(map.room_names),
+        "unused_room_names": list(unused_names(map.room_names, map.rooms)),
+        "encoder": {"name": map.encoder.name, "fingerprint": map.encoder.fingerprint},
+        "image_px": [size.width, size.height],
+    }
+
+
+def info_text(info: dict[str, Any]) -> str:
+    """The figures of `map_info` as lines for people."""
+    width = max([4, *(len(room["name"]) for room in info["rooms"])])
+    floors = ["stairs" if room["floor"] is None else room["floor"] for room in info["rooms"]]
+    rooms = [
+        f"{room['name']:{width}s}  {floor:>6}  {room['keyframes']:9d}"
+        for room, floor in zip(info["rooms"], floors, strict=True)
+    ]
+    return "\n".join([
+        f"keyframes   {info['keyframes']}",
+        f"path        {info['path_m']:.1f} m between keyframes",
+        f"duration    {info['duration_s']:.1f} s",
+        f"floors      {len(info['floors'])}",
+        f"loop edges  {info['loops']}, of which {info['trusted_loops']} trusted (weight at least {MIN_LOOP_WEIGHT:g})",
+        f"encoder     {info['encoder']['name']} ({info['encoder']['fingerprint'][:12]})",
+        f"images      {info['image_px'][0]}x{info['image_px'][1]} px",
+        f"room names  {', '.join(info['room_names'])}",
+        *([f"unused      {', '.join(info['unused_room_names'])}"] if info["unused_room_names"] else []),
+        "",
+        f"{'room':{width}s}  {'floor':>6s}  keyframes",
+        *rooms,
+    ])  # fmt: skip

@@ -1,0 +1,218 @@
+"""`lexis-sim bench encoders`: what an encoder tells of the keyframes of test houses, before LEXIS refines anything."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Float32, Int, UInt8
+from scipy.special import softmax
+
+from sim.baselines.orb_words import OrbWords
+from sim.bench.encoders.ceiling import Ceiling, own_room, own_room_prevails
+from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
+from sim.bench.encoders.retrieval import found_at_1, share
+from sim.bench.encoders.runs import EncoderRun
+from sim.bench.encoders.texts import EmbeddedTexts, ImageTextEncoder
+from sim.training.phrases import HELD_OUT_NAMES, ROOM_NAMES, Table
+from sim.training.temperature import calibration_error
+from worlds.labels import ROOM_LABELS
+
+_NAME_SETS = 12
+
+
+@dataclass(frozen=True)
+class EncoderRow:
+    """The figures of one house; shares. None where a house has no such question, or nothing was asked for."""
+
+    accuracy: float
+    """Zero-shot, over the labels of the house."""
+    ceiling: float | None
+    """Of the classifier on what is truly visible; None without training frames."""
+    trained_names: float
+    """Mean accuracy with other trained names of the rooms."""
+    held_out_names: float
+    """And with names that were never trained on."""
+    things: float | None
+    """Questions for a thing that stands in rooms of one label alone which rank such a room first."""
+    typical_things: float | None
+    """Questions for things that are said to stand in a room."""
+    activities: float | None
+    """Questions for what is done in a room."""
+    held_out_questions: float | None
+    """Questions of these three topics in words that were never trained on: the mean of the three."""
+    trained_looks: float
+    """Accuracy in textures and lights that met in training."""
+    held_out_looks: float
+    """The same keyframes in the same textures and lights, paired as they never met."""
+    trained_variants: float
+    """Accuracy with furniture in trained colours alone."""
+    held_out_variants: float
+    """And in colours that are never trained on."""
+    recall: float | None
+    """Recall@1 of revisits, by cosine of embeddings."""
+    recall_in_room: float | None
+    """As LEXIS does it: among keyframes of the query's label."""
+    recall_orb: float | None
+    """Of ORB bag-of-words."""
+    calibration_error: float
+    """Expected, of the probabilities that the model's own temperature makes; of one house, few frames make it larger."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A house's figures, and its answers one by one."""
+
+    seed: int
+    row: EncoderRow
+    confidence: Float[np.ndarray, "n"]
+    """Of every frame's label."""
+    right: Bool[np.ndarray, "n"]
+    ceiling_right: Bool[np.ndarray, "n"] | None
+    found: Mapping[str, Bool[np.ndarray, "revisits"]]
+    """By what they are sought with, as in the row: whether every revisit is found."""
+    own_room: Float[np.ndarray, "n"]
+    """The share of the image that shows rooms of the camera's own label."""
+    prevails: Bool[np.ndarray, "n"]
+    """Whether no other label's rooms fill more of it."""
+    asked: Sequence[Asked]
+    held_out_losses: Mapping[tuple[str, str], float]
+    """By label and held-out name: what accuracy loses where the rooms of that label alone go by that name."""
+
+
+@dataclass(frozen=True, eq=False)
+class References:
+    """What encoders are compared with."""
+
+    ceiling: Ceiling | None = None
+    orb: OrbWords | None = None
+
+    def of(self, run: EncoderRun) -> "Beside":
+        """Their answers, once for all encoders."""
+        right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
+        if self.orb is None:
+            return Beside(right, {})
+        words = np.array([self.orb.described(image) for image in run.frames.images])
+        return Beside(right, {"recall_orb": found_at_1(words, run.T_W_B, run.stamps)})
+
+
+class Beside(NamedTuple):
+    """The references' answers on one run."""
+
+    ceiling_right: Bool[np.ndarray, "n"] | None
+    found: Mapping[str, Bool[np.ndarray, "revisits"]]
+
+
+def measure(
+    encoders: Sequence[ImageTextEncoder], runs: Iterable[EncoderRun], references: References
+) -> Iterator[list[Measured]]:
+    """Run by run, the figures of every encoder."""
+    texts = [EmbeddedTexts(encoder) for encoder in encoders]
+    for run in runs:
+        beside = references.of(run)
+        yield [_measured(run, encoder, known, beside) for encoder, known in zip(encoders, texts, strict=True)]
+
+
+def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: Beside) -> Measured:
+    frames, images = run.frames, encoder.encode_images(run.frames.images)
+    present, own = np.unique(frames.rooms, return_inverse=True)
+    names = [ROOM_LABELS[i] for i in present]
+    rooms = texts.rooms(names)
+    similarities = images @ rooms.T
+    said = similarities.argmax(axis=1)
+    right = said == own
+    confidence = softmax(similarities / encoder.temperature, axis=1).max(axis=1)
+    asked = ask(run, images, texts)
+    found = {
+        "recall": found_at_1(images, run.T_W_B, run.stamps),
+        "recall_in_room": found_at_1(images, run.T_W_B, run.stamps, said),
+        **beside.found,
+    }
+    trained_names, held_out_names = (
+        _renamed(images, texts, names, own, table, run.draw.seed) for table in (ROOM_NAMES, HELD_OUT_NAMES)
+    )
+    things, typical_things, activities = (share_right(asked, topic, TRAINED)[0] for topic in TOPICS)
+    row = EncoderRow(
+        accuracy=float(right.mean()),
+        ceiling=None if beside.ceiling_right is None else float(beside.ceiling_right.mean()),
+        trained_names=trained_names,
+        held_out_names=held_out_names,
+        things=things,
+        typical_things=typical_things,
+        activities=activities,
+        held_out_questions=_mean([share_right(asked, topic, HELD_OUT_WORDS)[0] for topic in TOPICS]),
+        trained_looks=_in_looks(encoder, run.trained_looks, rooms, own[run.looked_at]),
+        held_out_looks=_in_looks(encoder, run.held_out_looks, rooms, own[run.looked_at]),
+        trained_variants=_in_looks(encoder, run.trained_variants, rooms, own[run.looked_at]),
+        held_out_variants=_in_looks(encoder, run.held_out_variants, rooms, own[run.looked_at]),
+        recall=share(found["recall"]),
+        recall_in_room=share(found["recall_in_room"]),
+        recall_orb=share(found["recall_orb"]) if "recall_orb" in found else None,
+        calibration_error=calibration_error(confidence, right),
+    )
+    seen = own_room(frames), own_room_prevails(frames)
+    losses = _held_out_losses(images, texts, names, own, similarities)
+    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked, losses)
+
+
+def overall_calibration_error(houses: Sequence[Measured]) -> float:
+    """Expected calibration error over the frames of all houses."""
+    confidence = np.concatenate([house.confidence for house in houses])
+    return calibration_error(confidence, np.concatenate([house.right for house in houses]))
+
+
+def _in_looks(
+    encoder: ImageTextEncoder,
+    looks: UInt8[np.ndarray, "looks k h w 3"],
+    rooms: Float32[np.ndarray, "rooms d"],
+    own: Int[np.ndarray, "k"],
+) -> float:
+    return float(np.mean([(encoder.encode_images(images) @ rooms.T).argmax(axis=1) == own for images in looks]))
+
+
+def _renamed(
+    images: Float32[np.ndarray, "n d"],
+    texts: EmbeddedTexts,
+    names: Sequence[str],
+    own: Int[np.ndarray, "n"],
+    table: Table,
+    seed: int,
+) -> float:
+    """Mean accuracy over lists in which every room goes by a random name of the table."""
+    rng = np.random.default_rng(seed)
+    lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
+    return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
+
+
+def _held_out_losses(
+    images: Float32[np.ndarray, "n d"],
+    texts: EmbeddedTexts,
+    names: Sequence[str],
+    own: Int[np.ndarray, "n"],
+    similarities: Float32[np.ndarray, "n rooms"],
+) -> dict[tuple[str, str], float]:
+    """Against the `similarities` to all rooms by their own names."""
+    before = (similarities.argmax(axis=1) == own).mean()
+    losses = {}
+    for room, label in enumerate(names):
+        for name, embedding in zip(HELD_OUT_NAMES[label], texts.rooms(HELD_OUT_NAMES[label]), strict=True):
+            renamed = similarities.copy()
+            renamed[:, room] = images @ embedding
+            losses[label, name] = float(before - (renamed.argmax(axis=1) == own).mean())
+    return losses
+
+
+def worst_names(houses: Sequence[Measured]) -> list[tuple[str, str, float]]:
+    """(label, held-out name, loss of accuracy in a house that has such rooms, on average), the worst first."""
+    losses: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for house in houses:
+        for key, loss in house.held_out_losses.items():
+            losses[key].append(loss)
+    means = ((label, name, float(np.mean(each))) for (label, name), each in losses.items())
+    return sorted((row for row in means if row[2] > 0.0), key=lambda row: -row[2])
+
+
+def _mean(shares: Sequence[float | None]) -> float | None:
+    known = [share for share in shares if share is not None]
+    return float(np.mean(known)) if known else None

@@ -1,0 +1,171 @@
+"""Questions for rooms in free words, and which of them rank the right room first.
+
+Asked is for things that truly stand in rooms of one label alone and are seen on the walk, for things that are said to
+stand in a room, and for what is done in it. Every topic is asked in trained words and frames, in words that no caption
+ever held, and in frames that none had.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float32, Int
+
+from lexis.query.answers import best_views
+from sim.bench.encoders.runs import EncoderRun
+from sim.bench.encoders.texts import EmbeddedTexts
+from sim.training.frames import THINGS
+from sim.training.phrases import (
+    HELD_OUT_ACTIVITIES,
+    HELD_OUT_OBJECTS,
+    HELD_OUT_PLACE_FRAMES,
+    HELD_OUT_THING_FRAMES,
+    HELD_OUT_THINGS,
+    OBJECT_NAMES,
+    PLACE_FRAMES,
+    ROOM_ACTIVITIES,
+    ROOM_THINGS,
+    THING_FRAMES,
+    Table,
+    framed,
+)
+from worlds.furniture.catalogue import CATALOGUE
+from worlds.labels import ROOM_LABELS
+from worlds.truth import objects
+
+SEEN, SEEN_IN = 0.01, 3
+"""A thing can be asked for that fills more than this share of so many images."""
+TRAINED, HELD_OUT_WORDS, HELD_OUT_FRAMES = WORDINGS = "trained", "held-out words", "held-out frames"
+THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
+"""Things that stand there; things that are said to stand there; what is done there."""
+
+
+class Question(NamedTuple):
+    """A question with one right answer."""
+
+    topic: str
+    wording: str
+    about: str
+    """The kind of thing, the phrase."""
+    text: str
+    answer: str
+    """The label of the right rooms."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A question, and the label of the room that it ranks first."""
+
+    question: Question
+    said: str
+
+    @property
+    def right(self) -> bool:
+        """Whether that is the answer."""
+        return self.said == self.question.answer
+
+
+class Failure(NamedTuple):
+    """What is asked for in vain."""
+
+    topic: str
+    wording: str
+    about: str
+    answer: str
+    asked: int
+    right: int
+    instead: str
+    """The label that was ranked first most often of the wrong ones."""
+
+
+def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts) -> list[Asked]:
+    """All questions that the house answers; as `lexis query` does, rooms are ranked by their best views."""
+    questions = list(questions_of(run))
+    if not questions:
+        return []
+    rooms = np.unique(run.room)
+    fits = images @ texts.texts([question.text for question in questions]).T
+    best = np.array([best_views(fits[run.room == room]) for room in rooms]).argmax(axis=0)
+    labels = [ROOM_LABELS[i] for i in _labels(run, rooms)]
+    return [Asked(question, labels[i]) for question, i in zip(questions, best, strict=True)]
+
+
+def questions_of(run: EncoderRun) -> Iterator[Question]:
+    """Questions with one right answer in the house."""
+    for kind, label in standing_in_one(run).items():
+        names, held_out = OBJECT_NAMES.get(kind, (kind,)), HELD_OUT_OBJECTS.get(kind, ())
+        yield from _worded(THING, kind, names, held_out, label, (THING_FRAMES, HELD_OUT_THING_FRAMES))
+    for label in {ROOM_LABELS[i]: None for i in run.frames.rooms}:
+        yield from _of_label(TYPICAL, label, ROOM_THINGS, HELD_OUT_THINGS, (THING_FRAMES, HELD_OUT_THING_FRAMES))
+        yield from _of_label(ACTIVITY, label, ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES, (PLACE_FRAMES, HELD_OUT_PLACE_FRAMES))
+
+
+def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
+    """The label of the rooms that hold it, for every kind of the catalogue that stands in rooms of one label and is seen."""
+    house = run.house
+    labels: dict[str, set[str]] = {}
+    for thing in objects(house):
+        labels.setdefault(thing.kind, set()).add(house.room_by_id[thing.room].label)
+    seen = {THINGS[k] for k in np.flatnonzero((run.frames.shares > SEEN).sum(axis=0) >= SEEN_IN)}
+    walked = {ROOM_LABELS[i] for i in run.frames.rooms}
+    return {
+        kind: next(iter(rooms))
+        for kind, rooms in sorted(labels.items())
+        if kind in CATALOGUE and kind in seen and len(rooms) == 1 and rooms <= walked
+    }
+
+
+def share_right(asked: Iterable[Asked], topic: str, wording: str) -> tuple[float | None, int]:
+    """The share of such questions that are answered rightly, None without any, and how many there are."""
+    right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
+    return (float(np.mean(right)) if right else None), len(right)
+
+
+def failures(asked: Sequence[Asked]) -> list[Failure]:
+    """What is asked for at least once in vain, by the number of wrong answers."""
+    groups: dict[tuple[str, str, str, str], list[Asked]] = {}
+    for one in asked:
+        topic, wording, about, _, answer = one.question
+        groups.setdefault((topic, wording, about, answer), []).append(one)
+    found = [
+        Failure(*key, len(group), sum(one.right for one in group), _most([one.said for one in group if not one.right]))
+        for key, group in groups.items()
+        if not all(one.right for one in group)
+    ]
+    return sorted(found, key=lambda failure: failure.right - failure.asked)
+
+
+def _worded(
+    topic: str,
+    about: str,
+    words: Sequence[str],
+    held_out: Sequence[str],
+    label: str,
+    frames: tuple[Sequence[str], Sequence[str]],
+) -> Iterator[Question]:
+    trained_frames, held_out_frames = frames
+    for wording, used, around in (
+        (TRAINED, words, trained_frames),
+        (HELD_OUT_WORDS, held_out, trained_frames),
+        (HELD_OUT_FRAMES, words, held_out_frames),
+    ):
+        yield from (Question(topic, wording, about, text, label) for text in framed(around, used))
+
+
+def _of_label(
+    topic: str, label: str, trained: Table, held_out: Table, frames: tuple[Sequence[str], Sequence[str]]
+) -> Iterator[Question]:
+    for phrase in trained[label]:
+        yield from _worded(topic, phrase, (phrase,), (), label, frames)
+    for phrase in held_out[label]:
+        yield from _worded(topic, phrase, (), (phrase,), label, frames)
+
+
+def _labels(run: EncoderRun, rooms: Int[np.ndarray, "rooms"]) -> list[int]:
+    return [int(run.frames.rooms[np.argmax(run.room == room)]) for room in rooms]
+
+
+def _most(labels: Sequence[str]) -> str:
+    return Counter(labels).most_common(1)[0][0]

@@ -1,0 +1,137 @@
+"""The paper's Table I on our presets: accuracy and inference time of every encoder, as a table of numbers, CSV and plot."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lexis.files.replace import replaced_file
+from sim.bench.encoders.times import Timing
+from sim.errors import SimError
+
+TRAINED, RANDOM = "trained", "random"
+_TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1, 2, 5))
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Of the runs of one preset."""
+
+    runs: tuple[float, ...]
+    """Share of keyframes with the right label, of every run."""
+
+    @property
+    def mean(self) -> float:
+        """Over the runs."""
+        return float(np.mean(self.runs))
+
+    @property
+    def std(self) -> float:
+        """Over the runs."""
+        return float(np.std(self.runs))
+
+
+@dataclass(frozen=True, eq=False)
+class TableRow:
+    """One encoder."""
+
+    encoder: str
+    weights: str
+    """`TRAINED`, or `RANDOM`: then its times are valid, and it has no accuracy."""
+    accuracy: Mapping[str, Accuracy]
+    """By preset."""
+    times: Mapping[str, Timing | str]
+    """By the way of computing; a text says why there is none."""
+
+    @property
+    def cpu(self) -> Timing | None:
+        """On one core as it is; None where that failed."""
+        found = self.times.get("cpu")
+        return found if isinstance(found, Timing) else None
+
+
+def write_csv(rows: Sequence[TableRow], path: Path) -> None:
+    """One line for each encoder; a figure that it cannot have is left empty."""
+    records = [_record(row) for row in rows]
+    names = list(dict.fromkeys(name for record in records for name in record))
+    with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, names, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(records)
+
+
+def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
+    """Mean accuracy over the presets against the time of one image on one core, on a logarithmic axis, as PNG.
+
+    Encoders with random weights have no accuracy: their times are ticks on the axis. Raises `SimError` without
+    matplotlib.
+    """
+    figure = import_matplotlib().figure.Figure(figsize=(7.0, 4.5), layout="constrained")
+    axes = figure.add_subplot()
+    presets = list(dict.fromkeys(preset for row in rows for preset in row.accuracy))
+    for number, preset in enumerate(presets):
+        points = [(row.cpu.image_ms, row.accuracy[preset]) for row in rows if row.cpu and preset in row.accuracy]
+        ms, found = [time for time, _ in points], [accuracy for _, accuracy in points]
+        spread = [accuracy.std for accuracy in found]
+        means = [accuracy.mean for accuracy in found]
+        shift = 1.0 + 0.04 * (number - (len(presets) - 1) / 2)  # so that the presets' bars stand side by side
+        axes.errorbar([time * shift for time in ms], means, spread, fmt="o", capsize=3, label=preset)
+    for row in rows:
+        _mark(axes, row)
+    axes.set(xscale="log", ylim=(0.0, 1.0), xlabel="one image on one core [ms]", ylabel="keyframes labelled rightly")
+    axes.set_title("accuracy before refinement (mean ± std over runs) and inference time")
+    _label_times(axes, [row.cpu.image_ms for row in rows if row.cpu])
+    axes.grid(which="both", alpha=0.25)
+    if presets:
+        axes.legend(loc="lower left")
+    with replaced_file(path) as beside:
+        figure.savefig(beside, format="png", dpi=150)
+
+
+def import_matplotlib() -> Any:
+    """The library. Raises `SimError` where it is not installed."""
+    try:
+        import matplotlib.figure
+    except ImportError:
+        raise SimError("plots need matplotlib; valid: an environment with the group 'tests', or a CSV instead") from None
+    return matplotlib
+
+
+def _mark(axes: Any, row: TableRow) -> None:
+    """The encoder's name at its time."""
+    if row.cpu is None:
+        return
+    if row.weights == RANDOM:
+        axes.axvline(row.cpu.image_ms, ymax=0.04, color="0.4")
+        label, height = f"{row.encoder} (random weights)", 0.05
+    else:
+        label, height = row.encoder, max((accuracy.mean for accuracy in row.accuracy.values()), default=0.0) + 0.06
+    upright = row.weights == RANDOM
+    axes.annotate(
+        label, (row.cpu.image_ms, height), ha="center", va="bottom", rotation=90 if upright else 0, color="0.3", fontsize=8
+    )
+
+
+def _label_times(axes: Any, times_ms: Sequence[float]) -> None:
+    """Plain numbers, instead of powers of ten."""
+    if times_ms:
+        low, high = min(times_ms) / 1.5, max(times_ms) * 1.5
+        axes.set_xticks([tick for tick in _TICKS_MS if low <= tick <= high])
+        axes.set_xlim(low, high)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+
+
+def _record(row: TableRow) -> dict[str, object]:
+    record: dict[str, object] = {"encoder": row.encoder, "weights": row.weights}
+    for preset, accuracy in row.accuracy.items():
+        record[f"{preset} accuracy mean"] = f"{accuracy.mean:.4f}"
+        record[f"{preset} accuracy std"] = f"{accuracy.std:.4f}"
+        record[f"{preset} runs"] = len(accuracy.runs)
+    for way, found in row.times.items():
+        for field in fields(Timing):
+            record[f"{way} {field.name}"] = f"{getattr(found, field.name):.3f}" if isinstance(found, Timing) else ""
+    return record

@@ -1,0 +1,123 @@
+"""How long an encoder takes for one image and for the prompts of one room's name, in every way that it can compute here."""
+
+import json
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import open_clip
+import torch
+from safetensors.torch import save_file
+
+from lexis.encoder.model_loading import open_clip_quiet
+from lexis.encoder.open_clip_encoder import OpenClipEncoder, load_encoder
+from lexis.encoder.options import EncoderOptions
+from lexis.errors import EncoderError, one_line
+from lexis.types import Image
+from worlds.labels import ROOM_LABELS
+
+WAYS = {
+    "cpu": EncoderOptions(),
+    "cpu bf16": EncoderOptions(precision="bf16"),
+    "cpu compiled": EncoderOptions(compiled=True),
+    "gpu": EncoderOptions(device="cuda"),
+    "gpu fp16": EncoderOptions(device="cuda", precision="fp16"),
+    "gpu fp16 compiled": EncoderOptions(device="cuda", precision="fp16", compiled=True),
+}
+"""Single images on one thread; 32-bit floats and as open_clip runs them, unless said."""
+_WARM_UP, _TIMES = 2, 9
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Medians."""
+
+    image_ms: float
+    """Of one image, from pixels to embedding, scaling included [ms]."""
+    text_ms: float
+    """Of one room's name: its five prompts, at once [ms]."""
+    loading_s: float
+    """In a process that has imported everything; compilation included [s]."""
+
+
+def timed(model: str, way: str, image: Image) -> Timing | str:
+    """The times of the model in one of `WAYS`, or the reason why it cannot compute so here."""
+    options = WAYS[way]
+    if options.device != "cpu" and not torch.cuda.is_available():
+        return "no GPU"
+    start = time.perf_counter()
+    try:
+        encoder = load_encoder(model, options)
+    except EncoderError as error:
+        return str(error)
+    return timing(encoder, image, time.perf_counter() - start)
+
+
+def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
+    """The same of an architecture of open_clip, in several ways; the reason in all of them where it cannot be made here."""
+    try:
+        with random_weights(architecture) as model:
+            return {way: timed(model, way, image) for way in ways}
+    except EncoderError as error:
+        return dict.fromkeys(ways, str(error))
+
+
+def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
+    """Both times of an encoder that took so long to load. Every name is a new one, so that no cache answers."""
+    rounds = range(_WARM_UP + _TIMES)
+    images = _median_ms([lambda: encoder.encode_image(image) for _ in rounds])
+    return Timing(images, _median_ms([_encoding(encoder, ROOM_LABELS[i]) for i in rounds]), loading_s)
+
+
+def example_image() -> Image:
+    """Noise in the size that LEXIS sees: networks take as long for it as for a house."""
+    return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
+
+
+def check_architecture(name: str) -> None:
+    """Raise `EncoderError` for what open_clip does not list."""
+    if name not in open_clip.list_models():
+        raise EncoderError(f"no architecture {name!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32")
+
+
+@contextmanager
+def random_weights(architecture: str) -> Iterator[str]:
+    """What to ask `load_encoder` for to get an architecture of open_clip with random weights; they are gone afterwards.
+
+    Raises `EncoderError` for what open_clip does not list, and for what it cannot make without a network.
+    """
+    check_architecture(architecture)
+    with tempfile.TemporaryDirectory() as folder:
+        weights = Path(folder) / "random.safetensors"
+        try:
+            with open_clip_quiet():
+                _write_random(architecture, weights)
+        except Exception as error:  # what is missing makes timm, transformers and the hub's client raise nearly everything
+            raise EncoderError(
+                f"architecture {architecture}: cannot be made with random weights: {one_line(error)}"
+            ) from None
+        yield f"{architecture}:{weights}"
+
+
+def _write_random(architecture: str, weights: Path) -> None:
+    network = open_clip.create_model(architecture, pretrained=None, pretrained_hf=False)
+    save_file({name: value.contiguous() for name, value in network.state_dict().items()}, weights)
+    config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": network.visual.preprocess_cfg}
+    (weights.parent / "open_clip_config.json").write_text(json.dumps(config))
+
+
+def _encoding(encoder: OpenClipEncoder, name: str) -> Callable[[], object]:
+    return lambda: encoder.encode_rooms([name])
+
+
+def _median_ms(calls: list[Callable[[], object]]) -> float:
+    times = []
+    for call in calls:
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return float(np.median(times[_WARM_UP:]) * 1e3)

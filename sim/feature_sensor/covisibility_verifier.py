@@ -1,0 +1,135 @@
+"""Verification of loops without key points: by how much of one view is in the other, as rays find it.
+
+A candidate is confirmed with a chance that is fitted over true covisibility, distance and turn. What is then measured is
+wrong by the error of a real edge, drawn with its covariance and inliers from those that the model was fitted to. One that is
+not confirmed may be confirmed falsely, at the rate and with the errors of real false edges.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float32, Float64, Int
+from scipy.special import expit, ndtri
+
+from lexis.config import VerificationConfig
+from lexis.maths.se3 import between, exp, inverse, rotation_angle, transform
+from lexis.pose_graph import PoseGraph
+from lexis.types import Camera, Keyframe, LoopEdge, Pose
+from lexis.verification import admitted
+from sim.feature_sensor.ray_origins import RayGrid
+
+_DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
+"""How far two depths of a shared point may differ: rays are coarse."""
+_QUERY, _PAIR = 1, 2
+"""Streams of luck. Zeros at its end leave a seed as it is: without these, a query's would be that of its pair with 0."""
+PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Real edges: how wrong each is, and what it says of itself."""
+
+    error: Float64[np.ndarray, "n 6"]
+    """`log` of the motion from the true to the measured relative pose, rotation first [rad, m]."""
+    covariance: Float64[np.ndarray, "n 6 6"]
+    inliers: Int[np.ndarray, "n"]
+
+
+@dataclass(frozen=True, eq=False)
+class LoopModel:
+    """Which candidates verification confirms, and what it measures."""
+
+    weights: Float64[np.ndarray, "predictors"]
+    """Of `PREDICTORS`, for the log odds of a true edge."""
+    query_share: float
+    """Share of chance that all candidates of one query have in common, in [0, 1)."""
+    false_rate: float
+    """Of candidates without a true edge, those that get a false one."""
+    true_edges: Measured
+    false_edges: Measured
+    """May be empty: then `false_rate` is 0."""
+
+    def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:
+        """Chance of a true edge. Where nothing is seen by both there is none."""
+        shared = predictors[..., PREDICTORS.index("covisibility")] > 0.0
+        return np.asarray(np.where(shared, expit(predictors @ self.weights), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What a keyframe truly is: where its camera was, and how far its rays went."""
+
+    T_W_B: Pose
+    T_W_C: Pose
+    depth: Float32[np.ndarray, "columns rows"]
+
+
+def predictors(first: Sight, second: Sight, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
+    """What decides on the verification of two views."""
+    shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
+    relative = between(first.T_W_B, second.T_W_B)
+    return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
+
+
+def _seen_by(viewer: Sight, other: Sight, grid: RayGrid) -> float:
+    """Share of the other's points that the viewer sees, too."""
+    z = np.where(np.isfinite(other.depth), other.depth, 0.0).astype(float)
+    points = np.stack([grid.x[:, None] * z, grid.y[None] * z, z], axis=-1)[z > 0.0]
+    local = transform(inverse(viewer.T_W_C) @ other.T_W_C, points)
+    local = local[local[:, 2] > _DEPTH_M]
+    at = local[:, :2] / local[:, 2:]
+    first, step = np.array([grid.x[0], grid.y[0]]), np.array([grid.x[1] - grid.x[0], grid.y[1] - grid.y[0]])
+    ray = np.rint((at - first) / step).astype(int)
+    inside = ((ray >= 0) & (ray < viewer.depth.shape)).all(axis=1)
+    met = viewer.depth[tuple(ray[inside].T)]
+    depth = local[inside, 2]
+    return float(np.count_nonzero(np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)) / z.size
+
+
+class CovisibilityVerifier:
+    """A `lexis.verification.Verifier` that knows the truth. Its word on a pair depends on that pair and the seed alone."""
+
+    def __init__(self, model: LoopModel, sight_of: Callable[[int], Sight], grid: RayGrid, seed: int) -> None:
+        """`sight_of` tells what an observation, by its index, truly was."""
+        self._model, self._sight_of, self._grid, self._seed = model, sight_of, grid, seed
+
+    def __call__(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> list[LoopEdge]:
+        """Edges to candidates that would be verified, as far as the odometry allows."""
+        edges = [self._edge(query, graph.keyframes[match]) for match in candidates]
+        return admitted([edge for edge in edges if edge is not None], graph, config)
+
+    def _edge(self, query: Keyframe, match: Keyframe) -> LoopEdge | None:
+        seen, before = self._sight_of(query.observation_index), self._sight_of(match.observation_index)
+        chance = float(self._model.probability(predictors(before, seen, self._grid)))
+        common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
+        rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
+        share = self._model.query_share
+        luck = np.sqrt(share) * common + np.sqrt(1.0 - share) * rng.standard_normal()
+        if luck < ndtri(chance):
+            pool = self._model.true_edges
+        elif rng.random() < self._model.false_rate:
+            pool = self._model.false_edges
+        else:
+            return None
+        drawn = int(rng.integers(len(pool.inliers)))
+        measured = between(before.T_W_B, seen.T_W_B) @ exp(pool.error[drawn])
+        return LoopEdge(query.id, match.id, measured, pool.covariance[drawn], int(pool.inliers[drawn]))
+
+
+def fit_logistic(
+    inputs: Float64[np.ndarray, "n p"], outcome: Float[np.ndarray, "n"], ridge: float = 1e-3
+) -> Float64[np.ndarray, "p"]:
+    """Logistic regression by Newton's method."""
+    weights = np.zeros(inputs.shape[1])
+    for _ in range(50):
+        chance = expit(inputs @ weights)
+        gradient = inputs.T @ (outcome - chance) - ridge * weights
+        hessian = (inputs * (chance * (1.0 - chance))[:, None]).T @ inputs + ridge * np.eye(len(weights))
+        step = np.linalg.solve(hessian, gradient)
+        weights = weights + step
+        if np.abs(step).max() < 1e-8:
+            break
+    return weights

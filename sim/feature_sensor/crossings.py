@@ -1,0 +1,91 @@
+"""In the plan: which columns of which cameras cross which blocks, and from what depth to what depth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float32, Int
+
+from sim.feature_sensor.ray_origins import Eyes, RayGrid
+from sim.feature_sensor.surroundings import Blocks
+
+NEAR_M = 0.05
+"""What is nearer is not seen: the camera is inside it."""
+FAR_M = np.float32(200.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """A row for every block that a column crosses, ordered by camera and column."""
+
+    camera: Int[np.ndarray, "h"]
+    column: Int[np.ndarray, "h"]
+    block: Int[np.ndarray, "h"]
+    near: Float32[np.ndarray, "h"]
+    """Depth at which the column's line enters the block [m]."""
+    far: Float32[np.ndarray, "h"]
+    """And at which it leaves it."""
+
+
+class Plan:
+    """Blocks seen from above."""
+
+    def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
+        """Nothing is seen behind blocks that are `tall`."""
+        self._blocks, self._tall, self._grid = blocks, tall, grid
+        self._corners = _corners(blocks)
+        self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)
+
+    def cross(self, eyes: Eyes) -> Crossings:
+        """What the columns of cameras cross, up to the first tall block."""
+        camera, block, first, count = self._spanned(eyes)
+        pair = np.repeat(np.arange(len(camera)), count)
+        column = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count - first, count)
+        camera, block = camera[pair], block[pair]
+        near, far = self._through(block, eyes.place[camera], eyes.lines[camera, column])
+        columns = len(self._grid.x)
+        ray = camera * columns + column
+        met = far > np.maximum(near, NEAR_M)
+        wall = np.full(len(eyes.place) * columns, FAR_M)
+        shut = met & self._tall[block] & (near > 0.0)
+        np.minimum.at(wall, ray[shut], near[shut])
+        kept = np.flatnonzero(met & (near <= wall[ray]))
+        kept = kept[np.argsort(ray[kept], kind="stable")]
+        return Crossings(camera[kept], column[kept], block[kept], np.maximum(near[kept], np.float32(0.0)), far[kept])
+
+    def _spanned(self, eyes: Eyes) -> tuple[Int[np.ndarray, "p"], ...]:
+        """(camera, block, first column, number of columns) of every block that may be in the image."""
+        offset = self._corners[None] - eyes.place[:, None, None]
+        depth = np.einsum("kbcj,kj->kbc", offset, eyes.ahead)
+        side = np.einsum("kbcj,kj->kbc", offset, eyes.right)
+        x, last = self._grid.x, len(self._grid.x) - 1
+        at = (side / np.maximum(depth, NEAR_M) - x[0]) / (x[1] - x[0])
+        beside = depth.min(axis=2) < NEAR_M  # reaches from before the camera to behind it: may be in any column
+        first = np.where(beside, 0, np.ceil(at.min(axis=2)).clip(0, last + 1)).astype(int)
+        end = np.where(beside, last, np.floor(at.max(axis=2)).clip(-1, last)).astype(int)
+        seen = (depth.max(axis=2) > NEAR_M) & (end >= first)
+        camera, block = np.nonzero(seen)
+        return camera, block, first[seen], (end - first + 1)[seen]
+
+    def _through(
+        self, block: Int[np.ndarray, "h"], place: Float32[np.ndarray, "h 2"], line: Float32[np.ndarray, "h 2"]
+    ) -> tuple[Float32[np.ndarray, "h"], Float32[np.ndarray, "h"]]:
+        """Depths at which lines enter and leave the sides of blocks; entered after left where they miss."""
+        cos, sin = (values[block] for values in self._axes)
+        offset, half = place - self._blocks.centre[block], self._blocks.half[block]
+        near, far = np.full(len(block), -np.inf, np.float32), np.full(len(block), np.inf, np.float32)
+        for axis, (a, b) in enumerate(((cos, sin), (-sin, cos))):
+            start = a * offset[:, 0] + b * offset[:, 1]
+            along = a * line[:, 0] + b * line[:, 1]
+            along = np.where(np.abs(along) < 1e-9, np.float32(1e-9), along)
+            middle, reach = -start / along, np.abs(half[:, axis] / along)
+            near, far = np.maximum(near, middle - reach), np.minimum(far, middle + reach)
+        return near, far
+
+
+def _corners(blocks: Blocks) -> Float32[np.ndarray, "b 4 2"]:
+    cos, sin = np.cos(blocks.yaw), np.sin(blocks.yaw)
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float32)
+    local = signs[None] * blocks.half[:, None]
+    x = cos[:, None] * local[..., 0] - sin[:, None] * local[..., 1]
+    y = sin[:, None] * local[..., 0] + cos[:, None] * local[..., 1]
+    return np.asarray(blocks.centre[:, None] + np.stack([x, y], axis=-1), np.float32)

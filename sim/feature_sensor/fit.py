@@ -1,0 +1,53 @@
+"""`fit_features`: a feature model of any encoder, from renders of a few houses."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lexis.perception import Encoder
+from sim.feature_sensor.covisibility_verifier import LoopModel, Measured
+from sim.feature_sensor.fit_embedding import fit_embedding
+from sim.feature_sensor.fit_loops import fit_loops, joined, try_verification
+from sim.feature_sensor.fit_samples import choices, sample
+from sim.feature_sensor.model import FeatureModel, fingerprint
+from sim.training.houses import HouseDraw
+
+FIRST_SEED = 600
+"""Of the houses that are fitted to: development seeds."""
+HOUSES, FRAMES = 72, 40
+WALKS = (
+    HouseDraw("apartment", 690), HouseDraw("uh2-apt", 691), HouseDraw("apartment", 692, openness=0.4),
+)  # fmt: skip
+"""That loops are fitted to."""
+_KEPT = 400
+"""Real edges that a model remembers."""
+_WALK_SHARE = 0.4
+"""Of the time that fitting takes."""
+
+
+def fit_features(
+    encoder: Encoder, houses: int = HOUSES, walks: int = len(WALKS), progress: Callable[[float], None] = lambda share: None
+) -> FeatureModel:
+    """Fit to frames of `houses` houses and to the loops of `walks` walks; the same arguments give the same model."""
+    trials = []
+    for i, choice in enumerate(WALKS[:walks]):
+        trials.append(try_verification(choice, encoder, seed=0))
+        progress(_WALK_SHARE * (i + 1) / walks)
+    samples = []
+    for i, choice in enumerate(choices(houses, FIRST_SEED)):
+        samples.append(sample(choice, encoder, FRAMES))
+        progress(_WALK_SHARE + (1.0 - _WALK_SHARE) * (i + 1) / houses)
+    return FeatureModel(fingerprint(encoder), fit_embedding(samples, encoder), _compact(fit_loops(joined(trials))))
+
+
+def _compact(model: LoopModel) -> LoopModel:
+    return LoopModel(
+        model.weights, model.query_share, model.false_rate, _thinned(model.true_edges), _thinned(model.false_edges)
+    )
+
+
+def _thinned(edges: Measured) -> Measured:
+    """Evenly chosen ones, no more than are kept."""
+    count = len(edges.inliers)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _KEPT)).astype(int)) if count else np.zeros(0, int)
+    return Measured(edges.error[chosen], edges.covariance[chosen], edges.inliers[chosen])

@@ -1,0 +1,170 @@
+"""The loop model that fits real verification: LEXIS on renders of a few walks, its candidates and others beside them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.special import ndtr, ndtri
+
+from lexis.config import Config
+from lexis.evaluation.loops import true_edges
+from lexis.maths.se3 import between, log
+from lexis.perception import Encoder
+from lexis.slam import Slam
+from lexis.types import Camera, LexisMap, LoopEdge
+from lexis.verification import Locator
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, Measured, Sight, fit_logistic, predictors
+from sim.feature_sensor.ray_origins import RayGrid
+from sim.feature_sensor.surroundings import survey
+from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
+from sim.odometry.config import PRESETS
+from sim.odometry.simulation import tour_odometry
+from sim.render.camera import wide_camera
+from sim.session import Session
+from sim.tours.tour import TourConfig, plan_tour
+from sim.training.houses import HouseDraw
+from worlds.house import build_house
+from worlds.walkable import Walkable
+
+_FRAME_RATE_HZ = 3.5
+"""A frame every 0.2 m: enough for keyframes and for those that support them."""
+_OTHERS = 4
+"""Keyframes within `_OTHERS_M` that are tried per keyframe besides LEXIS's candidates."""
+_OTHERS_M = 4.0
+_GAP = 20
+"""Keyframes between those."""
+_LAGS = 9
+"""Pairs of one query follow each other: from every one to the next eight."""
+_NODES = 21
+"""Of the quadrature over a query's luck."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """Pairs of keyframes that verification was tried on."""
+
+    query: Int[np.ndarray, "n"]
+    """Tells queries apart, over all walks."""
+    predictors: Float64[np.ndarray, "n predictors"]
+    is_true: Bool[np.ndarray, "n"]
+    """It was confirmed, and truly."""
+    is_false: Bool[np.ndarray, "n"]
+    true_edges: Measured
+    false_edges: Measured
+
+
+def fit_loops(trials: Trials) -> LoopModel:
+    """The model that fits trials."""
+    model = LoopModel(
+        fit_logistic(trials.predictors, trials.is_true.astype(float)),
+        0.0,
+        float(trials.is_false.sum() / max(1, (~trials.is_true).sum())),
+        trials.true_edges,
+        trials.false_edges,
+    )
+    share = _query_share(model.probability(trials.predictors), trials.is_true, trials.query)
+    return LoopModel(model.weights, share, model.false_rate, model.true_edges, model.false_edges)
+
+
+def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
+    """Map a walk on renders; then verify what was proposed, and other pairs that are near each other."""
+    camera, config = camera or wide_camera(), Config()
+    house = build_house(choice.spec())
+    rng = np.random.default_rng((choice.seed, seed))
+    tour = plan_tour(house, Walkable(house), rng, TourConfig(frame_rate_hz=_FRAME_RATE_HZ))
+    session = Session(house, tour, tour_odometry(tour, PRESETS["multicam"], rng), camera)
+    slam = Slam(camera, encoder, house.spec.room_labels, config)
+    for observation, _ in session:
+        slam.process(observation)
+    mapped = slam.finish()
+    poses = tour.T_W_B[[keyframe.observation_index for keyframe in mapped.keyframes]]
+    views = look(survey(house), poses, camera)
+    sights = [Sight(T, T @ camera.T_B_C, depth) for T, depth in zip(poses, views.hits.depth, strict=True)]
+    return _tried(mapped, _pairs(mapped, poses, rng), sights, camera, config)
+
+
+def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random.Generator) -> list[tuple[int, list[int]]]:
+    pairs = []
+    for query, candidates in mapped.candidates:
+        distance = np.linalg.norm(poses[: max(query - _GAP, 0), :3, 3] - poses[query, :3, 3], axis=1)
+        near = np.flatnonzero(distance < _OTHERS_M)
+        others = rng.choice(near, min(_OTHERS, len(near)), replace=False).tolist()
+        pairs.append((query, [*candidates, *(match for match in others if match not in candidates)]))
+    return pairs
+
+
+def _tried(
+    mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[Sight], camera: Camera, config: Config
+) -> Trials:
+    grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
+    queries, rows, edges = [], [], []
+    for query, matches in pairs:
+        locator = Locator(mapped.keyframes[query], mapped.keyframes, camera, config.verification)
+        for match in matches:
+            queries.append(query)
+            rows.append(predictors(sights[match], sights[query], grid))
+            edges.append(locator.from_match(match))
+    truth = np.array([sight.T_W_B for sight in sights])
+    found = np.array([edge is not None for edge in edges], bool)
+    confirmed = [edge for edge in edges if edge is not None]
+    right = _are_true(confirmed, truth)
+    is_true = found.copy()
+    is_true[found] = right
+    errors = [log(between(between(truth[edge.match], truth[edge.query]), edge.T_match_query)) for edge in confirmed]
+    return Trials(
+        np.array(queries, int),
+        np.array(rows).reshape(-1, len(PREDICTORS)),
+        is_true,
+        found & ~is_true,
+        _measured(confirmed, errors, np.flatnonzero(right)),
+        _measured(confirmed, errors, np.flatnonzero(~right)),
+    )
+
+
+def _are_true(edges: Sequence[LoopEdge], truth: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, "edges"]:
+    query, match = (np.array([getattr(edge, end) for edge in edges], int) for end in ("query", "match"))
+    measured = np.array([edge.T_match_query for edge in edges]).reshape(-1, 4, 4)
+    return true_edges(query, match, measured, truth)
+
+
+def _measured(edges: Sequence[LoopEdge], errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]) -> Measured:
+    return Measured(
+        np.array([errors[i] for i in rows]).reshape(-1, 6),
+        np.array([edges[i].covariance for i in rows]).reshape(-1, 6, 6),
+        np.array([edges[i].inliers for i in rows], int),
+    )
+
+
+def joined(parts: Sequence[Trials]) -> Trials:
+    """The trials of several walks."""
+    first = np.cumsum([0, *(int(part.query.max(initial=-1)) + 1 for part in parts)])
+    return Trials(
+        np.concatenate([part.query + offset for part, offset in zip(parts, first, strict=False)]),
+        np.concatenate([part.predictors for part in parts]),
+        np.concatenate([part.is_true for part in parts]),
+        np.concatenate([part.is_false for part in parts]),
+        _pooled([part.true_edges for part in parts]),
+        _pooled([part.false_edges for part in parts]),
+    )
+
+
+def _pooled(parts: Sequence[Measured]) -> Measured:
+    return Measured(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("error", "covariance", "inliers"))
+    )
+
+
+def _query_share(chance: Float64[np.ndarray, "n"], outcome: Bool[np.ndarray, "n"], query: Int[np.ndarray, "n"]) -> float:
+    """The shared part of luck at which two candidates of a query succeed together as often as they did."""
+    pairs = [(i, i + lag) for lag in range(1, _LAGS) for i in np.flatnonzero(query[lag:] == query[:-lag]).tolist()]
+    a, b = np.array(pairs, int).reshape(-1, 2).T
+    both = float((outcome[a] & outcome[b]).mean()) if len(a) else 0.0
+    nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
+    level = ndtri(np.clip(chance, 1e-9, 1 - 1e-9))
+    shares = np.linspace(0.0, 0.95, 20)
+    expected = []
+    for share in shares:
+        given = ndtr((level[:, None] - np.sqrt(share) * nodes) / np.sqrt(1.0 - share))
+        expected.append(float(np.mean((given[a] * given[b]) @ weights) / weights.sum()) if len(a) else 0.0)
+    return float(shares[np.argmin(np.abs(np.array(expected) - both))])

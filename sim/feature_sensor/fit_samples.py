@@ -1,0 +1,70 @@
+"""What feature models are fitted to: walks through houses, what the cameras truly see, and what the encoder makes of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int
+
+from lexis.perception import Encoder
+from lexis.types import Camera
+from sim.feature_sensor.surroundings import Surroundings, survey
+from sim.feature_sensor.visible_shares import Views, look
+from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.scene import build_scene
+from sim.tours.tour import Tour, TourConfig, plan_tour
+from sim.training.houses import HouseDraw
+from worlds.house import House, build_house
+from worlds.truth import room_at
+from worlds.walkable import Walkable
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Frames of a walk through one house."""
+
+    around: Surroundings
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    views: Views
+    embeddings: Float32[np.ndarray, "n d"]
+    """Of the rendered images."""
+
+    @property
+    def true_labels(self) -> Int[np.ndarray, "n"]:
+        """Index into the house's room labels of the room that holds the camera."""
+        house = self.around.house
+        labels = house.spec.room_labels
+        return np.array([labels.index(house.rooms[i].label) for i in room_at(house, self.T_W_B[:, :3, 3])], int)
+
+
+def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
+    """A mixture of families, openness and clutter; every house has a seed of its own, from `first_seed` on."""
+    presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
+    openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
+    return tuple(
+        HouseDraw(
+            presets[i % len(presets)],
+            first_seed + i,
+            openness=openness[i % len(openness)],
+            clutter=clutter[i % len(clutter)],
+        )
+        for i in range(houses)
+    )
+
+
+def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
+    """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
+    camera = camera or wide_camera()
+    house = build_house(choice.spec())
+    tour = tour_through(house, choice.seed)
+    poses = tour.T_W_B[np.unique(np.linspace(0, len(tour.stamps) - 1, frames).astype(int))]
+    around = survey(house)
+    k = camera.intrinsics
+    scene = build_scene(house, (k.width, k.height), fovy_deg(k))
+    with CameraRenderer(scene, camera) as renderer:
+        embeddings = np.stack([encoder.encode_image(renderer.rgb(T_W_B)) for T_W_B in poses])
+    return Sample(around, poses, look(around, poses, camera), embeddings)
+
+
+def tour_through(house: House, seed: int, kind: str = "rooms") -> Tour:
+    """The tour that samples and benchmarks of a house take."""
+    return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))

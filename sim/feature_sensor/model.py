@@ -1,0 +1,163 @@
+"""`FeatureModel`: all that is fitted of the feature sensor, and its file. Nothing is ever unpickled."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32, Float64
+
+from lexis.files.arrays import Layout, read_arrays
+from lexis.files.reading import FileKind
+from lexis.files.replace import replaced_file
+from lexis.inputs import usable_covariances
+from lexis.perception import Encoder
+from sim.errors import SimError
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, Measured
+from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
+from sim.feature_sensor.visible_shares import SIZE
+
+MINI_FEATURES = Path(__file__).parent / "mini.npz"
+"""Fitted to the encoder that ships with the package."""
+_FILE = FileKind(
+    "a file of 'lexis-sim fit-features'",
+    100_000_000,
+    SimError,
+    missing="no feature model there",
+    unusable="no feature model",
+)
+
+
+def _edges(name: str) -> Layout:
+    return {
+        f"loops.{name}.error": ("f4", (name, 6)),
+        f"loops.{name}.covariance": ("f4", (name, 6, 6)),
+        f"loops.{name}.inliers": ("i8", (name,)),
+    }
+
+
+_LAYOUT: Layout = {
+    "fingerprint": ("f4", ("probes", "d")),
+    "embedding.weights": ("f2", ("size", "d")),
+    "embedding.offset": ("f4", ("d",)),
+    "embedding.errors": ("f4", ("k", "d")),
+    "embedding.kernels": ("f4", ("kernels",)),
+    "loops.weights": ("f4", ("predictors",)),
+    "loops.query_share": ("f4", ()),
+    "loops.false_rate": ("f4", ()),
+    **_edges("true_edges"),
+    **_edges("false_edges"),
+}
+_MOST = 1e6
+"""Largest of the values that embeddings and errors are drawn from: those of real models are below 100."""
+_SAME = 0.999
+"""Least cosine of fingerprints of one encoder: on other machines it rounds differently."""
+_PROBES = ("kitchen", "bedroom", "corridor")
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureModel:
+    """What stands for images and their encoder."""
+
+    fingerprint: Float32[np.ndarray, "probes d"]
+    """`fingerprint` of the encoder that it was fitted to."""
+    embedding: EmbeddingModel
+    loops: LoopModel
+
+    def check(self, encoder: Encoder, source: str) -> None:
+        """Raise `SimError` unless this model, read from `source`, was fitted to that encoder."""
+        own = fingerprint(encoder)
+        if own.shape != self.fingerprint.shape or (own * self.fingerprint).sum(axis=1).min() < _SAME:
+            raise SimError(
+                f"{source} was fitted to another encoder than {encoder.name!r}, or to other weights of it; "
+                f"fit it anew: lexis-sim fit-features --encoder {encoder.name} --out FILE"
+            )
+
+
+def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
+    """What an encoder makes of a few texts and of one image: tells encoders apart, however their weights are kept."""
+    ramp = np.linspace(0.0, 255.0, 64)
+    image = np.stack(
+        [np.broadcast_to(ramp, (48, 64)), np.broadcast_to(ramp[::-1], (48, 64)), np.full((48, 64), 90.0)], axis=-1
+    )
+    return np.concatenate([encoder.encode_rooms(_PROBES), encoder.encode_image(image.astype(np.uint8))[None]])
+
+
+def save_features(model: FeatureModel, path: Path) -> None:
+    """Write a model, in single precision; the weights in half. Raises `LexisError` where that cannot be."""
+    arrays = _flat(model)
+    arrays["embedding.weights"] = arrays["embedding.weights"].astype(np.float16)
+    with replaced_file(path) as file, file.open("wb") as stream:
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
+
+
+def load_features(path: Path) -> FeatureModel:
+    """Read a model that `save_features` has written. Raises `SimError` for anything else."""
+    arrays = read_arrays(path, _FILE, _LAYOUT, packed=True)
+    if not all(np.isfinite(array).all() for array in arrays.values()):
+        raise _FILE.refusal(path, "it has values that are not finite")
+    model = _built(arrays)
+    if problem := _problem(model):
+        raise _FILE.refusal(path, problem)
+    return model
+
+
+def _flat(model: FeatureModel) -> dict[str, np.ndarray]:
+    arrays = {"fingerprint": model.fingerprint}
+    arrays |= {f"embedding.{f.name}": getattr(model.embedding, f.name) for f in fields(EmbeddingModel)}
+    arrays |= {f"loops.{name}": np.asarray(getattr(model.loops, name)) for name in ("weights", "query_share", "false_rate")}
+    for name in ("true_edges", "false_edges"):
+        edges = getattr(model.loops, name)
+        arrays |= {f"loops.{name}.{f.name}": getattr(edges, f.name) for f in fields(Measured)}
+    return {name: array.astype(np.float32) if array.dtype == float else array for name, array in arrays.items()}
+
+
+def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
+    edges = {
+        name: Measured(
+            arrays[f"loops.{name}.error"].astype(float),
+            arrays[f"loops.{name}.covariance"].astype(float),
+            arrays[f"loops.{name}.inliers"].astype(int),
+        )
+        for name in ("true_edges", "false_edges")
+    }
+    loops = LoopModel(
+        arrays["loops.weights"].astype(float), float(arrays["loops.query_share"]), float(arrays["loops.false_rate"]), **edges
+    )
+    embedding = EmbeddingModel(
+        arrays["embedding.weights"].astype(np.float32),
+        arrays["embedding.offset"].astype(np.float32),
+        arrays["embedding.errors"].astype(np.float32),
+        arrays["embedding.kernels"].astype(float),
+    )
+    return FeatureModel(arrays["fingerprint"].astype(np.float32), embedding, loops)
+
+
+def _problem(model: FeatureModel) -> str | None:
+    """The reason why the parts of a model do not fit each other or this version; None where they fit."""
+    wanted = (SIZE, len(model.embedding.offset)), (len(KERNELS),), (len(PREDICTORS),)
+    found = model.embedding.weights.shape, model.embedding.kernels.shape, model.loops.weights.shape
+    if wanted != found:
+        return f"its arrays are {found}, those of this version {wanted}; fit it anew"
+    loops = model.loops
+    if not (0.0 <= loops.query_share < 1.0 and 0.0 <= loops.false_rate <= 1.0 and (model.embedding.kernels >= 0.0).all()):
+        return "its shares and rates are not all between 0 and 1"
+    if not len(loops.true_edges.inliers) or (loops.false_rate > 0.0 and not len(loops.false_edges.inliers)):
+        return "it has no edges to draw from"
+    edges = np.concatenate([loops.true_edges.covariance, loops.false_edges.covariance])
+    if not (usable_covariances(edges).all() and np.abs(_drawn_from(model)).max() <= _MOST):
+        return "its edges have no covariances, or its values are too large"
+    return None
+
+
+def _drawn_from(model: FeatureModel) -> Float64[np.ndarray, "n"]:
+    """All values that embeddings and errors are drawn from, in a row."""
+    embedding, loops = model.embedding, model.loops
+    parts = (
+        embedding.weights,
+        embedding.offset,
+        embedding.errors,
+        loops.weights,
+        loops.true_edges.error,
+        loops.false_edges.error,
+    )
+    return np.concatenate([np.ravel(part).astype(float) for part in parts])

@@ -1,0 +1,125 @@
+"""Rays from cameras to the nearest surface, for many cameras at once, in numpy and without pixels.
+
+Cameras stand upright, so that all rays of an image column stand over one line in the plan. What that line crosses is found
+in the plan (2-D, `crossings`), and only then how high each ray of the column is there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Int
+
+from lexis.types import Poses
+from sim.feature_sensor.crossings import FAR_M, NEAR_M, Crossings, Plan
+from sim.feature_sensor.ray_origins import Eyes, RayGrid, eyes_at
+from sim.feature_sensor.surroundings import SURFACES, Surroundings
+from worlds.labels import STAIRS
+from worlds.truth import NOWHERE, floor_at, room_at
+
+WALL, FLOOR, CEILING = range(len(SURFACES))
+_NUDGE_M = 0.02
+"""Towards the camera, when the room of a hit is looked up: a wall's face is half a wall away from where rooms meet."""
+_RANK = 0xFF
+"""Bits of a depth that make way for which of the blocks in a column it belongs to: 3e-5 of it."""
+_CHUNK = 48
+"""Cameras at once: their arrays should fit into the cache."""
+_TOLERANCE_M = 0.01
+_TALL_M = 20.0
+"""Outdoors nothing is tall."""
+
+Depths = Float32[np.ndarray, "k columns rows"]
+Rows = Int[np.ndarray, "k columns rows"]
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """What rays meet first."""
+
+    depth: Float32[np.ndarray, "n columns rows"]
+    """Along the optical axis [m]; infinite where there is nothing."""
+    thing: Int[np.ndarray, "n columns rows"]
+    """Row of `Surroundings.names`, or `NOWHERE`."""
+
+
+def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
+    """Cast the rays of cameras at `T_W_C`; those in no room see nothing."""
+    n, shape = len(T_W_C), (len(grid.x), len(grid.y))
+    hits = Hits(np.full((n, *shape), np.inf, np.float32), np.full((n, *shape), NOWHERE))
+    rooms, storeys = room_at(around.house, T_W_C[:, :3, 3]), floor_at(around.house, T_W_C[:, :3, 3])
+    for room in np.unique(rooms[rooms != NOWHERE]).tolist():
+        caster = _Caster(around, room, grid)
+        members = np.flatnonzero(rooms == room)
+        for start in range(0, len(members), _CHUNK):
+            rows = members[start : start + _CHUNK]
+            hits.depth[rows], hits.thing[rows] = caster.cast(eyes_at(T_W_C[rows], storeys[rows], grid))
+    return hits
+
+
+class _Caster:
+    """Casts from within one room: only blocks that reach into its height can be met."""
+
+    def __init__(self, around: Surroundings, room: int, grid: RayGrid) -> None:
+        own, house = around.house.rooms[room], around.house
+        low, high = own.floor_m, np.inf if own.outdoor else own.ceiling_m
+        z = around.blocks.z
+        self._around, self._shape = around, (len(grid.x), len(grid.y))
+        self._blocks = around.blocks[(z[:, 0] < high - _TOLERANCE_M) & (z[:, 1] > low + _TOLERANCE_M)]
+        low_enough = self._blocks.z[:, 0] < low + _TOLERANCE_M
+        tall = low_enough & (self._blocks.z[:, 1] > min(high, low + _TALL_M) - _TOLERANCE_M)
+        self._plan = Plan(self._blocks, tall, grid)
+        # On stairs, the storey that the camera is on has floor and ceiling; elsewhere it is the room.
+        levels = [(s.floor_m, s.ceiling_m) if own.label == STAIRS else (low, high) for s in house.storeys]
+        self._levels = np.array(levels, np.float32)
+        self._open_above = np.array([each.outdoor for each in house.rooms] + [True])
+
+    def cast(self, eyes: Eyes) -> tuple[Depths, Rows]:
+        """Depths and things."""
+        depth, block = self._nearest(eyes, self._plan.cross(eyes))
+        return self._with_levels(eyes, depth, block)
+
+    def _nearest(self, eyes: Eyes, crossed: Crossings) -> tuple[Depths, Rows]:
+        """Depth of the first block on every ray, and which it is (-1: none)."""
+        depth = np.full((len(eyes.place), *self._shape), np.inf, np.float32)
+        block = np.full(depth.shape, -1)
+        if not len(crossed.block):
+            return depth, block
+        ray = crossed.camera * self._shape[0] + crossed.column
+        starts = np.flatnonzero(np.diff(ray, prepend=-1))
+        rank = np.arange(len(ray)) - np.repeat(starts, np.diff(starts, append=len(ray)))
+        rank = np.minimum(rank, _RANK).astype(np.int32)
+        # Positive floats are ordered as their bits are: one minimum finds the depth and whose it is.
+        packed = np.minimum.reduceat(self._entered(eyes, crossed).view(np.int32) & ~_RANK | rank[:, None], starts)
+        found = (packed & ~_RANK).view(np.float32)
+        met = found < 0.99 * FAR_M
+        rows = crossed.camera[starts], crossed.column[starts]
+        depth[rows] = np.where(met, found, np.inf)
+        block[rows] = np.where(met, crossed.block[starts[:, None] + (packed & _RANK)], -1)
+        return depth, block
+
+    def _entered(self, eyes: Eyes, crossed: Crossings) -> Float32[np.ndarray, "h rows"]:
+        """Depth at which every ray of a column enters a block that the column crosses; `FAR_M` where it passes by."""
+        camera = crossed.camera
+        rise = self._blocks.z[crossed.block] - eyes.height[camera, None]
+        level = rise[:, :, None] / eyes.slope[camera, None, :]
+        enter = np.maximum(level.min(axis=1), crossed.near[:, None])
+        met = (enter <= np.minimum(level.max(axis=1), crossed.far[:, None])) & (enter > NEAR_M)
+        return np.where(met, enter, FAR_M)
+
+    def _with_levels(self, eyes: Eyes, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
+        """Floors and ceilings where nothing is before them; then things instead of blocks."""
+        floor, ceiling = self._levels[eyes.storey].T
+        down = eyes.slope < 0.0
+        level = np.where(down, floor[:, None], ceiling[:, None])
+        plane = np.maximum((level - eyes.height[:, None]) / eyes.slope, np.float32(NEAR_M))[:, None, :]
+        on_plane = plane < depth
+        depth = np.minimum(depth, plane)
+        reach = np.minimum(depth, FAR_M) - np.float32(_NUDGE_M)
+        places = eyes.place[:, None, None] + reach[..., None] * eyes.lines[:, :, None]
+        room = self._around.rooms_at.at(eyes.storey[:, None, None], places)
+        surface = np.where(on_plane, np.where(down, FLOOR, CEILING)[:, None], WALL)
+        thing = np.where(room == NOWHERE, NOWHERE, len(SURFACES) * room + surface)
+        if len(self._blocks.thing):
+            of_block = np.where(on_plane | (block < 0), NOWHERE, self._blocks.thing[block])
+            thing = np.where(of_block == NOWHERE, thing, of_block)
+        sky = (on_plane & ~down[:, None] & self._open_above[room]) | ~np.isfinite(depth)
+        return np.where(sky, np.float32(np.inf), depth), np.where(sky, NOWHERE, thing)

@@ -1,0 +1,153 @@
+"""A house as upright blocks with names: what rays of the feature sensor meet, and what their hits count for."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float32, Int
+
+from worlds.furniture.catalogue import CATALOGUE
+from worlds.house import House
+from worlds.labels import ROOM_LABELS
+from worlds.truth import NOWHERE
+from worlds.visuals.house_visuals import STAIRS_OBJECT
+from worlds.visuals.materials import PATTERNS
+from worlds.visuals.surface_textures import finishes
+from worlds.visuals.surfaces import rectangles
+
+SURFACES = ("wall", "floor", "ceiling")
+OBJECTS = (*sorted(CATALOGUE), "door", "window", STAIRS_OBJECT)
+KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
+"""What a thing can be by its looks: an object, or a surface of the pattern that its room is finished in. That the appearance
+of a house asks for another `texture` is not seen."""
+CELL_M = 0.05
+"""Of the map that tells the room of a place."""
+_LEAST_M = 0.08
+"""Objects smaller than this in every direction are left out [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Upright boxes, one row each; all in W [m, rad]."""
+
+    centre: Float32[np.ndarray, "b 2"]
+    half: Float32[np.ndarray, "b 2"]
+    """Half the width and depth, along the box's own axes."""
+    yaw: Float32[np.ndarray, "b"]
+    z: Float32[np.ndarray, "b 2"]
+    """Lower and upper end."""
+    thing: Int[np.ndarray, "b"]
+    """Row of `Surroundings.names`; `NOWHERE` for walls, which count for the room that they are seen from."""
+
+    def __getitem__(self, rows: np.ndarray) -> "Blocks":
+        return Blocks(self.centre[rows], self.half[rows], self.yaw[rows], self.z[rows], self.thing[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Everything that can be seen of a house, by name: three surfaces of every room, then the objects."""
+
+    house: House
+    names: tuple[str, ...]
+    """As in `sim.render.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
+    kind: Int[np.ndarray, "things"]
+    """Index into `KINDS`."""
+    colour: Float32[np.ndarray, "rooms surfaces 3"]
+    """Of every room's surfaces, RGB in [0, 1]."""
+    room: Int[np.ndarray, "things"]
+    """Index into `House.rooms` of the room that each belongs to."""
+    blocks: Blocks
+
+    @cached_property
+    def labels(self) -> Int[np.ndarray, "rooms"]:
+        """Index into `ROOM_LABELS` of every room."""
+        return np.array([ROOM_LABELS.index(room.label) for room in self.house.rooms])
+
+    @cached_property
+    def rooms_at(self) -> "RoomMap":
+        """Which room is where."""
+        return RoomMap.of(self.house)
+
+
+def survey(house: House) -> Surroundings:
+    """The surroundings that a house is."""
+    index = {room.id: i for i, room in enumerate(house.rooms)}
+    rows = [*_walls(house), *_objects(house)]
+    # By name: all flights of stairs are one object, as they are when rendered.
+    objects = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
+    finish = finishes(house)
+    covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
+    surfaces = [(f"{room}/{surface}", f"{pattern} {surface}", room) for room, surface, (pattern, _) in covered]
+    things = [*surfaces, *objects.values()]
+    colour = np.array([shade for _, _, (_, shade) in covered], np.float32).reshape(-1, len(SURFACES), 3)
+    row_of = {name: i for i, (name, _, _) in enumerate(things)}
+    kinds = {kind: i for i, kind in enumerate(KINDS)}
+    values = np.array([box for box, *_ in rows], np.float32).reshape(-1, 7)
+    thing = np.array([NOWHERE if name is None else row_of[name] for _, name, _, _ in rows], int)
+    return Surroundings(
+        house,
+        tuple(name for name, _, _ in things),
+        np.array([kinds[kind] for _, kind, _ in things]),
+        colour,
+        np.array([index[house.room_by_id[room].id] for _, _, room in things]),
+        Blocks(values[:, :2], values[:, 2:4], values[:, 4], values[:, 5:], thing),
+    )
+
+
+_Box = tuple[float, float, float, float, float, float, float]
+"""Centre, half extents, yaw, lower and upper end."""
+_Row = tuple[_Box, str | None, str, str]
+
+
+def _walls(house: House) -> Iterator[_Row]:
+    for wall in house.walls:
+        x0, y0, x1, y1 = wall.bounds
+        box = ((x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2, 0.0, wall.bottom_m, wall.top_m)
+        yield box, None, "", ""
+
+
+def _objects(house: House) -> Iterator[_Row]:
+    placed = (
+        *((piece, piece.kind, piece.room) for piece in house.furniture),
+        *((leaf, "door", leaf.into) for leaf in house.leaves),
+        *((window, "window", window.room) for window in house.windows),
+    )
+    for thing, kind, room in placed:
+        (x, y, z), (width, depth, height) = thing.position, thing.size
+        if max(thing.size) >= _LEAST_M:
+            yield (x, y, width / 2, depth / 2, thing.yaw, z, z + height), thing.id, kind, room
+    for flight in house.stairs:
+        for part in flight.parts:
+            (x, y, z), (width, depth, height) = part.centre, part.size
+            box = (x, y, width / 2, depth / 2, part.yaw, z - height / 2, z + height / 2)
+            yield box, STAIRS_OBJECT, STAIRS_OBJECT, flight.room
+
+
+@dataclass(frozen=True, eq=False)
+class RoomMap:
+    """The plan of every storey as a raster of `CELL_M`, with one cell of nothing around."""
+
+    cells: Int[np.ndarray, "storeys nx ny"]
+    """Index into `House.rooms`, or `NOWHERE`."""
+    origin: Float32[np.ndarray, "2"]
+
+    @staticmethod
+    def of(house: House) -> "RoomMap":
+        """Raster the rooms; stairs on all storeys that they join."""
+        bounds = np.array([room.polygon.bounds for room in house.rooms])
+        low, high = bounds[:, :2].min(axis=0) - CELL_M, bounds[:, 2:].max(axis=0) + CELL_M
+        size = np.ceil((high - low) / CELL_M).astype(int)
+        cells = np.full((len(house.storeys), *size), NOWHERE, np.int16)
+        for i, room in enumerate(house.rooms):
+            levels = [k for k, s in enumerate(house.storeys) if room.floor_m <= s.floor_m < room.ceiling_m]
+            for x0, y0, x1, y1 in rectangles(room.polygon):
+                a, b = (np.rint((np.array(corner) - low) / CELL_M).astype(int) for corner in ((x0, y0), (x1, y1)))
+                cells[levels, a[0] : b[0], a[1] : b[1]] = i
+        return RoomMap(cells, low.astype(np.float32))
+
+    def at(self, storey: Int[np.ndarray, "*#n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
+        """The room of each place in the plan of a storey, `NOWHERE` outside of all."""
+        place = np.clip((xy - self.origin) / np.float32(CELL_M), 0.0, np.array(self.cells.shape[1:]) - 1).astype(np.int32)
+        flat = (storey * self.cells.shape[1] + place[..., 0]) * self.cells.shape[2] + place[..., 1]
+        return np.asarray(self.cells.reshape(-1)[flat])

@@ -1,0 +1,83 @@
+"""What bodies bump into: a house as boxes, cylinders and ellipsoids, hidden beside the meshes that are seen."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from sim.render.gl import mujoco
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.parts import Part, Vector
+from worlds.stairs.build import Stairs
+from worlds.visuals.surfaces import rectangles
+
+GROUP = 3
+"""Of collision geoms; viewers hide it until asked."""
+_FLOOR_M = 0.1
+_LEAST_M = 1e-3
+_TYPES = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "cone": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "ball": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+}
+
+
+def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
+    """Add all that `add_ground` and `add_obstacles` add."""
+    add_ground(spec, house)
+    add_obstacles(spec, house)
+
+
+def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
+    """Add what one walks on, floors and stairs, to `spec` as static geoms, "<id>#<number>"."""
+    geoms = []
+    for room in house.rooms:
+        for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
+            geoms.append(_add_box(spec, f"{room.id}/floor#{i}", (x0, y0, room.floor_m - _FLOOR_M), (x1, y1, room.floor_m)))
+    for flight in house.stairs:
+        geoms += _add_parts(spec, _name(flight), flight.treads + flight.floors, (0.0, 0.0, 0.0), 0.0)
+    return geoms
+
+
+def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
+    """Add walls, railings, doors as they stand and solid furniture likewise."""
+    geoms = []
+    for i, wall in enumerate(house.walls):
+        x0, y0, x1, y1 = wall.bounds
+        geoms.append(_add_box(spec, f"wall#{i}", (x0, y0, wall.bottom_m), (x1, y1, wall.top_m)))
+    for flight in house.stairs:
+        geoms += _add_parts(spec, f"{_name(flight)}/railing", flight.railing, (0.0, 0.0, 0.0), 0.0)
+    for thing in (*house.leaves, *(piece for piece in house.furniture if piece.solid)):
+        geoms += _add_parts(spec, thing.id, thing.parts, thing.position, thing.yaw)
+    return geoms
+
+
+def _name(flight: Stairs) -> str:
+    return f"{STAIRS}/{flight.room}/{flight.storey}"
+
+
+def _add_box(spec: "mujoco.MjSpec", name: str, low: Vector, high: Vector) -> "mujoco.MjsGeom":
+    ends = np.array([low, high])
+    return _add(spec, name, "box", ends.mean(axis=0), np.ptp(ends, axis=0), 0.0)
+
+
+def _add_parts(
+    spec: "mujoco.MjSpec", name: str, parts: Iterable[Part], position: Vector, yaw: float
+) -> list["mujoco.MjsGeom"]:
+    cos, sin, geoms = np.cos(yaw), np.sin(yaw), []
+    for i, part in enumerate(parts):
+        x, y, z = part.centre
+        centre = np.array(position) + (cos * x - sin * y, sin * x + cos * y, z)
+        geoms.append(_add(spec, f"{name}#{i}", part.shape, centre, np.array(part.size), yaw + part.yaw))
+    return geoms
+
+
+def _add(spec: "mujoco.MjSpec", name: str, shape: str, centre: np.ndarray, size: np.ndarray, yaw: float) -> "mujoco.MjsGeom":
+    half = np.maximum(size / 2, _LEAST_M)
+    if _TYPES[shape] == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        half = np.array([half[:2].max(), half[2], 0.0])
+    return spec.worldbody.add_geom(
+        name=name, type=_TYPES[shape], pos=centre, size=half, quat=[np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)],
+        group=GROUP,
+    )  # fmt: skip

@@ -1,0 +1,46 @@
+"""Plain shapes, drawn into an abstract scene that is about to be rendered, beside the geoms of the compiled model."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+from jaxtyping import Float64
+
+from sim.render.gl import mujoco
+from worlds.parts import Part
+from worlds.visuals.meshes import Solid
+
+_SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
+    {
+        "box": mujoco.mjtGeom.mjGEOM_BOX,
+        "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+        "ball": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    }
+)
+
+
+def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
+    """Add solids to a scene that is about to be rendered, in plain colours. Shapes: box, cylinder, ball.
+
+    In segmentation they are no geom of the model (-1), in front of what they hide.
+    """
+    for solid in solids:
+        turn, position = _about_z(solid.yaw), np.array(solid.position)
+        for part in solid.parts:
+            _draw_part(scene, part, position + turn @ np.array(part.centre), turn @ _about_z(part.yaw))
+
+
+def _draw_part(
+    scene: "mujoco.MjvScene", part: Part, position: Float64[np.ndarray, "3"], rotation: Float64[np.ndarray, "3 3"]
+) -> None:
+    geom = scene.geoms[scene.ngeom]
+    half, colour = 0.5 * np.array(part.size), np.array([*part.colour, 1.0], np.float32)
+    mujoco.mjv_initGeom(geom, _SHAPES[part.shape], half, position, rotation.reshape(-1), colour)
+    geom.size[:] = half
+    geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, scene.ngeom
+    scene.ngeom += 1
+
+
+def _about_z(angle_rad: float) -> Float64[np.ndarray, "3 3"]:
+    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

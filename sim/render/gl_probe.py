@@ -1,0 +1,66 @@
+"""Tries one off-screen OpenGL: `python gl_probe.py egl` (or `osmesa`) exits 0 where a context can be made.
+
+It stands alone on the standard library, because two callers need it where nothing else is certain: `sim.render.gl` runs it
+in a child process, which a broken driver may crash, and the noxfile runs it before anything is installed.
+"""
+
+import ctypes
+import ctypes.util
+import sys
+from collections.abc import Callable, Iterator
+
+_EGL_PLATFORM_DEVICE = 0x313F
+_EGL_OPENGL_API = 0x30A2
+_EGL_OPENGL_CONFIG = (ctypes.c_int * 5)(0x3033, 0x0001, 0x3040, 0x0008, 0x3038)  # pbuffer surface, desktop GL
+_OSMESA_RGBA = 0x1908
+
+
+def _egl_works() -> bool:
+    """Whether a desktop GL context can be made on any EGL device, as MuJoCo will make it."""
+    egl = ctypes.CDLL(ctypes.util.find_library("EGL") or "libEGL.so.1")
+    for name in ("eglGetProcAddress", "eglCreateContext"):
+        getattr(egl, name).restype = ctypes.c_void_p
+    return any(_egl_context(egl, display) for display in _egl_displays(egl))
+
+
+def _egl_displays(egl: ctypes.CDLL) -> Iterator[ctypes.c_void_p]:
+    pointer, integer = ctypes.c_void_p, ctypes.c_int
+    query = ctypes.CFUNCTYPE(integer, integer, pointer, pointer)(egl.eglGetProcAddress(b"eglQueryDevicesEXT"))
+    display = ctypes.CFUNCTYPE(pointer, integer, pointer, pointer)(egl.eglGetProcAddress(b"eglGetPlatformDisplayEXT"))
+    devices, count = (pointer * 32)(), integer()
+    if query(len(devices), ctypes.byref(devices), ctypes.byref(count)):
+        yield from (pointer(display(_EGL_PLATFORM_DEVICE, device, None)) for device in devices[: count.value])
+
+
+def _egl_context(egl: ctypes.CDLL, display: ctypes.c_void_p) -> bool:
+    config, count = ctypes.c_void_p(), ctypes.c_int()
+    return bool(
+        display
+        and egl.eglInitialize(display, None, None)
+        and egl.eglChooseConfig(display, _EGL_OPENGL_CONFIG, ctypes.byref(config), 1, ctypes.byref(count))
+        and count.value
+        and egl.eglBindAPI(_EGL_OPENGL_API)
+        and egl.eglCreateContext(display, config, None, None)
+    )
+
+
+def _osmesa_works() -> bool:
+    osmesa = ctypes.CDLL(ctypes.util.find_library("OSMesa") or "libOSMesa.so.8")
+    osmesa.OSMesaCreateContextExt.restype = ctypes.c_void_p
+    return bool(osmesa.OSMesaCreateContextExt(_OSMESA_RGBA, 24, 8, 0, None))
+
+
+PROBES: dict[str, Callable[[], bool]] = {"egl": _egl_works, "osmesa": _osmesa_works}
+"""In the order of preference: Mesa 25.1 dropped OSMesa."""
+
+
+def works(backend: str) -> bool:
+    """Whether a context of that back end can be made in this process."""
+    try:
+        return PROBES[backend]()
+    except (OSError, AttributeError, ValueError):  # no library, no entry point, a null extension pointer
+        return False
+
+
+if __name__ == "__main__":
+    sys.exit(0 if works(sys.argv[1]) else 1)

@@ -1,0 +1,42 @@
+"""Merged geometry: all that shows one image in the same cells of the house is drawn as one mesh."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.render.visibility import Cells, Visibility
+from worlds.visuals.house_visuals import ATLAS, Visual
+from worlds.visuals.surfaces import OUTSIDE
+
+
+@dataclass(frozen=True, eq=False)
+class Merged:
+    """A mesh to draw wherever one of its cells may be seen."""
+
+    visual: Visual
+    cells: Cells
+
+
+def cells_of(part: Visual, visibility: Visibility) -> Cells:
+    """The cells that a part of the house is seen from: of the shell, its room's; of an object, those it reaches into."""
+    if part.image == ATLAS:
+        return visibility.cells_of(part.corners)
+    room = part.name.rpartition("/")[0]
+    return frozenset([visibility.outdoors if room == OUTSIDE else visibility.cell_of_room(room)])
+
+
+def merge(parts: Sequence[Visual], visibility: Visibility) -> tuple[Merged, ...]:
+    """The `parts` joined, in their order: of faces in one plane, the same one wins."""
+    groups: dict[tuple[str, Cells], list[Visual]] = defaultdict(list)
+    for part in parts:
+        groups[part.image, cells_of(part, visibility)].append(part)
+    return tuple(
+        Merged(_joined(f"merged/{i}", image, group), cells) for i, ((image, cells), group) in enumerate(groups.items())
+    )
+
+
+def _joined(name: str, image: str, group: Sequence[Visual]) -> Visual:
+    corners, uv, normals = (np.concatenate([getattr(part, f) for part in group]) for f in ("corners", "uv", "normals"))
+    return Visual(name, name, image, corners, uv, normals)

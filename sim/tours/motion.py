@@ -1,0 +1,120 @@
+"""`Motion`: where a body is at any time, with exact derivatives: a spline through time and what sways about it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.interpolate import BSpline
+
+from sim.tours.sway import Sway
+
+DEGREE = 5
+"""Of the spline: four times continuously differentiable, once more than the jerk."""
+_X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A body's motion. Times outside of it give its ends, where it is at rest.
+
+    The walk is a uniform B-spline, so that each of its derivatives is a weighted mean of its control points' divided
+    differences: where these keep a limit, the walk keeps it at every time.
+    """
+
+    controls: Float64[np.ndarray, "k 6"]
+    """Position on the walked surface in W [m], yaw, pitch [rad], share of the full sway."""
+    knot_s: float
+    """Between knots [s]."""
+    sway: Sway | None = None
+
+    @property
+    def duration_s(self) -> float:
+        """[s]."""
+        return float((len(self.controls) - DEGREE) * self.knot_s)
+
+    @cached_property
+    def _splines(self) -> tuple[BSpline, BSpline, BSpline]:
+        knots = self.knot_s * np.arange(-DEGREE, len(self.controls) + 1)
+        spline = BSpline(knots, self.controls, DEGREE)
+        return spline, spline.derivative(1), spline.derivative(2)
+
+    def _walk(self, t: Float64[np.ndarray, "n"], derivative: int) -> Float64[np.ndarray, "n 6"]:
+        return np.asarray(self._splines[derivative](np.clip(t, 0.0, self.duration_s)))
+
+    def _swing(self, t: Float64[np.ndarray, "n"], derivative: int) -> Float64[np.ndarray, "n 6"]:
+        """The sway as much as the gait lets through: x, y, z in the level body frame, roll, pitch, yaw."""
+        if self.sway is None:
+            return np.zeros((len(t), 6))
+        gait = [self._walk(t, k)[:, _GAIT, None] for k in range(derivative + 1)]
+        swing = [self.sway.at(t, k) for k in range(derivative + 1)]
+        binomial = ((1,), (1, 1), (1, 2, 1))[derivative]
+        return np.asarray(sum(b * gait[k] * swing[derivative - k] for k, b in enumerate(binomial)))
+
+    def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
+        """Of the body, less the height it is carried at: on the walked surface but for the sway, in W [m]."""
+        return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
+
+    def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
+        """In W [m/s]."""
+        walk, (d, d1) = self._walk(t, 1), (self._swing(t, k)[:, _X] for k in (0, 1))
+        swing = d1 + walk[:, _YAW, None] * _across(d)
+        return np.asarray(walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
+
+    def acceleration(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
+        """In W [m/s²]."""
+        d, d1, d2 = (self._swing(t, k)[:, _X] for k in range(3))
+        rate, change = self._walk(t, 1)[:, _YAW, None], self._walk(t, 2)[:, _YAW, None]
+        swing = d2 + 2 * rate * _across(d1) + change * _across(d) + rate**2 * _across(_across(d))
+        return np.asarray(self._walk(t, 2)[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
+
+    def yaw(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
+        """Unwrapped [rad]."""
+        return self.attitude(t)[:, 2]
+
+    def yaw_rate(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
+        """[rad/s]."""
+        return self.attitude(t, 1)[:, 2]
+
+    def attitude(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 3"]:
+        """Roll, pitch and yaw, `R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`, or a derivative of them [rad, rad/s, rad/s²]."""
+        angles = self._swing(t, derivative)[:, 3:].copy()
+        walk = self._walk(t, derivative)
+        angles[:, 1] += walk[:, _PITCH]
+        angles[:, 2] += walk[:, _YAW]
+        return angles
+
+    def angular_velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
+        """Of B against W, in B [rad/s]."""
+        (roll, pitch, _), (roll1, pitch1, yaw1) = self.attitude(t).T, self.attitude(t, 1).T
+        about_y = pitch1 * np.cos(roll) + yaw1 * np.sin(roll) * np.cos(pitch)
+        about_z = yaw1 * np.cos(roll) * np.cos(pitch) - pitch1 * np.sin(roll)
+        return np.stack([roll1 - yaw1 * np.sin(pitch), about_y, about_z], axis=-1)
+
+    def rotation(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3 3"]:
+        """`R_W_B`."""
+        (cr, cp, cy), (sr, sp, sy) = np.cos(angles := self.attitude(t).T), np.sin(angles)
+        rows = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+        return np.moveaxis(np.array(rows), -1, 0)
+
+    def poses_at(self, stamps: Float64[np.ndarray, "n"], height_m: float) -> Float64[np.ndarray, "n 4 4"]:
+        """Poses `T_W_B` of the body frame (x forward, y left, z up) carried `height_m` above the surface."""
+        T_W_B = np.tile(np.eye(4), (len(stamps), 1, 1))
+        T_W_B[:, :3, :3] = self.rotation(stamps)
+        T_W_B[:, :3, 3] = self.position(stamps) + [0.0, 0.0, height_m]
+        return T_W_B
+
+
+def _turned(v: Float64[np.ndarray, "n 3"], yaw: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
+    """Vectors of the level body frame in W."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.stack([cos * v[:, 0] - sin * v[:, 1], sin * v[:, 0] + cos * v[:, 1], v[:, 2]], axis=-1)
+
+
+def _across(v: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
+    """`z × v`."""
+    return np.stack([-v[:, 1], v[:, 0], np.zeros(len(v))], axis=-1)

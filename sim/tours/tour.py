@@ -1,0 +1,100 @@
+"""`plan_tour`: a walk through a house that touches nothing and ends where it began, of any of several kinds."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.maths.paths import arc_length
+from sim.errors import SimError
+from sim.tours.config import TourConfig
+from sim.tours.itinerary import SMOOTHED, Planner
+from sim.tours.motion import Motion
+from sim.tours.pace import paced
+from sim.tours.smooth import smooth_path
+from sim.tours.start import with_start_manoeuvre
+from sim.tours.sway import draw_sway
+from sim.tours.view import view_along
+from worlds.house import House
+from worlds.walkable import Walkable
+
+_RANDOM_M = 100.0
+"""Length of a random tour where none is asked for [m]."""
+_LENGTH_TOLERANCE = (3.0, 0.03)
+"""In metres, or as a share of the length: whichever is more."""
+_TRIES = 5
+_GOOD_ENOUGH = 0.3
+"""Share of the tolerance at which no better length is looked for."""
+
+__all__ = ["Tour", "TourConfig", "plan_tour"]
+
+
+@dataclass(frozen=True, eq=False)
+class Tour:
+    """A walk: the motion, and its poses at frame rate."""
+
+    stamps: Float64[np.ndarray, "n"]
+    """[s]"""
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    """Body frame: x forward, z up, at eye height; level but for sway, and for stairs where they are looked along."""
+    motion: Motion
+    eye_height_m: float
+
+    @property
+    def distances_m(self) -> Float64[np.ndarray, "n"]:
+        """Length of the walked path up to every frame, without its sway [m]."""
+        return arc_length(replace(self.motion, sway=None).position(self.stamps))
+
+    @property
+    def length_m(self) -> float:
+        """Length of the walked path, without its sway [m]."""
+        every = np.append(np.arange(0.0, self.motion.duration_s, 0.02), self.motion.duration_s)
+        return float(arc_length(replace(self.motion, sway=None).position(every))[-1])
+
+    def pose_at(self, t: float) -> Float64[np.ndarray, "4 4"]:
+        """The body's pose `T_W_B` at any time of the tour, exact; the ends' poses before and after [s]."""
+        return np.squeeze(self.motion.poses_at(np.array([float(t)]), self.eye_height_m), axis=0)
+
+
+def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
+    """Plan a tour. Its way, `walkable`'s radius wide, is free of everything solid.
+
+    Raises `SimError` where there is no room for a tour, or for one of the length asked for.
+    """
+    config = config or TourConfig()
+    planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
+    path = _path(planner, config)
+    view = view_along(house, path, config.glance_rad, config.pitch_on_stairs)
+    motion = paced(path, view, config.limits, draw_sway(config.sway, sway_rng))
+    if config.start_manoeuvre:
+        motion = with_start_manoeuvre(motion, config.limits)
+    stamps = np.arange(0.0, motion.duration_s, 1.0 / config.frame_rate_hz)
+    return Tour(stamps, motion.poses_at(stamps, config.eye_height_m), motion, config.eye_height_m)
+
+
+def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
+    """The smooth path, of the length asked for: what is planned over the graph is corrected by how long it turns out."""
+    wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
+    if wished is None:
+        return _smooth(planner, None)
+    tolerance = max(_LENGTH_TOLERANCE[0], _LENGTH_TOLERANCE[1] * wished)
+    share, best, least = SMOOTHED, None, np.inf
+    for _ in range(_TRIES):
+        path = _smooth(planner, wished / share)
+        length = float(arc_length(path)[-1])
+        if abs(length - wished) < abs(least - wished):
+            best, least = path, length
+        if best is not None and abs(least - wished) <= _GOOD_ENOUGH * tolerance:
+            break
+        share *= length / wished
+    if best is None or abs(least - wished) > tolerance:
+        bound = "shortest" if least > wished else "longest"
+        raise SimError(
+            f"tour: a walk of {wished:g} m was asked for, but the {bound} tour ({config.kind}) of house "
+            f"{planner.house.spec.name!r} that visits every room takes {least:.0f} m"
+        )
+    return best
+
+
+def _smooth(planner: Planner, length_m: float | None) -> Float64[np.ndarray, "k 3"]:
+    return smooth_path(planner.ways.line(planner.nodes(length_m)), planner.walkable)

@@ -1,0 +1,42 @@
+"""Runs whose walk is real and whose images are not: every pixel names the camera's room."""
+
+from functools import cache
+
+import numpy as np
+
+from sim.bench.encoders.runs import EncoderRun, keyframes_along
+from sim.harness.config import RunConfig
+from sim.harness.walk import walk
+from sim.training.frames import PATCHES, THINGS, Frames
+from sim.training.houses import HouseDraw
+from worlds.labels import ROOM_LABELS
+from worlds.truth import room_at
+
+
+def painted(rooms, rng, T_W_B=None):
+    """Frames whose pixels name the room, where each room has a thing of its own."""
+    n = len(rooms)
+    T_W_B = np.tile(np.eye(4), (n, 1, 1)) if T_W_B is None else T_W_B
+    things = rng.integers(0, 3, (n, *PATCHES, len(THINGS))).astype(np.uint8)
+    things[np.arange(n), ..., rooms] = 60
+    views, content = np.zeros((n, len(ROOM_LABELS)), np.float32), np.ones(n, np.float32)
+    return Frames(_images(rooms), rooms, things, views, content, np.zeros(n, int), T_W_B)
+
+
+@cache
+def painted_run(seed):
+    """Through a small flat."""
+    walked = walk(RunConfig(preset="uh2-apt", seed=seed))
+    kept = keyframes_along(walked.tour.T_W_B[:, :3, 3])
+    T_W_B = walked.tour.T_W_B[kept]
+    room = room_at(walked.house, T_W_B[:, :3, 3])
+    labels = np.array([ROOM_LABELS.index(walked.house.rooms[i].label) for i in room])
+    looks = np.stack([_images(labels[:9])] * 2)
+    frames = painted(labels, np.random.default_rng(seed), T_W_B)
+    return EncoderRun(
+        HouseDraw("uh2-apt", seed), walked.tour.stamps[kept], room, frames, np.arange(9), looks, looks, looks[:1], looks[:1]
+    )
+
+
+def _images(rooms):
+    return np.tile(rooms.astype(np.uint8)[:, None, None, None], (1, 6, 8, 3))

@@ -1,0 +1,106 @@
+"""Defects of EuRoC recordings are named in one line, before an image is read."""
+
+import os
+import zlib
+
+import numpy as np
+import pytest
+from helpers.small_inputs import CAMERA, FRAMES, write_euroc_run, write_tum_run
+
+from lexis.datasets.dataset import open_dataset
+from lexis.datasets.image_header import image_size
+from lexis.errors import LexisError
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write_euroc_run(tmp_path / "run")
+    return tmp_path / "run"
+
+
+def edited(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def test_the_whole_recording_is_read(folder):
+    dataset = open_dataset(folder)
+    assert [seen.image.shape for seen in dataset] == [(24, 32, 3)] * FRAMES
+    np.testing.assert_allclose(dataset.camera.T_B_C, CAMERA.T_B_C)
+
+
+def sensor(old, new):
+    return lambda folder: edited(folder / "mav0" / "cam0" / "sensor.yaml", old, new)
+
+
+def listed(old, new):
+    return lambda folder: edited(folder / "mav0" / "cam0" / "data.csv", old, new)
+
+
+def odometry(old, new):
+    return lambda folder: edited(folder / "mav0" / "odom0" / "data.csv", old, new)
+
+
+def far_away(folder):
+    path = folder / "mav0" / "odom0" / "data.csv"
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    lines[2][1] = "1e155"
+    path.write_text("\n".join(map(",".join, lines)))
+
+
+def only_comments(folder, name):
+    (folder / "mav0" / name / "data.csv").write_text("#timestamp\n# nothing\n")
+
+
+def piped(folder, path):
+    (folder / "mav0" / path).unlink()
+    os.mkfifo(folder / "mav0" / path)
+
+
+K, RESOLUTION, STAMP = "[0.1, 0.01, 0.0, 0.0]", "[32, 24]", "100100000000"
+MERGES = "".join(f"m{i}: &m{i} {{<<: [{', '.join([f'*m{i - 1}'] * 9)}]}}\n" for i in range(1, 12))
+
+
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [
+        (lambda folder: only_comments(folder, "cam0"), r"cam0/data\.csv: is empty"),
+        (lambda folder: only_comments(folder, "odom0"), r"odom0/data\.csv: is empty"),
+        (listed(f"{STAMP},", "9" * 5000 + ","), r"cam0/data\.csv:3: stamp '99.*; valid: whole nanoseconds"),
+        (odometry(STAMP, "9" * 5000), r"odom0/data\.csv:3: stamp '99.*; valid: whole nanoseconds"),
+        (odometry(STAMP, "٣" * 12), r"odom0/data\.csv:3: stamp"),
+        (far_away, r"odom0/data\.csv: pose 1 at 100\.1 s lies beyond 1e\+08 m"),
+        (sensor(RESOLUTION, "[.inf, 24]"), "could not convert string to float"),
+        (sensor(RESOLUTION, "[inf, 24]"), "cannot convert float infinity"),
+        (sensor(RESOLUTION, "[1000000, 1000000]"), "at most 50 megapixels"),
+        (sensor(RESOLUTION, "32"), "no list of numbers"),
+        (sensor(RESOLUTION, "[[32, 24], {a: b}]"), "sensor.yaml: cannot be used"),
+        (sensor(RESOLUTION, "[" * 3000), "is not YAML"),
+        (sensor(RESOLUTION, f"{RESOLUTION}\nm0: &m0 {{k: v}}\n{MERGES}"), "aliases are not read"),
+        (sensor(K, "[0.1, 0.01, 0.0]"), "distortion .*; valid: 0, 4, 5, 8, 12, 14 finite coefficients"),
+        (sensor(K, "[nan, 0.01, 0.0, 0.0]"), "distortion .*; valid: .* finite coefficients"),
+        (sensor(K, "[1e300, 0.01, 0.0, 0.0]"), "distortion .*; valid: .* finite coefficients"),
+        (lambda folder: piped(folder, "cam0/sensor.yaml"), "is a device or a pipe"),
+        (lambda folder: piped(folder, "odom0/data.csv"), "is a device or a pipe"),
+        (lambda folder: edited(folder / "mav0/odom0/sensor.yaml", "[1.0,", "[7.0,"), "T_BS is not a rigid motion"),
+    ],
+)
+def test_defects_are_named(folder, damage, says):
+    damage(folder)
+    with pytest.raises(LexisError, match=says) as error:
+        open_dataset(folder)
+    assert "\n" not in str(error.value)
+
+
+def test_an_image_that_states_gigapixels_is_not_decoded(tmp_path, monkeypatch):
+    write_tum_run(tmp_path / "run")
+    path = tmp_path / "run" / "rgb" / "000001.png"
+    content, head = path.read_bytes(), b"IHDR" + (40_000).to_bytes(4) * 2 + b"\x08\x02\x00\x00\x00"
+    path.write_bytes(content[:12] + head + zlib.crc32(head).to_bytes(4) + content[33:])
+    assert image_size(path.read_bytes()) == (40_000, 40_000)
+    images = iter(open_dataset(tmp_path / "run"))
+    next(images)
+    monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; the calibrated camera makes 32x24 px"):
+        next(images)

@@ -1,0 +1,323 @@
+"""Files and folders are replaced whole or not at all, whoever kills, interferes or writes at the same time."""
+
+import errno
+import os
+import random
+import shutil
+import signal
+import sys
+import threading
+import time
+from itertools import count
+
+import pytest
+from helpers.map_builder import corridor_with_offices
+
+from lexis.errors import LexisError
+from lexis.files import replace as files
+from lexis.files import swap, workshop
+from lexis.files.replace import check_replaceable, replaced_file, replaced_folder
+from lexis.map.folder import load_map, save_map
+
+MARKER = "marker"
+WAYS = ("exchange", "renames")
+
+
+@pytest.fixture(params=WAYS)
+def way(request, monkeypatch):
+    """Whether the system can exchange names; the tests hold either way."""
+    if request.param == "renames":
+        monkeypatch.setattr(swap, "exchange", lambda a, b: False)
+    return request.param
+
+
+def write(folder, content):
+    """A folder of two files, in a folder of its own each."""
+    with replaced_folder(folder, MARKER) as new:
+        for name in (MARKER, "inner/more"):
+            (new / name).parent.mkdir(exist_ok=True)
+            (new / name).write_text(content)
+
+
+def content_of(folder):
+    """The content of the folder; the test fails unless it is there and whole."""
+    first, second = ((folder / name).read_text() for name in (MARKER, "inner/more"))
+    assert first == second and sorted(path.name for path in folder.iterdir()) == ["inner", MARKER]
+    return first
+
+
+def in_child(act):
+    """Run `act` in a process of its own; the number of the signal that ended it, or 0."""
+    pid = os.fork()
+    if pid == 0:
+        try:
+            act()
+        finally:
+            os._exit(0)
+    return os.WTERMSIG(os.waitpid(pid, 0)[1])
+
+
+def kill_at(step):
+    """Have this process killed before its `step`-th access to the file system."""
+    left = count(step, -1)
+
+    def hook(event, args):
+        if event.split(".")[0] in ("open", "os", "shutil", "fcntl", "tempfile") and next(left) == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    sys.addaudithook(hook)
+
+
+def killed_at_every_step(act):
+    """Run `act` in a process again and again, killed one access later each time, until it comes through."""
+    for step in count():
+
+        def act_until(step=step):
+            kill_at(step)
+            act()
+
+        killed = in_child(act_until)
+        yield step
+        if not killed:
+            return
+
+
+def test_a_kill_at_any_step_leaves_a_whole_folder_and_a_rerun_works(tmp_path, way):
+    """Only where names cannot be exchanged there may be nothing under the name, until somebody looks."""
+    folder, found, gone = tmp_path / "map", [], 0
+    write(folder, "old")
+    for _ in killed_at_every_step(lambda: write(folder, "new")):
+        gone += not folder.exists()
+        workshop.restore(folder)
+        found.append(content_of(folder))
+        shutil.rmtree(folder)
+        workshop.restore(folder)
+        assert not folder.exists() or content_of(folder)
+        write(folder, "old")
+        assert content_of(folder) == "old" and os.listdir(tmp_path) == ["map"]
+    swapped = found.index("new")
+    assert set(found[:swapped]) == {"old"} and set(found[swapped:]) == {"new"}
+    assert swapped > 20 and len(found) - swapped > 5 and gone == {"exchange": 0, "renames": 1}[way]
+
+
+def test_a_kill_at_any_step_leaves_a_whole_file(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def replace():
+        with replaced_file(path) as beside:
+            beside.write_text("new")
+
+    found = [path.read_text() for _ in killed_at_every_step(replace)]
+    assert found.index("new") > 5 and set(found[found.index("new") :]) == {"new"}
+    replace()
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+@pytest.mark.slow
+def test_200_of_200_kills_inside_the_swap_leave_a_whole_map(tmp_path, rng, way):
+    """The process saves maps on end and is killed at a random time: most of it is spent on writing and swapping."""
+    old, new = corridor_with_offices(rng), corridor_with_offices(rng, loops=[(25, 3)], weights=[1.0])
+    path, times = tmp_path / "map", random.Random(7)
+    save_map(old, path)
+
+    def save_on_end():
+        while True:
+            save_map(new, path)
+            save_map(old, path)
+
+    for _ in range(200):
+        pid = os.fork()
+        if pid == 0:
+            save_on_end()
+        time.sleep(times.uniform(0.005, 0.06))
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+        assert way == "renames" or path.is_dir()
+        assert len(load_map(path).loops) in (0, 1)
+    save_map(new, path)
+    assert len(load_map(path).loops) == 1 and os.listdir(tmp_path) == ["map"]
+
+
+def test_what_a_living_process_is_making_is_left_alone(tmp_path, way):
+    with replaced_folder(tmp_path / "slow", MARKER) as new:
+        (new / MARKER).write_text("slow")
+        assert in_child(lambda: write(tmp_path / "fast", "fast")) == 0
+        assert (new / MARKER).is_file()
+    assert sorted(os.listdir(tmp_path)) == ["fast", "slow"]
+
+
+def test_the_number_of_a_dead_process_that_lives_again_protects_nothing(tmp_path):
+    left = tmp_path / f".lexis-{os.getpid()}-abcdefgh"
+    (left / "new").mkdir(parents=True)
+    (left / "lock").touch()
+    write(tmp_path / "map", "new")
+    assert os.listdir(tmp_path) == ["map"]
+
+
+@pytest.mark.parametrize("name", [".lexis-1", ".lexis-x-abcdefgh", ".map-1-abcdefgh", "lexis-99999999-abcdefgh"])
+def test_folders_of_others_are_left_alone(tmp_path, name):
+    (tmp_path / name).mkdir()
+    write(tmp_path / "map", "new")
+    assert (tmp_path / name).is_dir()
+
+
+def test_a_link_to_a_folder_is_not_taken_for_a_leftover(tmp_path):
+    (tmp_path / "precious" / "old" / "map").mkdir(parents=True)
+    (tmp_path / ".lexis-99999999-abcdefgh").symlink_to(tmp_path / "precious")
+    write(tmp_path / "map", "new")
+    assert (tmp_path / "precious" / "old" / "map").is_dir()
+
+
+@pytest.mark.parametrize("earlier", [True, False])
+def test_a_symbolic_link_is_followed_and_stays(tmp_path, way, earlier):
+    (tmp_path / "disk").mkdir()
+    if earlier:
+        write(tmp_path / "disk" / "map", "old")
+    (tmp_path / "link").symlink_to(tmp_path / "disk" / "map")
+    (tmp_path / "file").symlink_to("disk/file.txt")
+    write(tmp_path / "link", "new")
+    with replaced_file(tmp_path / "file") as beside:
+        beside.write_text("text")
+    assert (tmp_path / "link").is_symlink() and content_of(tmp_path / "disk" / "map") == "new"
+    assert (tmp_path / "file").is_symlink() and (tmp_path / "disk" / "file.txt").read_text() == "text"
+    assert sorted(os.listdir(tmp_path)) == ["disk", "file", "link"]
+    assert sorted(os.listdir(tmp_path / "disk")) == ["file.txt", "map"]
+
+
+def test_a_loop_of_links_is_one_clear_error(tmp_path):
+    (tmp_path / "a").symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    with pytest.raises(LexisError, match="a: cannot be looked into: Too many levels of symbolic links"):
+        write(tmp_path / "a", "new")
+    with pytest.raises(LexisError, match="a: cannot be written: Too many levels"), replaced_file(tmp_path / "a"):
+        pass
+    assert sorted(os.listdir(tmp_path)) == ["a", "b"]
+
+
+def test_writers_of_one_folder_replace_each_other(tmp_path, way):
+    errors = []
+
+    def write_often(content):
+        try:
+            for _ in range(10):
+                write(tmp_path / "map", content)
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=write_often, args=(content,)) for content in "abc"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not errors and content_of(tmp_path / "map") in "abc" and os.listdir(tmp_path) == ["map"]
+
+
+@pytest.mark.parametrize("intruder", ["thesis", "a file"])
+def test_who_finds_the_place_taken_keeps_the_work_beside(tmp_path, way, intruder):
+    place = tmp_path / "map"
+    with (
+        pytest.raises(LexisError, match=r"map: (exists and holds no|is a file).* is kept as .*map-1$"),
+        replaced_folder(place, MARKER) as new,
+    ):
+        (new / MARKER).write_text("hours of work")
+        if intruder == "thesis":
+            place.mkdir()
+            (place / "chapter1.tex").write_text("years of work")
+        else:
+            place.write_text("years of work")
+    assert (tmp_path / "map-1" / MARKER).read_text() == "hours of work"
+    assert (place / "chapter1.tex" if place.is_dir() else place).read_text() == "years of work"
+    assert sorted(os.listdir(tmp_path)) == ["map", "map-1"]
+
+
+def test_what_takes_the_place_at_the_last_moment_is_given_it_back(tmp_path, way, monkeypatch):
+    place, plain = tmp_path / "map", files.swap
+    write(place, "old")
+
+    def swap_too_late(new, target, old):
+        monkeypatch.setattr(files, "swap", plain)
+        (target / MARKER).unlink()  # from here on it is none of ours
+        return plain(new, target, old)
+
+    monkeypatch.setattr(files, "swap", swap_too_late)
+    with pytest.raises(LexisError, match=r"holds no marker.* is kept as .*map-1$"):
+        write(place, "new")
+    assert (place / "inner" / "more").read_text() == "old" and content_of(tmp_path / "map-1") == "new"
+    assert sorted(os.listdir(tmp_path)) == ["map", "map-1"]
+
+
+def test_a_file_whose_place_became_a_folder_is_kept_beside(tmp_path):
+    path = tmp_path / "a.txt"
+    with (
+        pytest.raises(LexisError, match=r"a\.txt: cannot be written.* is kept as .*a-1\.txt$"),
+        replaced_file(path) as beside,
+    ):
+        beside.write_text("hours of work")
+        path.mkdir()
+    assert (tmp_path / "a-1.txt").read_text() == "hours of work"
+
+
+def test_a_disk_that_fills_up_leaves_the_old(tmp_path, way, monkeypatch):
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    write(tmp_path / "map", "old")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(LexisError, match="No space left"):
+        write(tmp_path / "map", "new")
+    assert content_of(tmp_path / "map") == "old" and os.listdir(tmp_path) == ["map"]
+
+
+def test_an_error_inside_leaves_the_old(tmp_path, way):
+    write(tmp_path / "map", "old")
+    with pytest.raises(KeyboardInterrupt), replaced_folder(tmp_path / "map", MARKER):
+        raise KeyboardInterrupt
+    assert content_of(tmp_path / "map") == "old" and os.listdir(tmp_path) == ["map"]
+
+
+def test_a_check_leaves_nothing_behind(tmp_path):
+    check_replaceable(tmp_path / "a" / "b", MARKER)
+    assert not os.listdir(tmp_path)
+
+
+def test_a_mount_point_is_refused_before_the_work(tmp_path, monkeypatch):
+    (tmp_path / "map").mkdir()
+    monkeypatch.setattr(os.path, "ismount", lambda path: path == tmp_path / "map")
+    with pytest.raises(LexisError, match="map: is a mount point"):
+        check_replaceable(tmp_path / "map", MARKER)
+
+
+def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_path, monkeypatch):
+    """Where names cannot be exchanged, there is a moment at which nothing has the name."""
+    place = tmp_path / "map"
+    write(place, "old")
+    monkeypatch.setattr(swap, "exchange", lambda a, b: False)
+    move, calls = swap.move_folder, count()
+
+    def and_another_writes(folder, to):
+        move(folder, to)
+        if next(calls) == 0:
+            folder.mkdir()
+            (folder / MARKER).write_text("another")
+
+    monkeypatch.setattr(swap, "move_folder", and_another_writes)
+    write(place, "new")
+    assert content_of(place) == "new" and os.listdir(tmp_path) == ["map"]
+
+
+def test_a_folder_that_cannot_be_renamed_is_copied_aside(tmp_path, monkeypatch):
+    """In a lower layer of an overlay file system, as in a container's image, renaming a folder fails."""
+    place = tmp_path / "map"
+    write(place, "old")
+    monkeypatch.setattr(swap, "exchange", lambda a, b: False)
+    rename = type(place).rename
+
+    def across_layers(self, target):
+        if self == place:
+            raise OSError(errno.EXDEV, "Invalid cross-device link")
+        return rename(self, target)
+
+    monkeypatch.setattr(type(place), "rename", across_layers)
+    write(place, "new")
+    assert content_of(place) == "new" and os.listdir(tmp_path) == ["map"]

@@ -1,0 +1,58 @@
+"""Exports are read back by the tools they are for: evo and GTSAM."""
+
+import json
+
+import gtsam
+import numpy as np
+import pytest
+from evo.tools import file_interface
+from helpers.map_builder import corridor_with_offices
+
+from lexis.errors import LexisError
+from lexis.map.export import FORMATS, export_map
+from lexis.maths.se3 import between
+
+
+@pytest.fixture
+def lexis_map(rng):
+    return corridor_with_offices(rng, loops=[(25, 3)], weights=[1.0])
+
+
+def test_trajectories_are_evos(lexis_map, tmp_path):
+    export_map(lexis_map, "tum", tmp_path / "t.tum")
+    export_map(lexis_map, "kitti", tmp_path / "t.kitti")
+    tum = file_interface.read_tum_trajectory_file(tmp_path / "t.tum")
+    kitti = file_interface.read_kitti_poses_file(tmp_path / "t.kitti")
+    np.testing.assert_allclose(tum.poses_se3, lexis_map.T_W_B, atol=1e-7)
+    np.testing.assert_allclose(tum.timestamps, [k.stamp for k in lexis_map.keyframes])
+    np.testing.assert_allclose(kitti.poses_se3, lexis_map.T_W_B, atol=1e-7)
+
+
+def test_gtsam_reads_the_graph_with_poses_and_covariances(lexis_map, tmp_path):
+    export_map(lexis_map, "g2o", tmp_path / "map.g2o")
+    graph, values = gtsam.readG2o(str(tmp_path / "map.g2o"), True)
+    for i, pose in enumerate(lexis_map.T_W_B):
+        np.testing.assert_allclose(values.atPose3(i).matrix(), pose, atol=1e-7)
+    assert graph.size() == len(lexis_map.keyframes)  # 39 steps and a loop
+    a, b = lexis_map.keyframes[7:9]
+    step, loop = graph.at(7), graph.at(39)
+    assert list(step.keys()) == [7, 8] and list(loop.keys()) == [3, 25]
+    np.testing.assert_allclose(step.measured().matrix(), between(a.T_O_B, b.T_O_B), atol=1e-7)
+    np.testing.assert_allclose(step.noiseModel().covariance(), b.step_covariance, rtol=1e-3, atol=2e-8)
+    np.testing.assert_allclose(loop.noiseModel().covariance(), lexis_map.loops[0].covariance, rtol=1e-3, atol=2e-8)
+
+
+def test_json_names_every_keyframes_room(lexis_map, tmp_path):
+    export_map(lexis_map, "json", tmp_path / "map.json")
+    data = json.loads((tmp_path / "map.json").read_text())
+    assert [room["name"] for room in data["rooms"]] == ["corridor", "office 1", "office 2"]
+    assert [k["room"] for k in data["keyframes"][8:12]] == ["corridor"] * 2 + ["office 1"] * 2
+    assert data["loops"] == [{"query": 25, "match": 3, "inliers": 20, "weight": 1.0}]
+
+
+def test_unknown_formats_and_unwritable_places_are_refused(lexis_map, tmp_path):
+    with pytest.raises(LexisError, match="tum, kitti, g2o, json"):
+        export_map(lexis_map, "ply", tmp_path / "map.ply")
+    for format in FORMATS:
+        with pytest.raises(LexisError, match="cannot be written"):
+            export_map(lexis_map, format, tmp_path / "absent" / "map")

@@ -1,0 +1,160 @@
+"""Maps on disk: saving and loading are inverse, a damaged map is refused, nothing is unpickled or half-written."""
+
+import dataclasses
+import errno
+import json
+import os
+import pickle
+
+import numpy as np
+import pytest
+from helpers.map_builder import corridor_with_offices
+
+from lexis.errors import LexisError, MapError
+from lexis.map.folder import load_map, save_map
+
+
+@pytest.fixture
+def lexis_map(rng):
+    return corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25])
+
+
+def assert_same(a, b):
+    """Equal in every field, arrays in type too."""
+    if dataclasses.is_dataclass(a):
+        assert type(a) is type(b)
+        for field in dataclasses.fields(a):
+            assert_same(getattr(a, field.name), getattr(b, field.name))
+    elif isinstance(a, np.ndarray):
+        assert a.dtype == b.dtype
+        np.testing.assert_array_equal(a, b)
+    elif isinstance(a, tuple):
+        assert len(a) == len(b)
+        for x, y in zip(a, b, strict=True):
+            assert_same(x, y)
+    else:
+        assert a == b
+
+
+def test_loading_gives_back_what_was_saved(lexis_map, tmp_path):
+    save_map(lexis_map, tmp_path / "map")
+    assert_same(load_map(tmp_path / "map"), lexis_map)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["map"]
+
+
+def test_a_map_without_loops_or_features_is_a_map(rng, tmp_path):
+    bare = corridor_with_offices(rng)
+    save_map(bare, tmp_path / "map", features=False)
+    loaded = load_map(tmp_path / "map")
+    assert all(len(k.features.keypoints) == len(k.landmarks.points) == 0 for k in loaded.keyframes)
+    np.testing.assert_array_equal(loaded.T_W_B, bare.T_W_B)
+    assert_same(loaded.rooms, bare.rooms)
+
+
+def test_an_earlier_map_is_replaced_and_anything_else_is_left_alone(lexis_map, tmp_path):
+    save_map(lexis_map, tmp_path / "map")
+    save_map(lexis_map, tmp_path / "map")
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter1.tex").write_text("years of work")
+    with pytest.raises(LexisError, match="thesis"):
+        save_map(lexis_map, tmp_path / "thesis")
+    assert (tmp_path / "thesis" / "chapter1.tex").read_text() == "years of work"
+
+
+def test_a_failed_save_leaves_nothing(lexis_map, tmp_path, monkeypatch):
+    def full(*args, **kwargs):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(LexisError, match="No space left"):
+        save_map(lexis_map, tmp_path / "map")
+    assert not list(tmp_path.iterdir())
+
+
+def rewritten(folder, **changes):
+    """Put other arrays into a map's folder."""
+    with np.load(folder / "arrays.npz") as arrays:
+        content = {name: arrays[name] for name in arrays.files}
+    np.savez(folder / "arrays.npz", **{k: v for k, v in (content | changes).items() if v is not None})
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"labels": np.full(40, 7)}, "labels"),
+        ({"labels": np.zeros(39, int)}, "labels"),
+        ({"labels": np.zeros(40)}, "labels"),
+        ({"T_W_B": None}, "lacks the arrays T_W_B"),
+        ({"T_W_B": np.zeros((40, 4, 4))}, "rigid"),
+        ({"stamp": np.full(40, np.nan)}, "finite"),
+        ({"stamp": np.zeros(40)}, "ascend"),
+        ({"loop_match": np.array([0, 40])}, "loop_match"),
+        ({"loop_weight": np.array([0.5, 1.5])}, "loop_weight"),
+        ({"feature_count": np.zeros(40, int)}, "feature_count"),
+        ({"room_of": np.zeros(40, int)}, "no keyframe"),
+        ({"labels": np.array([pickle.loads] * 40, object)}, "no arrays of a map"),
+        ({"step_covariance": -np.tile(np.eye(6), (40, 1, 1))}, "step_covariance has a matrix that is no covariance"),
+        ({"loop_covariance": np.full((2, 6, 6), 1e300)}, "loop_covariance has a matrix that is no covariance"),
+        ({"feature_count": np.array([2**62, 2**62, 2**62, 2**62] + [0] * 36)}, "feature_count does not add up"),
+        ({"T_W_B": np.eye(4)[None] + np.pad([[1e155]], ((0, 3), (3, 0))) * np.ones((40, 1, 1))}, "T_W_B has a place beyond"),
+    ],
+)
+def test_arrays_that_contradict_the_map_are_refused(lexis_map, tmp_path, changes, says):
+    save_map(lexis_map, tmp_path / "map")
+    rewritten(tmp_path / "map", **changes)
+    with pytest.raises(MapError, match=says) as error:
+        load_map(tmp_path / "map")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("schema", 1),
+        ("encoder", {"name": "mini"}),
+        ("room_names", []),
+        ("room_names", ["a", "a", "b"]),
+        ("camera", {"width": 4}),
+        ("more", 1),
+    ],
+)
+def test_a_broken_header_is_refused(lexis_map, tmp_path, field, value):
+    save_map(lexis_map, tmp_path / "map")
+    header = json.loads((tmp_path / "map" / "map.json").read_text())
+    (tmp_path / "map" / "map.json").write_text(json.dumps(header | {field: value}))
+    with pytest.raises(MapError) as error:
+        load_map(tmp_path / "map")
+    assert "\n" not in str(error.value) and str(tmp_path) in str(error.value)
+
+
+@pytest.mark.parametrize("damage", ["absent", "no header", "truncated", "not a zip"])
+def test_what_is_no_map_is_refused(lexis_map, tmp_path, damage):
+    if damage != "absent":
+        save_map(lexis_map, tmp_path / "map")
+    arrays = tmp_path / "map" / "arrays.npz"
+    if damage == "no header":
+        (tmp_path / "map" / "map.json").unlink()
+    elif damage == "truncated":
+        arrays.write_bytes(arrays.read_bytes()[:-2000])
+    elif damage == "not a zip":
+        arrays.write_bytes(b"no zip")
+    with pytest.raises(MapError):
+        load_map(tmp_path / "map")
+
+
+def test_a_compressed_map_is_refused(lexis_map, tmp_path):
+    """Arrays are stored as they are, so that a map never needs more memory than it has bytes on the disk."""
+    save_map(lexis_map, tmp_path / "map")
+    with np.load(tmp_path / "map" / "arrays.npz") as arrays:
+        np.savez_compressed(tmp_path / "map" / "arrays.npz", **{name: arrays[name] for name in arrays.files})
+    with pytest.raises(MapError, match="unpacks to"):
+        load_map(tmp_path / "map")
+
+
+@pytest.mark.parametrize("name", ["map.json", "arrays.npz"])
+def test_a_pipe_in_the_place_of_a_file_holds_nobody_up(name, lexis_map, tmp_path):
+    save_map(lexis_map, tmp_path / "map")
+    (tmp_path / "map" / name).unlink()
+    os.mkfifo(tmp_path / "map" / name)
+    with pytest.raises(MapError, match="is a device or a pipe"):
+        load_map(tmp_path / "map")

@@ -1,0 +1,71 @@
+"""Relabelling: a map's own names give the same map, other names and back too; poses and loops never move."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.map_builder import ENCODER, corridor_with_offices
+from helpers.reading_encoder import ReadingEncoder
+from test_map_io import assert_same
+
+from lexis.config import Config, LabelConfig
+from lexis.errors import LexisError, MapError
+from lexis.map.relabel import relabel
+
+NAMES = ("corridor", "office", "kitchen")
+OTHER = ("canteen", "lobby", "stairs", "office")
+
+
+@pytest.fixture
+def encoder(rng):
+    vectors = rng.normal(size=(6, 16)).astype(np.float32)
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    return ReadingEncoder(dict(zip(dict.fromkeys(NAMES + OTHER), vectors, strict=True)), ENCODER)
+
+
+@pytest.fixture
+def lexis_map(rng, encoder):
+    """With the labels that its embeddings have."""
+    return relabel(corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25]), NAMES, encoder)
+
+
+def test_its_own_names_give_the_same_map(lexis_map, encoder):
+    assert_same(relabel(lexis_map, NAMES, encoder), lexis_map)
+
+
+def test_what_the_map_meant_before_plays_no_part(lexis_map, encoder):
+    meaningless = replace(lexis_map, room_names=("x",), similarities=np.zeros((40, 1)), rooms=())
+    meaningless = replace(meaningless, **{name: np.full(40, 7) for name in ("labels", "baseline_labels", "floors")})
+    assert_same(relabel(meaningless, NAMES, encoder), lexis_map)
+
+
+def test_other_names_and_back_give_the_same_map(lexis_map, encoder):
+    other = relabel(lexis_map, OTHER, encoder)
+    assert {room.label for room in other.rooms} <= set(OTHER) and not np.array_equal(other.labels, lexis_map.labels)
+    assert_same(relabel(other, NAMES, encoder), lexis_map)
+
+
+def test_what_is_not_meaning_stays(lexis_map, encoder):
+    other = relabel(lexis_map, OTHER, encoder)
+    for field in ("camera", "encoder", "keyframes", "loops", "candidates", "stage_seconds"):
+        assert_same(getattr(other, field), getattr(lexis_map, field))
+    np.testing.assert_array_equal(other.T_W_B, lexis_map.T_W_B)
+    assert other.similarities.shape == (40, 4)
+
+
+def test_the_order_of_names_changes_numbers_and_no_names(lexis_map, encoder):
+    other = relabel(lexis_map, NAMES[::-1], encoder)
+    assert [other.label_of(i) for i in range(40)] == [lexis_map.label_of(i) for i in range(40)]
+    assert_same(other.rooms, lexis_map.rooms)
+
+
+def test_settings_are_heeded(lexis_map, encoder):
+    plain = relabel(lexis_map, NAMES, encoder, Config(labels=LabelConfig(refine=False)))
+    np.testing.assert_array_equal(plain.labels, lexis_map.baseline_labels)
+
+
+def test_unusable_names_and_another_encoder_are_refused(lexis_map, encoder):
+    with pytest.raises(LexisError, match="more than once"):
+        relabel(lexis_map, ("office", "Office"), encoder)
+    with pytest.raises(MapError, match="similarities across weights mean nothing"):
+        relabel(lexis_map, NAMES, ReadingEncoder(encoder.vectors, replace(ENCODER, fingerprint="1" * 64)))

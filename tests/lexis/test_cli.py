@@ -1,0 +1,297 @@
+"""`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.map_builder import corridor_with_offices
+
+from lexis import cli
+from lexis.datasets.dataset import write_dataset
+from lexis.errors import EncoderError
+from lexis.map.folder import load_map, save_map
+from lexis.query.calibration import Calibration, save_calibration
+from lexis.types import Camera, EncoderId, Intrinsics, Observation
+
+
+class ColourEncoder:
+    """Sees the mean colour; rooms are colours of their own."""
+
+    name = fingerprint = "colour"
+
+    def encode_image(self, image):
+        mean = image.reshape(-1, 3).mean(axis=0)
+        return (mean / np.linalg.norm(mean)).astype(np.float32)
+
+    def encode_rooms(self, names):
+        return np.eye(3, dtype=np.float32)[: len(names)]
+
+    def encode_texts(self, texts):
+        colours = {"kitchen": [1, 0, 0], "office": [0, 1, 0], "something green": [0, 1, 0]}
+        return np.array([colours.get(text, [0, 0, 1]) for text in texts], np.float32)
+
+
+@pytest.fixture(autouse=True)
+def encoders(monkeypatch):
+    """One encoder whatever is asked for; the names that were."""
+    asked = []
+
+    def load(model, options=None):
+        asked.append(model)
+        if model == "gone":
+            raise EncoderError("encoder 'gone': no model 'gone'")
+        return ColourEncoder()
+
+    monkeypatch.setattr(cli, "_encoder", load)
+    return asked
+
+
+@pytest.fixture
+def dataset(rng, tmp_path):
+    """Eight metres forward: red at first, then green."""
+    poses = np.tile(np.eye(4), (81, 1, 1))
+    poses[:, 0, 3] = 0.1 * np.arange(81)
+    images = rng.integers(0, 60, (81, 48, 64, 3), dtype=np.uint8)
+    images[:40, ..., 0] += 190
+    images[40:, ..., 1] += 190
+    camera = Camera(Intrinsics(64, 48, 40.0, 40.0, 31.5, 23.5), np.eye(4))
+    write_dataset(
+        tmp_path / "run", camera, [Observation(i, 0.1 * i, images[i], poses[i], 1e-6 * np.eye(6)) for i in range(81)]
+    )
+    return tmp_path / "run"
+
+
+@pytest.fixture
+def mapped(dataset, tmp_path, capsys):
+    """The map of the recording."""
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(tmp_path / "map")]) == 0
+    capsys.readouterr()
+    return tmp_path / "map"
+
+
+@pytest.fixture
+def calibration(tmp_path):
+    path = tmp_path / "calibration.json"
+    save_calibration(Calibration("colour", ("kitchen", "office"), base=0.8, slope=0.0, temperature=0.05), path)
+    return path
+
+
+def test_from_a_recording_to_a_map_a_plan_and_an_export(dataset, tmp_path, capsys):
+    out, exported = tmp_path / "map", tmp_path / "map.json"
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office, garage", "-o", str(out)]) == 0
+    assert [room.label for room in load_map(out).rooms] == ["kitchen", "office"]
+    assert cli.main(["plan", str(out), "--from", "kitchen", "--to", "office"]) == 0
+    assert cli.main(["export", str(out), "--format", "json", "-o", str(exported)]) == 0
+    assert [room["name"] for room in json.loads(exported.read_text())["rooms"]] == ["kitchen", "office"]
+    printed = capsys.readouterr()
+    assert "kitchen (floor 0) to office (floor 0): " in printed.out and printed.err == ""
+    assert "no room: garage\n" in printed.out and printed.out.endswith(f"{exported}\n")
+
+
+def test_a_query_asks_the_encoder_of_the_map_and_lists_rooms_and_keyframes(mapped, encoders, calibration, capsys):
+    query = ["query", str(mapped), "something green", "--keyframes", "2", "--top", "1", "--calibration", str(calibration)]
+    assert cli.main(query) == 0
+    printed = capsys.readouterr()
+    assert encoders[-1] == "colour" and printed.err == ""
+    room, *keyframes = printed.out.splitlines()
+    assert room.startswith("office ") and 0.5 < float(room.split()[1]) < 1
+    assert len(keyframes) == 2 and all(line.startswith("keyframe ") and line.endswith("office") for line in keyframes)
+
+
+def test_a_query_says_when_nothing_fits(mapped, calibration, capsys):
+    assert cli.main(["query", str(mapped), "an elephant", "--calibration", str(calibration)]) == 0
+    assert capsys.readouterr().out == "nothing in this map fits (best: kitchen, 0.00)\n"
+
+
+def test_without_a_calibration_there_are_similarities_and_a_word_about_it(mapped, capsys):
+    assert cli.main(["query", str(mapped), "an elephant"]) == 0
+    printed = capsys.readouterr()
+    assert len(printed.out.splitlines()) == 2 and printed.out.count("similarity") == 2
+    assert printed.err.count("\n") == 1 and "no calibration" in printed.err
+
+
+def test_other_names_need_no_recording(mapped, tmp_path, capsys):
+    rooms = tmp_path / "rooms.json"
+    rooms.write_text(json.dumps({"labels": ["hall", "shop", "depot"]}))
+    assert cli.main(["relabel", str(mapped), "--rooms", str(rooms), "-o", str(tmp_path / "other")]) == 0
+    assert [room.label for room in load_map(tmp_path / "other").rooms] == ["hall", "shop"]
+    assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
+
+
+def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
+    assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
+    assert f"note: {mapped} holds an earlier one" in capsys.readouterr().err
+
+
+def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
+    save_map(replace(load_map(mapped), encoder=EncoderId("gone", "1")), mapped)
+    assert cli.main(["query", str(mapped), "x"]) == 2
+    assert "made with encoder 'gone', whose text tower cannot be loaded" in capsys.readouterr().err
+
+
+def test_info_prints_figures_or_json_and_draws(mapped, tmp_path, capsys):
+    picture = tmp_path / "map.svg"
+    assert cli.main(["info", str(mapped), "--picture", str(picture)]) == 0
+    assert "\nkitchen       0" in capsys.readouterr().out and picture.read_text().startswith("<svg")
+    assert cli.main(["info", str(mapped), "--json"]) == 0
+    assert [room["name"] for room in json.loads(capsys.readouterr().out)["rooms"]] == ["kitchen", "office"]
+
+
+def test_a_plan_prints_directions_and_on_demand_keyframes_or_json(mapped, capsys):
+    command = ["plan", str(mapped), "--from", "kitchen", "--to", "office"]
+    assert cli.main(command) == 0
+    plain = capsys.readouterr().out.splitlines()
+    assert plain[0].startswith("kitchen (floor 0) to office (floor 0): ")
+    assert [line.split("m  ")[1] for line in plain[1:]] == [
+        "start in kitchen (floor 0)",
+        "enter office (floor 0)",
+        "arrive in office (floor 0)",
+    ]
+    assert cli.main([*command, "--json"]) == 0
+    ids = [keyframe["id"] for keyframe in json.loads(capsys.readouterr().out)["keyframes"]]
+    assert cli.main([*command, "--keyframes"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert listed[: len(plain)] == plain and [int(line.split()[1]) for line in listed[len(plain) :]] == ids
+
+
+@pytest.mark.parametrize(
+    ("floor", "says"), [(2, "office 1 (floor 2) to office 1 (floor 2)"), (None, "office 1 (between floors) to office 1 (")]
+)
+def test_a_plan_says_which_rooms_on_which_floors_it_joins(rng, tmp_path, capsys, floor, says):
+    lexis_map = corridor_with_offices(rng)
+    rooms = (lexis_map.rooms[0], replace(lexis_map.rooms[1], floor=floor), lexis_map.rooms[2])
+    save_map(replace(lexis_map, rooms=rooms), tmp_path / "map")
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "office 1"]) == 0
+    assert says in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["run", "{tmp}/nowhere", "--rooms", "kitchen", "-o", "{tmp}/out"], "nowhere: no dataset there"),
+        (["run", "{tmp}/run", "--rooms", "kitchen,,office", "-o", "{tmp}/out"], "room names"),
+        (["run", "{tmp}/run", "--rooms", "kitchen,kitchen", "-o", "{tmp}/out"], "more than once"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "{tmp}/run"], "holds no map.json"),
+        (["run", "{tmp}/run", "-o", "{tmp}/out"], "--rooms"),
+        (["plan", "{tmp}/nowhere", "--from", "office", "--to", "corridor"], "no map there"),
+        (["plan", "{tmp}/map", "--from", "garage", "--to", "corridor"], "valid: corridor, office 1, office 2"),
+        (["query", "{tmp}/map", " "], "blank"),
+        (["info", "{tmp}/nowhere"], "no map there"),
+        (["info", "{tmp}/map", "--picture", "{tmp}/map.png"], "valid: a name that ends in .svg"),
+        (["query", "{tmp}/map", "x"], "similarities across weights mean nothing"),
+        (["query", "{tmp}/map", "x", "--calibration", "{tmp}/none"], "none: cannot be read"),
+        (["relabel", "{tmp}/map", "--rooms", "a,a", "-o", "{tmp}/out"], "more than once"),
+        (["relabel", "{tmp}/nowhere", "--rooms", "a", "-o", "{tmp}/out"], "no map there"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "/proc/map"], "/proc/map: cannot be written"),
+        (["run", "{tmp}/nowhere", "--rooms", "{tmp}/none.json", "-o", "{tmp}/out"], "nowhere: no dataset there"),
+        (["run", "{tmp}/run", "--rooms", "{tmp}/none.json", "-o", "{tmp}/out"], "none.json: cannot be read"),
+        (["query", "{tmp}/map", "x", "--top", "0"], "from 1"),
+        (["export", "{tmp}/map", "--format", "spark-dsg", "-o", "{tmp}/x"], "invalid choice"),
+        (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/nowhere/x"], "cannot be written"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "{tmp}/{long}"], "cannot be looked into"),
+        (["run", "{tmp}/{long}", "--rooms", "kitchen", "-o", "{tmp}/out"], "no dataset there"),
+        (["plan", "{tmp}/{long}", "--from", "office", "--to", "corridor"], "no map there"),
+        (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/{long}"], "cannot be written"),
+        (["fly"], "invalid choice"),
+        ([], "COMMAND"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(dataset, tmp_path, rng, capsys, arguments, says):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    try:
+        status = cli.main([argument.format(tmp=tmp_path, long="a" * 300) for argument in arguments])
+    except SystemExit as left:
+        status = left.code
+    printed = capsys.readouterr()
+    assert status == 2
+    assert says in printed.err and printed.err.count("\n") == 1 and printed.err.startswith("lexis")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("buffering", [-1, 1], ids=["at the end", "line by line"])
+@pytest.mark.parametrize("arguments", [["plan", "{map}", "--from", "office", "--to", "corridor"], ["--help"]])
+def test_a_full_standard_output_is_one_line_and_exit_2(tmp_path, rng, capsys, monkeypatch, arguments, buffering):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    with open("/dev/full", "w", buffering=buffering) as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert cli.main([argument.format(map=tmp_path / "map") for argument in arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("lexis: standard output cannot be written: No space left") and error.count("\n") == 1
+
+
+def test_no_standard_output_is_no_error(tmp_path, rng, monkeypatch):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    monkeypatch.setattr(sys, "stdout", None)
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", "office", "--to", "corridor"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("[" * 200_000, "nested too deeply"),
+        ('{"labels": [' * 50_000, "nested too deeply"),
+        ("9" * 5000, "too many digits"),
+        ('{"labels": {}}', 'has no list "labels"'),
+        ("[]", 'has no list "labels"'),
+        (" " * 2_000_000, "larger than 1 MB"),
+    ],
+)
+def test_files_of_room_names_are_read_with_care(content, says, tmp_path, rng, capsys):
+    (tmp_path / "rooms.json").write_text(content)
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    assert cli.main(["relabel", str(tmp_path / "map"), "--rooms", str(tmp_path / "rooms.json"), "-o", "out"]) == 2
+    said = capsys.readouterr().err
+    assert says in said and said.count("\n") == 1
+
+
+@pytest.mark.parametrize("start", ["x" * 1_000_000, "x\n" * 1000])
+def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    assert cli.main(["plan", str(tmp_path / "map"), "--from", start, "--to", "office"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("office 2, or a label alone\n")
+    with pytest.raises(SystemExit):
+        cli.main(["export", str(tmp_path / "map"), "--format", start, "-o", "out"])
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and len(said) <= 401 and said.endswith("see lexis export --help\n")
+
+
+def test_names_of_files_need_not_be_text(tmp_path, rng):
+    """In a process of its own, whose stdout is as strict as a terminal's."""
+    save_map(corridor_with_offices(rng), tmp_path / "map")
+    out = os.fsencode(tmp_path) + b"/\xff.tum"
+    line = [sys.executable, "-m", "lexis.cli", "export", tmp_path / "map", "--format", "tum", "-o", out]
+    done = subprocess.run(line, capture_output=True, env=os.environ | {"PYTHONIOENCODING": "utf-8:strict"})
+    assert (done.returncode, done.stderr) == (0, b"") and os.path.exists(out)
+    assert done.stdout.endswith(b"/\\udcff.tum\n")
+
+
+@pytest.mark.parametrize("command", ["run", "info", "plan", "query", "relabel", "export"])
+def test_help_has_an_example(command, capsys):
+    with pytest.raises(SystemExit) as left:
+        cli.main([command, "--help"])
+    assert left.value.code == 0
+    assert f"lexis {command} " in capsys.readouterr().out.split("example:")[1]
+
+
+def test_the_help_of_run_says_what_a_dataset_must_hold(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["run", "--help"])
+    said = capsys.readouterr().out
+    for name in ("rgb.txt", "odometry.tum", "camera.json", "mav0/cam0", "mav0/odom0", "metadata.yaml", "/odom"):
+        assert name in said
+
+
+def test_the_help_of_all_has_an_example(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    assert "\n  lexis run " in capsys.readouterr().out.split("example:")[1]
+
+
+@pytest.mark.parametrize(("number", "says"), [(0, "0 keyframes"), (1, "1 keyframe"), (2, "2 keyframes")])
+def test_one_is_no_plural(number, says):
+    assert cli._count(number, "keyframe") == says

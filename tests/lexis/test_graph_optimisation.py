@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+
+from lexis.config import PoseGraphConfig
+from lexis.errors import LexisError
+from lexis.graph_optimisation import loop_weights, optimise
+from lexis.maths import se3
+from lexis.types import LoopEdge
+
+CONFIG = PoseGraphConfig()
+STEP_COVARIANCE = np.diag(np.repeat([0.01, 0.03], 3) ** 2)
+LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
+
+
+def circle(count):
+    """Two laps of a circle, looking along it."""
+    step = se3.exp(np.array([0.0, 0.0, 4 * np.pi / count, 0.5, 0.0, 0.0]))
+    T = [np.eye(4)]
+    for _ in range(count - 1):
+        T.append(T[-1] @ step)
+    return np.stack(T)
+
+
+@pytest.fixture
+def true():
+    return circle(40)
+
+
+@pytest.fixture
+def drifting(true, rng):
+    """Noisy steps and the poses that they chain to."""
+    noise = se3.exp(rng.multivariate_normal(np.zeros(6), STEP_COVARIANCE, len(true) - 1))
+    steps = se3.between(true[:-1], true[1:]) @ noise
+    T = [true[0]]
+    for step in steps:
+        T.append(T[-1] @ step)
+    return steps, np.stack(T)
+
+
+def loops_between(true, pairs):
+    return [LoopEdge(j, i, se3.between(true[i], true[j]), LOOP_COVARIANCE, 50) for i, j in pairs]
+
+
+def solve(T, steps, loops, config=CONFIG):
+    return optimise(T, steps, np.tile(STEP_COVARIANCE, (len(steps), 1, 1)), loops, config)
+
+
+def error(T, true):
+    return np.linalg.norm(T[:, :3, 3] - true[:, :3, 3], axis=1).max()
+
+
+def test_odometry_alone_is_a_fixed_point(drifting):
+    steps, T = drifting
+    np.testing.assert_allclose(solve(T, steps, []), T, atol=1e-6)
+
+
+def test_perfect_odometry_with_true_loops_is_a_fixed_point(true):
+    loops = loops_between(true, [(0, 20), (5, 25)])
+    result = solve(true, se3.between(true[:-1], true[1:]), loops)
+    np.testing.assert_allclose(result, true, atol=1e-6)
+    np.testing.assert_allclose(loop_weights(result, loops, CONFIG), 1.0)
+
+
+def test_true_loops_take_the_drift_away(true, drifting):
+    steps, T = drifting
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 3)] + [(0, 39)])
+    result = solve(T, steps, loops)
+    assert error(result, true) < 0.5 * error(T, true)
+    assert (loop_weights(result, loops, CONFIG) > 0.5).all()
+
+
+def test_the_first_pose_stays(true, drifting):
+    steps, T = drifting
+    np.testing.assert_allclose(solve(T, steps, loops_between(true, [(0, 39)]))[0], T[0], atol=1e-6)
+
+
+def test_the_result_moves_with_the_world_frame(true, drifting, rng):
+    steps, T = drifting
+    elsewhere = se3.exp(rng.normal(size=6))
+    loops = loops_between(true, [(0, 20), (10, 35)])
+    here, there = solve(T, steps, loops), solve(elsewhere @ T, steps, loops)
+    np.testing.assert_allclose(there, elsewhere @ here, atol=1e-4)
+
+
+def test_a_false_loop_is_rejected_among_true_ones(true, drifting):
+    steps, T = drifting
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 3)])
+    false = LoopEdge(30, 3, se3.exp(np.array([0.0, 0, 0.3, 1.0, 1.0, 0.0])), LOOP_COVARIANCE, 50)
+    with_false = solve(T, steps, [*loops, false])
+    weights = loop_weights(with_false, [*loops, false], CONFIG)
+    assert weights[-1] < 0.5
+    assert (weights[:-1] > 0.5).all()
+    assert error(with_false, true) < error(solve(T, steps, loops), true) + 0.02
+
+
+def test_odometry_that_claims_no_error_still_gives_a_solution(true):
+    steps = se3.between(true[:-1], true[1:])
+    result = optimise(true, steps, np.zeros((len(steps), 6, 6)), loops_between(true, [(0, 20)]), CONFIG)
+    np.testing.assert_allclose(result, true, atol=1e-6)
+
+
+def test_a_graph_of_one_keyframe_is_solved():
+    result = optimise(np.eye(4)[None], np.zeros((0, 4, 4)), np.zeros((0, 6, 6)), [], CONFIG)
+    np.testing.assert_allclose(result, np.eye(4)[None], atol=1e-9)
+    assert loop_weights(result, [], CONFIG).shape == (0,)
+
+
+@pytest.mark.parametrize(("match", "query"), [(0, 40), (-1, 3), (3, 3), (5, 2)])
+def test_loops_outside_the_graph_are_named(true, drifting, match, query):
+    steps, T = drifting
+    with pytest.raises(LexisError, match=f"{match} -> {query}"):
+        solve(T, steps, [LoopEdge(query, match, np.eye(4), LOOP_COVARIANCE, 50)])

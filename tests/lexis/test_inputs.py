@@ -1,0 +1,164 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA
+from helpers.map_builder import corridor_with_offices
+
+from lexis.errors import LexisError, ObservationError
+from lexis.inputs import check_camera, check_observation, check_room_names
+from lexis.map.folder import save_map
+from lexis.types import Camera, Features, Observation, Percept
+
+GOOD = Observation(3, 0.3, np.zeros((240, 320, 3), np.uint8), np.eye(4), 1e-6 * np.eye(6))
+LEANING = np.eye(4) + 0.01
+
+
+def at(x):
+    """A place on the x axis [m]."""
+    T = np.eye(4)
+    T[0, 3] = x
+    return T
+
+
+def test_good_input_passes():
+    check_camera(FORWARD_CAMERA)
+    check_room_names(["kitchen", "stairs"])
+    check_observation(GOOD, FORWARD_CAMERA, None)
+    check_observation(GOOD, FORWARD_CAMERA, replace(GOOD, index=2, stamp=0.2))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"image": np.zeros((240, 321, 3), np.uint8)}, r"uint8 \(240, 320, 3\)"),
+        ({"T_O_B": LEANING}, "not a rigid motion"),
+        ({"T_O_B": np.full((4, 4), np.nan)}, "not a rigid motion"),
+        ({"increment_covariance": np.diag([1.0, 1, 1, 1, 1, np.inf])}, "not finite"),
+        ({"increment_covariance": np.triu(np.ones((6, 6)))}, "symmetric"),
+        ({"increment_covariance": -np.eye(6)}, "negative eigenvalue"),
+        ({"stamp": 0.2}, "not after 0.25 s"),
+        ({"stamp": float("nan")}, "not finite"),
+        ({"stamp": 0.25}, "not after 0.25 s"),
+        ({"T_O_B": at(1e155)}, "not a rigid motion"),
+        ({"T_O_B": at(-1.1e8)}, "not a rigid motion"),
+        ({"increment_covariance": 1e155 * np.eye(6)}, "not finite, symmetric and .*of values up to 1e[+]12"),
+    ],
+)
+def test_a_bad_observation_is_refused_by_number(change, complaint):
+    with pytest.raises(ObservationError, match=rf"observation 3: .*{complaint}"):
+        check_observation(replace(GOOD, **change), FORWARD_CAMERA, replace(GOOD, index=2, stamp=0.25))
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [],
+        "kitchen",
+        ["kitchen", " "],
+        ["kitchen", "stairs", "kitchen"],
+        ["kitchen", "Kitchen "],
+        ["k" * 201],
+        ["kit\nchen"],
+        [f"room {i}" for i in range(1001)],
+    ],
+)
+def test_impossible_room_lists_are_refused(names):
+    with pytest.raises(LexisError, match="valid: "):
+        check_room_names(names)
+
+
+@pytest.mark.parametrize("names", [["k" * 200], [f"room {i}" for i in range(1000)]])
+def test_a_map_can_be_saved_with_every_room_list_that_passes(rng, tmp_path, names):
+    check_room_names(names)
+    save_map(replace(corridor_with_offices(rng), room_names=tuple(names), rooms=()), tmp_path / "map")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"fx": 0.0},
+        {"fy": float("nan")},
+        {"fx": float("inf")},
+        {"cx": float("nan")},
+        {"width": 0},
+        {"fx": 1e-300},
+        {"fx": 1e155},
+        {"cy": -1e155},
+        {"width": 10**9},
+    ],
+)
+def test_impossible_intrinsics_are_refused(change):
+    with pytest.raises(LexisError, match="fx, fy > 0"):
+        check_camera(Camera(replace(FORWARD_CAMERA.intrinsics, **change), np.eye(4)))
+
+
+UNIT = np.array([0.6, 0.8], np.float32)
+NONE = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+
+
+def percept(embedding=UNIT, keypoints=NONE.keypoints, descriptors=NONE.descriptors):
+    """A percept of anything at all: the annotations, which are enforced in tests, would refuse it earlier."""
+    features, made = Features(**vars(NONE)), Percept(UNIT, NONE)
+    object.__setattr__(features, "keypoints", keypoints)
+    object.__setattr__(features, "descriptors", descriptors)
+    object.__setattr__(made, "embedding", embedding)
+    object.__setattr__(made, "features", features)
+    return made
+
+
+def test_a_percept_of_the_encoders_size_passes():
+    check_observation(replace(GOOD, image=percept()), FORWARD_CAMERA, None, 2)
+    rows = np.ones((3, 2), np.float32), np.zeros((3, 61), np.uint8)
+    check_observation(replace(GOOD, image=percept(UNIT, *rows)), FORWARD_CAMERA, None, 2)
+
+
+@pytest.mark.parametrize(
+    ("image", "complaint"),
+    [
+        (percept(np.eye(1, 3, dtype=np.float32)[0]), "has 3 numbers; valid: 2, as the encoder's"),
+        (percept([0.6, 0.8]), "the embedding is a list"),
+        (percept(None), "the embedding is a NoneType"),
+        (percept(np.array([1, 0])), r"the embedding is int64 \(2,\)"),
+        (percept(UNIT[None]), r"the embedding is float32 \(1, 2\)"),
+        (percept(np.array([np.nan, 1], np.float32)), "nan long"),
+        (percept(descriptors=np.zeros((0, 32), np.uint8)), r"valid: float32 \(n, 2\) and uint8 \(n, 61\)"),
+        (percept(descriptors=np.zeros((0, 61))), r"valid: float32 \(n, 2\) and uint8 \(n, 61\)"),
+        (percept(keypoints=np.zeros((0, 3), np.float32)), r"valid: float32 \(n, 2\)"),
+        (percept(keypoints=[]), "key points are a list"),
+        (percept(keypoints=np.ones((1, 2), np.float32)), "1 key points and 0 descriptors"),
+        (percept(UNIT, np.full((1, 2), 1e30, np.float32), np.zeros((1, 61), np.uint8)), "finite places"),
+        ("an image", "the image is a str"),
+        (None, "the image is a NoneType"),
+    ],
+)
+def test_a_percept_that_would_cost_the_map_is_refused(image, complaint):
+    """A percept of other dimensions would be stored, and the map of all earlier ones would be lost at the end."""
+    wrong = replace(GOOD)
+    object.__setattr__(wrong, "image", image)
+    with pytest.raises(ObservationError, match=f"observation 3: .*{complaint}"):
+        check_observation(wrong, FORWARD_CAMERA, None, 2)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("T_O_B", np.eye(3)),
+        ("T_O_B", np.eye(4).tolist()),
+        ("T_O_B", np.full((4, 4), None)),
+        ("increment_covariance", np.ones(6)),
+        ("increment_covariance", None),
+        ("stamp", "0.3"),
+        ("stamp", None),
+    ],
+)
+def test_arrays_of_another_shape_are_refused(field, value):
+    wrong = replace(GOOD)
+    object.__setattr__(wrong, field, value)  # the annotations, which are enforced in tests, would refuse it earlier
+    with pytest.raises(ObservationError, match=f"{field}.*valid: "):
+        check_observation(wrong, FORWARD_CAMERA, None)
+
+
+def test_a_mount_that_is_no_rigid_motion_is_refused():
+    with pytest.raises(LexisError, match="T_B_C"):
+        check_camera(Camera(FORWARD_CAMERA.intrinsics, LEANING))

@@ -1,0 +1,94 @@
+"""Observations may bring what was seen instead of an image: LEXIS then makes the same map of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA, BoxRoom, walk
+
+from lexis.config import Config, LandmarkConfig
+from lexis.errors import ObservationError
+from lexis.features import FeatureExtractor
+from lexis.inputs import pixels
+from lexis.perception import embedding_of, features_of
+from lexis.slam import Slam
+from lexis.types import Features, Observation, Percept
+
+CONFIG = Config(landmarks=LandmarkConfig(max_features=200))
+NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+BITS = np.zeros((1, 61), np.uint8)
+
+
+class MeanColour:
+    name = fingerprint = "mean colour"
+
+    def encode_image(self, image):
+        mean = image.reshape(-1, 3).mean(axis=0)
+        return np.float32(mean / np.linalg.norm(mean))
+
+    def encode_rooms(self, names):
+        return np.eye(len(names), 3, dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def observations():
+    room = BoxRoom((7.0, 6.0, 2.5), np.random.default_rng(3))
+    poses = walk(np.array([[1.0, 1.0], [5.5, 1.5], [5.0, 4.5]]), 0.26)
+    covariance = np.diag([1e-8] * 6)
+    return [Observation(i, float(i), room.render(T, FORWARD_CAMERA), T, covariance) for i, T in enumerate(poses)]
+
+
+def percept_of(observation):
+    extractor = FeatureExtractor(CONFIG.landmarks)
+    return replace(observation, image=Percept(embedding_of(observation, MeanColour()), features_of(observation, extractor)))
+
+
+def mapped(observations):
+    slam = Slam(FORWARD_CAMERA, MeanColour(), ("kitchen", "office"), CONFIG)
+    for observation in observations:
+        slam.process(observation)
+    return slam.finish()
+
+
+def test_the_map_of_percepts_is_the_map_of_the_images_they_are_of(observations):
+    seen, told = mapped(observations), mapped([percept_of(observation) for observation in observations])
+    np.testing.assert_array_equal(told.T_W_B, seen.T_W_B)
+    np.testing.assert_array_equal(told.similarities, seen.similarities)
+    assert [len(k.landmarks.points) for k in told.keyframes] == [len(k.landmarks.points) for k in seen.keyframes]
+    assert sum(len(k.landmarks.points) for k in told.keyframes) > 100
+
+
+def test_loops_are_the_verifiers(observations):
+    asked = []
+
+    def verifier(query, candidates, graph, camera, config):
+        asked.append((query.id, tuple(candidates)))
+        return []
+
+    slam = Slam(FORWARD_CAMERA, MeanColour(), ("kitchen", "office"), CONFIG, verifier)
+    for observation in observations:
+        slam.process(observation)
+    assert slam.finish().candidates == tuple(asked)
+
+
+@pytest.mark.parametrize(
+    ("percept", "message"),
+    [
+        (Percept(np.full(3, np.nan, np.float32), NOTHING), "unit norm"),
+        (Percept(np.float32([0.0, 2.0, 0.0]), NOTHING), "unit norm"),
+        (
+            Percept(np.float32([0.0, 1.0, 0.0]), replace(NOTHING, keypoints=np.float32([[np.inf, 0.0]]), descriptors=BITS)),
+            "finite",
+        ),
+    ],
+)
+def test_bad_percepts_are_refused(observations, percept, message):
+    slam = Slam(FORWARD_CAMERA, MeanColour(), ("kitchen", "office"), CONFIG)
+    with pytest.raises(ObservationError, match=message):
+        slam.process(replace(observations[0], image=percept))
+
+
+def test_pixels_are_those_of_the_image(observations):
+    assert pixels(observations[0]) is observations[0].image
+    with pytest.raises(ObservationError, match="brings no image"):
+        pixels(percept_of(observations[0]))

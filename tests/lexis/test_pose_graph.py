@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from lexis.config import PoseGraphConfig
+from lexis.maths import se3
+from lexis.pose_graph import PoseGraph
+from lexis.types import Features, Keyframe, Landmarks, LoopEdge
+
+STEP_COVARIANCE = np.diag(np.repeat([0.01, 0.03], 3) ** 2)
+LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
+NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+
+
+@pytest.fixture
+def odometry(rng):
+    """A walk of 30 poses that starts anywhere."""
+    steps = se3.exp(rng.normal([0, 0, 0.2, 0.5, 0, 0], [0.02, 0.02, 0.1, 0.05, 0.02, 0.02], (30, 6)))
+    T = [se3.exp(rng.normal(size=6))]
+    for step in steps[1:]:
+        T.append(T[-1] @ step)
+    return np.stack(T)
+
+
+def graph_of(T_O_B, config=None):
+    graph = PoseGraph(config or PoseGraphConfig())
+    for i, T in enumerate(T_O_B):
+        landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+        graph.add_keyframe(Keyframe(i, i, float(i), T, STEP_COVARIANCE, np.ones(1, np.float32), NOTHING, landmarks))
+    return graph
+
+
+def loop(match, query, T_O_B, shift_m=0.1):
+    shift = se3.exp(np.array([0.0, 0.0, 0.0, shift_m, 0.0, 0.0]))
+    return LoopEdge(query, match, se3.between(T_O_B[match], T_O_B[query]) @ shift, LOOP_COVARIANCE, 50)
+
+
+def test_without_loops_the_estimate_is_the_odometry(odometry):
+    graph = graph_of(odometry)
+    assert not graph.optimise_if_due(final=True)
+    np.testing.assert_allclose(graph.T_W_B, odometry, atol=1e-12)
+    np.testing.assert_allclose(graph.path_m[-1], np.linalg.norm(np.diff(odometry[:, :3, 3], axis=0), axis=1).sum())
+
+
+def test_an_optimised_graph_grows_on_by_odometry_and_stays_anchored(odometry):
+    graph = graph_of(odometry[:20])
+    graph.add_loops([loop(0, 19, odometry)])
+    assert graph.optimise_if_due()
+    for one in graph_of(odometry).keyframes[20:]:
+        graph.add_keyframe(one)
+    np.testing.assert_allclose(graph.T_W_B[0], odometry[0], atol=1e-6)
+    assert np.linalg.norm(graph.T_W_B[19] - odometry[19]) > 0.02
+    np.testing.assert_allclose(
+        se3.between(graph.T_W_B[19:-1], graph.T_W_B[20:]), se3.between(odometry[19:-1], odometry[20:]), atol=1e-9
+    )
+
+
+def test_optimisation_waits_for_enough_keyframes_unless_it_is_the_last(odometry):
+    graph = graph_of(odometry[:20], PoseGraphConfig(every=10))
+    graph.add_loops([loop(0, 19, odometry)])
+    assert graph.optimise_if_due()
+    graph.add_loops([loop(1, 18, odometry)])
+    assert not graph.optimise_if_due()
+    assert graph.optimise_if_due(final=True)
+    assert not graph.optimise_if_due(final=True)  # nothing is new
+
+
+def test_weights_are_one_per_loop_and_low_for_what_does_not_fit(odometry):
+    graph = graph_of(odometry)
+    graph.add_loops([loop(0, 25, odometry, 0.01), loop(3, 28, odometry, 5.0)])
+    graph.optimise_if_due(final=True)
+    good, bad = graph.loop_weights
+    assert good > 0.9
+    assert bad < 0.1

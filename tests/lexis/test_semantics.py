@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from lexis.config import Config
+from lexis.maths import se3
+from lexis.semantics import derive
+
+NAMES = ("kitchen", "office", "stairs")
+TEXT = np.eye(3, dtype=np.float32)
+
+
+@pytest.fixture
+def walk(rng):
+    """Ten keyframes in a kitchen, then ten in an office, some half a metre apart; every image is a little unsure."""
+    T = np.tile(np.eye(4), (20, 1, 1))
+    steps = np.arange(20) - 9.5
+    T[:, 0, 3] = 0.5 * steps - 1e-4 * steps**3  # closer together away from the door: no two neighbours are equally near
+    embeddings = np.repeat(TEXT[:2], 10, axis=0) + rng.uniform(0.0, 0.3, (20, 3)).astype(np.float32)
+    return embeddings / np.linalg.norm(embeddings, axis=1, keepdims=True), T
+
+
+def test_a_clear_walk_gives_its_two_rooms(walk):
+    result = derive(*walk, TEXT, NAMES, Config())
+    assert [(room.label, room.keyframes) for room in result.rooms] == [
+        ("kitchen", tuple(range(10))),
+        ("office", tuple(range(10, 20))),
+    ]
+    np.testing.assert_array_equal(result.labels, np.repeat([0, 1], 10))
+    np.testing.assert_allclose(result.similarities, walk[0] @ TEXT.T, atol=1e-6)
+
+
+def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):
+    embeddings, T = walk
+    elsewhere = se3.exp(np.array([0.0, 0.0, 2.0, 30.0, -20.0, 5.0]))
+    here, there = (derive(embeddings, poses, TEXT, NAMES, Config()) for poses in (T, elsewhere @ T))
+    np.testing.assert_array_equal(here.labels, there.labels)
+    np.testing.assert_array_equal(here.floors, there.floors)
+    assert [room.keyframes for room in here.rooms] == [room.keyframes for room in there.rooms]

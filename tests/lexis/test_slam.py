@@ -1,0 +1,219 @@
+"""The whole of LEXIS on a lap and a half through a textured room: real pixels, features and loops, no simulator."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA, BoxRoom, walk
+
+from lexis.config import Config, LandmarkConfig, PlaceRecognitionConfig
+from lexis.errors import LexisError, ObservationError
+from lexis.features import FeatureExtractor
+from lexis.map.arrays import pack
+from lexis.maths import se3
+from lexis.slam import Slam
+from lexis.types import Camera, Features, Observation, Percept
+
+ROOMS = ("office", "kitchen")
+COVARIANCE = np.diag([1e-8, 1e-8, 1e-5, 3e-5, 3e-5, 1e-6])
+
+
+CONFIG = Config(landmarks=LandmarkConfig(max_features=300))  # of the texture's many more; saves time
+
+
+class ThumbnailEncoder:
+    """Every image is an office; beyond that its embedding is what it looks like from afar."""
+
+    name = fingerprint = "thumbnail"
+
+    def encode_image(self, image):
+        small = cv2.resize(image, (8, 6), interpolation=cv2.INTER_AREA).astype(np.float32).ravel()
+        look = small - small.mean()
+        return np.concatenate([np.float32([0.8, 0.0]), np.float32(0.6) * look / np.linalg.norm(look)])
+
+    def encode_rooms(self, names):
+        return np.eye(len(names), 2 + 144, dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def true():
+    angle = np.linspace(0.0, 2.8 * np.pi, 200)
+    return walk(np.stack([3.5 + 2 * np.cos(angle), 3 + 1.8 * np.sin(angle)], axis=1), 0.2501)
+
+
+@pytest.fixture(scope="module")
+def observations(true):
+    """Odometry turns 0.7 °/m too far and is noisy."""
+    rng = np.random.default_rng(5)
+    room = BoxRoom((7.0, 6.0, 2.8), rng)
+    drift = rng.multivariate_normal([0, 0, np.radians(0.7) * 0.25, 0, 0, 0], COVARIANCE, len(true) - 1)
+    T = [true[0]]
+    for step in se3.between(true[:-1], true[1:]) @ se3.exp(drift):
+        T.append(T[-1] @ step)
+    return [Observation(i, 0.4 * i, room.render(true[i]), T_O_B, COVARIANCE) for i, T_O_B in enumerate(T)]
+
+
+class MistakenEncoder(ThumbnailEncoder):
+    """Takes every fifth office for a kitchen."""
+
+    def __init__(self):
+        self._images = 0
+
+    def encode_image(self, image):
+        self._images += 1
+        embedding = super().encode_image(image)
+        return np.concatenate([embedding[1::-1], embedding[2:]]) if self._images % 5 == 0 else embedding
+
+
+def run(observations, config=CONFIG, encoder=None):
+    slam = Slam(FORWARD_CAMERA, encoder or ThumbnailEncoder(), ROOMS, config)
+    for observation in observations:
+        slam.process(observation)
+    return slam.finish()
+
+
+@pytest.fixture(scope="module")
+def result(observations):
+    return run(observations)
+
+
+def position_errors(T, keyframes, true):
+    return np.linalg.norm(T[:, :3, 3] - true[[k.observation_index for k in keyframes], :3, 3], axis=1)
+
+
+def test_loops_take_most_of_the_drift_away(result, true):
+    odometry = np.stack([k.T_O_B for k in result.keyframes])
+    before, after = (position_errors(T, result.keyframes, true) for T in (odometry, result.T_W_B))
+    assert before.max() > 0.3
+    assert after.max() < 0.5 * before.max()
+
+
+def test_loop_edges_are_true(result, true):
+    assert len(result.loops) >= 10
+    for loop, weight in zip(result.loops, result.loop_weights, strict=True):
+        match, query = (true[result.keyframes[i].observation_index] for i in (loop.match, loop.query))
+        error = se3.log(se3.between(loop.T_match_query, se3.between(match, query)))
+        assert weight < 0.5 or (np.linalg.norm(error[3:]) < 0.5 and np.linalg.norm(error[:3]) < 0.2)
+
+
+def test_everything_is_said_of_every_keyframe(result, observations):
+    n = len(result.keyframes)
+    assert [k.id for k in result.keyframes] == list(range(n))
+    np.testing.assert_allclose(result.T_W_B[0], observations[0].T_O_B, atol=1e-5)
+    for array in (result.T_W_B, result.similarities, result.baseline_labels, result.labels, result.floors):
+        assert len(array) == n
+    assert [query for query, _ in result.candidates] == list(range(n))
+    assert sorted(i for room in result.rooms for i in room.keyframes) == list(range(n))
+    assert {room.label for room in result.rooms} == {"office"}
+    assert set(result.stage_seconds) == {"encode", "features", "landmarks", "rooms", "propose", "verify", "optimise"}
+
+
+def test_edges_come_from_the_candidates(result):
+    proposed = {(query, match) for query, matches in result.candidates for match in matches}
+    assert {(loop.query, loop.match) for loop in result.loops} <= proposed
+
+
+def test_loops_are_sought_in_the_room_that_the_image_itself_shows(observations, monkeypatch):
+    sought = []
+
+    def nothing(query, label, *rest):
+        sought.append(label)
+        return ()
+
+    monkeypatch.setattr("lexis.slam.propose", nothing)
+    result = run(observations[:24], encoder=MistakenEncoder())
+    assert sought == [ROOMS[label] for label in result.baseline_labels]
+    assert "kitchen" in sought and (result.labels == 0).all()
+
+
+def test_without_candidates_the_result_is_the_odometry(observations):
+    result = run(observations[:12], Config(place_recognition=PlaceRecognitionConfig(candidates=0)))
+    assert result.loops == ()
+    np.testing.assert_allclose(result.T_W_B, np.stack([k.T_O_B for k in result.keyframes]), atol=1e-9)
+
+
+def test_the_same_observations_give_the_same_map(observations, result):
+    again = run(observations)
+    np.testing.assert_array_equal(again.T_W_B, result.T_W_B)
+    assert again.candidates == result.candidates
+
+
+def reusing_buffers(observations):
+    """The same observations from a driver that writes each one over the one before."""
+    buffers = None
+    for observation in observations:
+        arrays = _arrays(observation)
+        if buffers is None:
+            buffers = [array.copy() for array in arrays]
+        for k, array in enumerate(arrays):
+            if buffers[k].shape == array.shape:
+                buffers[k][...] = array
+            else:  # the number of key points has changed
+                buffers[k].fill(0)
+                buffers[k] = array.copy()
+        yield _observation(observation, buffers)
+    for buffer in buffers:
+        buffer.fill(0)
+
+
+def _arrays(observation):
+    seen = observation.image
+    of_image = [seen.embedding, *vars(seen.features).values()] if isinstance(seen, Percept) else [seen]
+    return [observation.T_O_B, observation.increment_covariance, *of_image]
+
+
+def _observation(observation, buffers):
+    T_O_B, covariance, *of_image = buffers
+    image = of_image[0] if len(of_image) == 1 else Percept(of_image[0], Features(*of_image[1:]))
+    return replace(observation, image=image, T_O_B=T_O_B, increment_covariance=covariance)
+
+
+def percepts(observations):
+    """The percepts that LEXIS would get from the images."""
+    encoder, extractor = ThumbnailEncoder(), FeatureExtractor(CONFIG.landmarks)
+    for observation in observations:
+        image = observation.image
+        yield replace(observation, image=Percept(encoder.encode_image(image), extractor.extract(image)))
+
+
+class ReusingEncoder(ThumbnailEncoder):
+    """Writes every embedding over the one before."""
+
+    def __init__(self):
+        self._buffer = np.zeros(146, np.float32)
+
+    def encode_image(self, image):
+        self._buffer[:] = super().encode_image(image)
+        return self._buffer
+
+
+@pytest.mark.parametrize("form", ["images", "percepts"])
+def test_a_driver_may_reuse_its_buffers(observations, form):
+    brief = observations[:24] if form == "images" else [*percepts(observations[:24])]
+    expected, found = pack(run(brief), True), pack(run(reusing_buffers(brief), encoder=ReusingEncoder()), True)
+    assert len(expected["stamp"]) == 10
+    for name, array in expected.items():
+        np.testing.assert_array_equal(found[name], array, err_msg=name)
+
+
+def test_the_camera_is_the_one_that_was_handed_over(observations):
+    camera = Camera(FORWARD_CAMERA.intrinsics, FORWARD_CAMERA.T_B_C.copy())
+    slam = Slam(camera, ThumbnailEncoder(), ROOMS, CONFIG)
+    camera.T_B_C[:] = 0.0
+    slam.process(observations[0])
+    np.testing.assert_array_equal(slam.finish().camera.T_B_C, FORWARD_CAMERA.T_B_C)
+
+
+def test_one_observation_makes_a_map(observations):
+    assert len(run(observations[:1]).keyframes) == 1
+
+
+def test_no_observation_makes_none():
+    with pytest.raises(LexisError, match="at least one"):
+        run([])
+
+
+def test_time_cannot_run_backwards(observations):
+    with pytest.raises(ObservationError, match="not after"):
+        run([observations[1], replace(observations[2], stamp=0.0)])

@@ -1,0 +1,163 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA
+
+from lexis.config import PoseGraphConfig, VerificationConfig
+from lexis.maths import se3
+from lexis.maths.projection import project
+from lexis.pose_graph import PoseGraph
+from lexis.types import Features, Keyframe, Landmarks
+from lexis.verification import verify
+
+CONFIG = VerificationConfig()
+EMBEDDING = np.ones(1, np.float32)
+STEP = np.diag(np.repeat([0.01, 0.02], 3) ** 2)
+
+
+def keyframe(i, T_O_B, points, descriptors, landmarks=True, T_true=None, noise_px=0.0):
+    """A keyframe that sees world points from `T_true` while the odometry says `T_O_B`."""
+    T_true = T_O_B if T_true is None else T_true
+    in_body = se3.transform(se3.inverse(T_true), points)
+    pixels = project(se3.transform(se3.inverse(FORWARD_CAMERA.T_B_C), in_body), FORWARD_CAMERA.intrinsics)
+    pixels += np.random.default_rng(i).normal(0.0, noise_px, pixels.shape)
+    ids = np.arange(len(points) if landmarks else 0)
+    features = Features(pixels.astype(np.float32), descriptors)
+    return Keyframe(i, i, 10.0 * i, T_O_B, STEP, EMBEDDING, features, Landmarks(in_body[ids], ids))
+
+
+@pytest.fixture
+def world(rng):
+    points = rng.uniform([3.0, -2.5, -1.5], [7.0, 2.5, 2.0], (80, 3))
+    return points, rng.integers(0, 256, (80, 61), np.uint8)
+
+
+@pytest.fixture
+def true():
+    """Where the query truly is, and where its candidate is (the origin)."""
+    return se3.exp(np.array([0.02, -0.03, 0.2, 0.4, -0.3, 0.1]))
+
+
+def graph_of(*keyframes):
+    graph = PoseGraph(PoseGraphConfig())
+    for one in keyframes:
+        graph.add_keyframe(one)
+    return graph
+
+
+def located(world, true, drift=None, noise_px=0.3, config=CONFIG):
+    points, descriptors = world
+    estimated = true if drift is None else drift @ true
+    match = keyframe(0, np.eye(4), points, descriptors)
+    query = keyframe(1, estimated, points, descriptors, landmarks=False, T_true=true, noise_px=noise_px)
+    return verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
+
+
+def test_the_edge_is_the_true_relative_pose_whatever_the_odometry_drifted_to(world, true):
+    drift = se3.exp(np.array([0.0, 0.0, 0.05, 0.3, 0.1, 0.0]))
+    (edge,) = located(world, true, drift, noise_px=0.0)
+    np.testing.assert_allclose(edge.T_match_query, true, atol=1e-4)
+    assert (edge.query, edge.match) == (1, 0)
+    assert edge.inliers >= 70
+
+
+def test_the_covariance_is_that_of_repeated_measurements(world, true):
+    points, descriptors = world
+    config = replace(CONFIG, pixel_sigma=0.5, rotation_sigma_rad=1e-9, translation_sigma_m=1e-9)
+    squared = []
+    match = keyframe(0, np.eye(4), points, descriptors)
+    for seed in range(100):
+        query = replace(keyframe(seed, true, points, descriptors, landmarks=False, noise_px=0.5), id=1)
+        (edge,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
+        error = se3.log(se3.between(edge.T_match_query, true))
+        squared.append(error @ np.linalg.solve(edge.covariance, error))
+    assert 5.0 < np.mean(squared) < 7.5  # chi² of 6 degrees of freedom
+
+
+@pytest.mark.parametrize(
+    ("drift", "gates"),
+    [([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], {"gate_m": 1.5}), ([0.0, 0.0, 0.3, 0.0, 0.0, 0.0], {"gate_rad": 0.4})],
+)
+def test_a_loop_too_far_from_the_estimate_or_too_much_turned_is_refused(world, true, drift, gates):
+    far = se3.exp(np.array(drift))
+    assert located(world, true, far) == []
+    assert len(located(world, true, far, config=replace(CONFIG, **gates))) == 1
+
+
+def test_another_place_is_refused(world, true, rng):
+    points, descriptors = world
+    match = keyframe(0, np.eye(4), points, rng.integers(0, 256, descriptors.shape, np.uint8))
+    query = keyframe(1, true, points, descriptors)
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+
+
+def test_the_same_key_points_in_another_arrangement_are_refused(world, true, rng):
+    points, descriptors = world
+    match = keyframe(0, np.eye(4), points, descriptors)
+    query = keyframe(1, true, rng.permutation(points), descriptors)
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+
+
+def test_inliers_in_one_corner_of_the_image_are_not_enough(world, true):
+    points, descriptors = world
+    poster = np.array([5.0, 1.0, 0.5]) + 0.05 * (points - points.mean(axis=0))
+    assert located((poster, descriptors), true) == []
+
+
+def test_two_sightings_of_a_landmark_count_once(world, true, rng):
+    """Ten landmarks, seen from two keyframes, agree; the other key points match but do not fit together."""
+    points, descriptors = world
+    shuffled = np.concatenate([points[:10], rng.permutation(points[10:])])
+    first, second = keyframe(0, np.eye(4), points, descriptors), keyframe(1, se3.exp(np.full(6, 0.01)), points, descriptors)
+    query = keyframe(2, true, shuffled, descriptors)
+    graph = graph_of(first, second, query)
+    config = replace(CONFIG, max_sigma_m=1.0)
+    assert verify(query, [0, 1], graph, FORWARD_CAMERA, config) == []
+    assert len(verify(query, [0, 1], graph, FORWARD_CAMERA, replace(config, min_inliers=10))) == 2
+
+
+def test_an_edge_that_leaves_the_position_open_is_refused(world, true):
+    points, descriptors = world
+    distant = points * 8.0, descriptors
+    assert located(distant, true) == []
+    assert len(located(distant, true, config=replace(CONFIG, max_sigma_m=1.0))) == 1
+
+
+def test_neighbours_lend_their_landmarks(world, true):
+    points, descriptors = world
+    first = keyframe(0, np.eye(4), points[:12], descriptors[:12])
+    second = keyframe(1, se3.exp(np.full(6, 0.01)), points[12:24], descriptors[12:24])
+    query = keyframe(2, true, points, descriptors)
+    graph = graph_of(first, second, query)
+    assert verify(query, [0], graph, FORWARD_CAMERA, replace(CONFIG, pool=0)) == []
+    (edge,) = verify(query, [0], graph, FORWARD_CAMERA, CONFIG)
+    np.testing.assert_allclose(edge.T_match_query, true, atol=1e-3)
+
+
+def test_edges_come_best_first_and_no_more_than_asked_for(world, true):
+    points, descriptors = world
+    earlier = [keyframe(i, np.eye(4), points[: 30 + 10 * i], descriptors[: 30 + 10 * i]) for i in range(5)]
+    query = keyframe(5, true, points, descriptors)
+    edges = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, replace(CONFIG, pool=0, max_edges=2))
+    assert [edge.match for edge in edges] == [4, 3]
+
+
+def test_a_keyframe_without_landmarks_is_refused(world, true):
+    points, descriptors = world
+    match = keyframe(0, np.eye(4), points, descriptors, landmarks=False)
+    query = keyframe(1, true, points, descriptors)
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+
+
+def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng):
+    """Processors sum in other orders, and RANSAC can turn their last digits into another pose."""
+    points, descriptors = world
+    match = keyframe(0, np.eye(4), points, descriptors)
+    query = keyframe(1, true, points, descriptors, landmarks=False, noise_px=2.0)
+    (expected,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG)
+    for _ in range(5):
+        last_bits = rng.uniform(-1e-15, 1e-15, match.landmarks.points.shape)
+        shaken = replace(match, landmarks=replace(match.landmarks, points=match.landmarks.points + last_bits))
+        (edge,) = verify(query, [0], graph_of(shaken, query), FORWARD_CAMERA, CONFIG)
+        assert (edge.T_match_query == expected.T_match_query).all() and edge.inliers == expected.inliers

@@ -1,0 +1,261 @@
+"""`lexis-sim`: bad input costs one line and exit status 2, and leaves nothing behind."""
+
+import json
+import re
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+
+from sim.bench.segmentation import Row
+from sim.bench.speed import Figure, Section
+from sim.cli import main
+from sim.commands.run import DEMO_SEED
+from sim.errors import SimError
+from sim.faults import FAULTS
+from sim.harness import RunConfig
+from sim.odometry.imu import ImuConfig
+from sim.render.lens import Distortion
+from sim.tours.tour import TourConfig
+from worlds.house import build_house
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+
+
+def status_of(argv):
+    try:
+        return main([str(argument) for argument in argv])
+    except SystemExit as end:
+        return end.code
+
+
+@pytest.mark.parametrize(
+    ("argv", "hint"),
+    [
+        (["run", "--preset", "castle"], "valid: home, ori"),
+        (["run", "--odometry", "gps"], "valid: perfect"),
+        (["run", "--house", "missing.json"], "missing.json"),
+        (["run", "--house", "broken.json"], "broken.json"),
+        (["run", "--encoder", "no-such-model"], "mini"),
+        (["run", "--seed", "-1"], "whole number"),
+        (["run", "--out", "file.txt/inside"], "valid"),
+        (["run", "--out", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
+        (["run", "--out", "/proc/nowhere"], "valid"),
+        (["run", "--out", "occupied"], "valid"),
+        (["run", "--out", ""], "the name of a folder"),
+        (["run", "--out", "loop"], "loop"),
+        (["demo", "--out", "/proc/nowhere"], "cannot be written"),
+        (["train-encoder", "--work", "/proc/nowhere"], "--work in /proc/nowhere: cannot be written"),
+        (["train-encoder", "--work", "occupied", "--out", "file.txt/mini"], "--out in file.txt: cannot be written"),
+        (["house", "generate", "--rooms", "kitchen,dungeon", "-o", "h.json"], "valid: kitchen"),
+        (["house", "generate", "--rooms", "", "-o", "h.json"], "valid"),
+        (["house", "generate", "-o", "no/such/folder/h.json"], "valid"),
+        (["house", "check", "broken.json"], "broken.json"),
+        (["bench", "speed", "--preset", "castle"], "home"),
+        (["bench", "planning", "--pictures", "file.txt"], "file.txt: is a file; valid: the name of a folder"),
+        (["run", "--house", "/dev/zero"], "/dev/zero: cannot be read: is a device or a pipe"),
+        (["run", "--preset", "hom"], "unknown preset 'hom' (did you mean 'home'?); valid: home"),
+        (["run", "--odometry", "multicm"], "unknown odometry 'multicm' (did you mean 'multicam'?); valid: perfect"),
+        (["run", "--rig", "sterio"], "unknown rig 'sterio' (did you mean 'stereo'?); valid: wide"),
+        (["house", "generate", "--rooms", "kitchn", "-o", "h.json"], "a 'kitchn' (did you mean 'kitchen'?); valid: kitchen"),
+        (["house", "prove", "--preset", "skool"], "unknown preset 'skool' (did you mean 'school'?); valid: home"),
+        (["run", "--overconfidence", "0.5"], "--overconfidence: '0.5'; valid: a number from 1 (honest) to 1e+06"),
+        (["run", "--overconfidence", "nan"], "--overconfidence: 'nan'; valid: a number from 1 (honest)"),
+        (["record", "--length", "-5"], "--length: '-5'; valid: a number from 1 to 100000"),
+        (["record", "--rate", "0"], "--rate: '0'; valid: a number from 2 to 120"),
+        (["record", "--lever-arm", "1,2"], "--lever-arm: '1,2'; valid: numbers X,Y,Z[,ROLL,PITCH,YAW]"),
+        (["record", "--lever-arm", "1,2,nan"], "--lever-arm: '1,2,nan'; valid: numbers"),
+        (["record", "--lever-arm", "1,0,0"], "up to 0.15 m from the IMU"),
+        (["record", "--distortion=-0.3"], "--distortion: '-0.3'; valid: numbers K1,K2,P1,P2, or barrel"),
+        (["record", "--distortion=-2,0,0,0"], "valid: weaker coefficients, or a narrower field of view"),
+        (["record", "--imu-bias", "-1"], "--imu-bias: '-1'; valid: a number from 0 to 10"),
+        (["run", "--tour", "scenic"], "both-ways"),
+        (["run", "--sway", "drunken"], "hand-held"),
+        (["record", "--length", "far"], "--length: 'far'; valid: a number from 1 to 100000"),
+        (["house", "gallery", "--houses", "99999999999", "-o", "g.png"], "valid: a whole number from 1 to 1000"),
+        (["house", "gallery", "--houses", "1", "-o", "g.pdf"], "valid: a name with .png"),
+        (["house", "import", "plan.svg", "--snap", "9", "-o", "h.json"], "--snap: '9'; valid: a number from 0.001 to 0.3"),
+        ([], "COMMAND"),
+        (["fly"], "demo"),
+    ],
+)
+def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken.json").write_text('{"storeys": [{"rooms": 3}]}')
+    (tmp_path / "file.txt").write_text("a file, not a folder")
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "occupied").mkdir()
+    (tmp_path / "occupied" / "thesis.txt").write_text("years of work")
+    before = sorted(tmp_path.rglob("*"))
+    assert status_of(argv) == 2
+    printed = capsys.readouterr()
+    assert hint in printed.err and printed.err.count("\n") == 1 and "Traceback" not in printed.err and printed.out == ""
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    [[], ["demo"], ["run"], ["bench"], ["train-encoder"], ["doctor"], ["house"]]
+    + [
+        ["house", name]
+        for name in ("generate", "variant", "import", "check", "show", "export", "gallery", "prove", "schema")
+    ],
+)
+def test_help_has_an_example(words, capsys):
+    assert status_of([*words, "--help"]) == 0
+    assert f"  lexis-sim {' '.join(words)}" in re.split("examples?:\n", capsys.readouterr().out)[1]
+
+
+@pytest.mark.parametrize(
+    ("module", "heavy"), [("sim.cli", {"torch", "open_clip", "mujoco", "gtsam"}), ("sim.harness", {"torch", "open_clip"})]
+)
+def test_help_and_runs_without_pixels_wait_for_nothing_heavy(module, heavy):
+    """In a process of its own: here everything is imported already."""
+    code = f"import sys, {module}; print(*{heavy} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() == []
+
+
+def test_the_seed_of_a_run_is_the_harness_s():
+    assert RunConfig().seed == DEMO_SEED
+
+
+def test_generated_houses_check_and_show(tmp_path, capsys):
+    house, plan = tmp_path / "home.json", tmp_path / "home.png"
+    assert status_of(["house", "generate", "--preset", "home", "--seed", 3, "-o", house]) == 0
+    assert HouseSpec.load(house) == sample_house("home", 3)
+    assert status_of(["house", "check", house]) == 0
+    assert status_of(["house", "show", house, "-o", plan]) == 0
+    assert plan.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_house_that_cannot_be_walked_fails_its_check(tmp_path, capsys):
+    data = json.loads(sample_house("home", 3).to_json())
+    data["storeys"][0]["openings"] = [o for o in data["storeys"][0]["openings"] if "kitchen 0.1" not in o["rooms"]]
+    house = tmp_path / "closed.json"
+    house.write_text(json.dumps(data))
+    assert status_of(["house", "check", house]) == 1
+    assert "kitchen 0.1" in capsys.readouterr().out
+    assert build_house(HouseSpec.load(house))
+
+
+@pytest.mark.parametrize(("side", "status"), [(0.3, 1), (140.0, 0)])
+def test_houses_of_any_size_are_drawn(side, status, tmp_path):
+    room = {"id": "a", "label": "office", "polygon_m": [[0, 0], [side, 0], [side, side], [0, side]]}
+    house, plan = tmp_path / "house.json", tmp_path / "plan.png"
+    house.write_text(json.dumps({"storeys": [{"rooms": [room], "furniture": []}]}))
+    assert status_of(["house", "check", house]) == status
+    assert status_of(["house", "show", house, "-o", plan]) == 0
+    assert cv2.imread(str(plan)).size < 4e7
+
+
+def test_a_house_that_cannot_be_built_fails_its_check(tmp_path, capsys):
+    room = {"id": "a", "label": "office", "polygon_m": [[0, 0], [0, 4], [4, 4], [4, 0]]}
+    house = tmp_path / "clockwise.json"
+    house.write_text(json.dumps({"storeys": [{"rooms": [room]}]}))
+    assert status_of(["house", "check", house]) == 1
+    assert "counter-clockwise" in capsys.readouterr().out
+    assert status_of(["house", "show", house, "-o", tmp_path / "plan.png"]) == 2
+
+
+def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, capsys):
+    row = Row(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
+    monkeypatch.setattr("sim.bench.segmentation.run_houses", lambda config, seeds, openness: ((seed, row) for seed in seeds))
+    assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
+    assert "–" in capsys.readouterr().out
+
+
+SECTION = Section("scene", "ms", (Figure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))
+
+
+def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):
+    monkeypatch.setattr("sim.bench.speed.measure_speed", lambda preset, houses, seed: [SECTION])
+    assert status_of(["bench", "speed"]) == 0
+    assert re.search(r"step.*median \[ms\].*worst \[ms\].*runs \[count\]", capsys.readouterr().out)
+
+
+def test_doctor_is_content_here(capsys):
+    assert status_of(["doctor"]) == 0
+    assert "FIX" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--fault", "fog"], "unknown fault 'fog'; valid: dropped"),
+        (["--fault", "bluer:9"], "unknown fault 'bluer' (did you mean 'blur'?); valid: dropped"),
+        (["--fault", "blur:9,for=2"], "'for' is no field of blur (did you mean 'for_s'?); valid: pixels, at_s, for_s"),
+        (["--fault", "dropped:2"], "share is 2.0; valid: 0 to 1"),
+        (["--fault", "dropped:0.1,share=0.2"], "share is said twice; valid: once"),
+    ],
+)
+def test_bad_faults_cost_one_line(arguments, message, capsys):
+    assert main(["run", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(("command", "marker"), [("demo", "result.json"), ("run", "result.json"), ("record", "rooms.json")])
+def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path, monkeypatch, capsys):
+    def work(*_, **__):
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.harness.run", work)
+    monkeypatch.setattr("sim.record.record", work)
+    assert status_of([command, "--out", tmp_path]) == 2
+    assert capsys.readouterr().err == "lexis-sim: so far\n"
+    (tmp_path / marker).write_text("{}")
+    assert status_of([command, "--out", tmp_path]) == 2
+    assert (
+        capsys.readouterr().err == f"note: {tmp_path} holds an earlier one; the new one will replace it\nlexis-sim: so far\n"
+    )
+
+
+@pytest.mark.parametrize(("command", "work"), [("run", "sim.harness.run"), ("record", "sim.record.record")])
+def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(config, *_, **__):
+        seen.append(config)
+        raise SimError("so far")
+
+    monkeypatch.setattr(work, stop)
+    options = ["--tour", "both-ways", "--length", "30", "--sway", "quadruped", "--rate", "20", "--start-manoeuvre"]
+    assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
+    tour, usual = (config.tour() for config in seen)
+    assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
+    assert usual == RunConfig().tour() == TourConfig("rooms", 140.0)
+
+
+def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def stop(config, *_, **options):
+        seen.append((config.camera.T_B_C, options["imu_config"], options["distortion"]))
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.record.record", stop)
+    options = ["--lever-arm=-0.05,0.02,0.1,0,0,90", "--imu-bias", "--distortion", "barrel"]
+    assert status_of(["record", *options, "--out", tmp_path]) == status_of(["record", "--out", tmp_path]) == 2
+    (place, imu, lens), (ideal_place, ideal_imu, no_lens) = seen
+    np.testing.assert_allclose(place[:3], [[1, 0, 0, -0.05], [0, 0, 1, 0.02], [0, -1, 0, 0.1]], atol=1e-12)
+    assert (imu.gyroscope_turn_on, imu.accelerometer_turn_on) == (np.radians(0.5), 20e-3 * 9.81)
+    assert lens == Distortion(-0.1, 0.008, 0.0005, -0.0003)
+    np.testing.assert_array_equal(ideal_place, RunConfig().camera.T_B_C)
+    assert ideal_imu == ImuConfig() and no_lens is None
+
+
+def test_help_lists_every_fault(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    shown = capsys.readouterr().out
+    assert all(f"\n  {name}:" in shown for name in FAULTS)
+
+
+def test_a_full_standard_output_is_one_line_and_exit_2(monkeypatch, capsys):
+    with open("/dev/full", "w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert status_of(["--help"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("lexis-sim: standard output cannot be written: No space left") and error.count("\n") == 1

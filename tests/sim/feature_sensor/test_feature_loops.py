@@ -1,0 +1,167 @@
+"""Loops without key points: confirmed at the fitted rates, by what two views truly share."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.viewpoints import turned
+
+from lexis.config import PoseGraphConfig, VerificationConfig
+from lexis.maths import se3
+from lexis.pose_graph import PoseGraph
+from lexis.types import Features, Keyframe, Landmarks
+from sim.feature_sensor.covisibility_verifier import (
+    PREDICTORS,
+    CovisibilityVerifier,
+    LoopModel,
+    Measured,
+    Sight,
+    fit_logistic,
+    predictors,
+)
+from sim.feature_sensor.fit_loops import Trials, fit_loops
+from sim.feature_sensor.ray_origins import RayGrid
+from sim.feature_sensor.surroundings import survey
+from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
+from sim.render.camera import wide_camera
+from worlds.house import build_house
+from worlds.spec import HouseSpec, RoomSpec, StoreySpec
+
+CAMERA = wide_camera()
+GRID = RayGrid.of(CAMERA.intrinsics, COLUMNS, ROWS)
+ANYWHERE = VerificationConfig(gate_m=100.0, gate_rad=4.0, max_edges=1000)
+EMPTY = Measured(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
+SOME = Measured(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]))
+FAR = Measured(np.array([[0, 0, 1.0, 3.0, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([17]))
+
+
+def model(log_odds=0.0, query_share=0.0, false_rate=0.0):
+    return LoopModel(np.array([log_odds, 0.0, 0.0, 0.0, 0.0]), query_share, false_rate, SOME, FAR)
+
+
+@pytest.fixture(scope="module")
+def house():
+    def room(name, x):
+        corners = ((x, 0.0), (x + 6.0, 0.0), (x + 6.0, 5.0), (x, 5.0))
+        return RoomSpec(id=name, label="office", polygon_m=corners)
+
+    return build_house(HouseSpec(storeys=(StoreySpec(rooms=(room("a", 0.0), room("b", 6.0)), furniture=(), windows=()),)))
+
+
+def sight(house, x, y, yaw):
+    T_W_B = np.eye(4)
+    T_W_B[:3, :3], T_W_B[:3, 3] = turned(yaw), (x, y, 1.4)
+    return Sight(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0])
+
+
+def shared(first, second):
+    return predictors(first, second, GRID)[PREDICTORS.index("covisibility")]
+
+
+def test_a_view_shares_all_with_itself_and_nothing_with_another_room_or_its_back(house):
+    here = sight(house, 2.0, 2.5, 0.3)
+    assert shared(here, here) > 0.99
+    assert shared(here, sight(house, 8.0, 2.5, 0.3)) == 0.0
+    assert shared(here, sight(house, 2.0, 2.5, 0.3 + np.pi)) < 0.05
+
+
+def test_what_is_shared_is_mutual_and_falls_with_turn_and_distance(house):
+    here = sight(house, 1.5, 2.5, 0.0)
+    turns = [shared(here, sight(house, 1.5, 2.5, yaw)) for yaw in (0.0, 0.4, 0.8, 1.2)]
+    steps = [shared(here, sight(house, 1.5 + step, 2.5, 0.0)) for step in (0.0, 0.5, 1.5, 3.0)]
+    assert (np.diff(turns) < 0).all() and (np.diff(steps) < 0).all()
+    there = sight(house, 2.5, 3.0, 0.5)
+    np.testing.assert_allclose(predictors(here, there, GRID), predictors(there, here, GRID), atol=1e-9)
+
+
+def graph_of(count):
+    graph = PoseGraph(PoseGraphConfig())
+    empty = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+    for i in range(count):
+        landmarks = Landmarks(np.zeros((0, 3)), np.zeros(0, int))
+        graph.add_keyframe(Keyframe(i, i, float(i), np.eye(4), np.eye(6), np.ones(1, np.float32), empty, landmarks))
+    return graph
+
+
+def confirmed(house, chosen, seed=0, queries=40, matches=10):
+    """Edges between equal views, by query."""
+    here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32))
+    verifier = CovisibilityVerifier(chosen, lambda index: here, RayGrid(*np.float32([[-0.5, 0.5]] * 2)), seed)
+    graph = graph_of(matches + queries)
+    return [
+        verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE)
+        for query in range(matches, matches + queries)
+    ]
+
+
+@pytest.mark.parametrize("log_odds", [-1.5, 0.0, 2.0])
+@pytest.mark.parametrize("query_share", [0.0, 0.6])
+def test_the_rate_of_success_is_the_fitted_one(house, log_odds, query_share):
+    found = sum(map(len, confirmed(house, model(log_odds, query_share), queries=150, matches=4)))
+    chance = 1.0 / (1.0 + np.exp(-log_odds))
+    assert found / 600 == pytest.approx(chance, abs=0.09 if query_share else 0.06)
+
+
+def test_candidates_of_a_query_share_its_luck(house):
+    apart, together = (np.var([len(e) for e in confirmed(house, model(0.0, share), queries=80)]) for share in (0.0, 0.9))
+    assert together > 3.0 * apart
+
+
+def test_false_edges_come_at_their_rate_with_their_error(house):
+    edges = [edge for found in confirmed(house, model(-40.0, false_rate=0.3), queries=60) for edge in found]
+    assert len(edges) / 600 == pytest.approx(0.3, abs=0.06)
+    assert {edge.inliers for edge in edges} == {17}
+    np.testing.assert_allclose(edges[0].T_match_query, se3.exp(FAR.error[0]), atol=1e-9)
+
+
+def test_nothing_in_common_is_never_truly_confirmed(house):
+    sights = [sight(house, 2.0, 2.5, 0.0), sight(house, 8.0, 2.5, 0.0)]
+    verifier = CovisibilityVerifier(model(40.0), lambda index: sights[index], GRID, 0)
+    graph = graph_of(2)
+    assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE) == []
+
+
+def test_the_word_on_a_pair_depends_on_that_pair_and_the_seed(house):
+    first, again, other = (confirmed(house, model(), seed) for seed in (1, 1, 2))
+    names = [[[edge.match for edge in edges] for edges in found] for found in (first, again, other)]
+    assert names[0] == names[1] != names[2]
+    here = sight(house, 2.0, 2.5, 0.3)
+    verifier, graph = CovisibilityVerifier(model(), lambda index: here, GRID, 1), graph_of(50)
+    back = verifier(graph.keyframes[10], [*range(9, -1, -1)], graph, CAMERA, ANYWHERE)
+    assert sorted(edge.match for edge in back) == sorted(edge.match for edge in first[0])
+
+
+def test_the_odometry_still_has_its_say(house):
+    here = sight(house, 2.0, 2.5, 0.3)
+    verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, GRID, 1), graph_of(2)
+    assert len(verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE)) == 1
+    assert verifier(graph.keyframes[1], [0], graph, CAMERA, VerificationConfig()) == []
+
+
+def test_logistic_regression_finds_its_weights(rng):
+    inputs = np.column_stack([np.ones(20000), rng.normal(size=(20000, 2))])
+    weights = np.array([-0.5, 1.5, -2.0])
+    outcome = rng.random(20000) < 1.0 / (1.0 + np.exp(-inputs @ weights))
+    np.testing.assert_allclose(fit_logistic(inputs, outcome.astype(float)), weights, atol=0.12)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+def test_fitting_finds_the_luck_that_a_query_s_candidates_share(rng, share):
+    queries, each = 1500, 5
+    covisibility = rng.uniform(0.05, 0.9, queries * each)
+    rows = np.column_stack([np.ones_like(covisibility), covisibility, covisibility**2, *np.zeros((2, queries * each))])
+    query = np.repeat(np.arange(queries), each)
+    luck = np.sqrt(share) * np.repeat(rng.normal(size=queries), each) + np.sqrt(1 - share) * rng.normal(size=len(rows))
+    from scipy.stats import norm
+
+    chance = 1.0 / (1.0 + np.exp(-(4.0 * covisibility - 2.0)))
+    is_true = luck < norm.ppf(chance)
+    fitted = fit_loops(Trials(query, rows, is_true, np.zeros(len(rows), bool), SOME, EMPTY))
+    assert fitted.query_share == pytest.approx(share, abs=0.1)
+    assert fitted.false_rate == 0.0
+    np.testing.assert_allclose(fitted.probability(rows), chance, atol=0.08)
+
+
+def test_sights_are_not_needed_where_nothing_is_proposed(house):
+    verifier, graph = CovisibilityVerifier(model(), lambda index: pytest.fail("asked"), GRID, 1), graph_of(1)
+    assert verifier(graph.keyframes[0], [], graph, CAMERA, replace(ANYWHERE, max_edges=1)) == []

@@ -1,0 +1,216 @@
+"""Runs on features: the whole of LEXIS without a pixel, and without the truth."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from lexis.encoder.open_clip_encoder import load_encoder
+from lexis.errors import EncoderError
+from lexis.types import Percept
+from sim.errors import SimError
+from sim.faults.delivery import Dropped, Frozen
+from sim.faults.images import Blur, Smear
+from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
+from sim.feature_sensor.covisibility_verifier import LoopModel, Measured
+from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
+from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, fingerprint, load_features, save_features
+from sim.feature_sensor.oracle import Oracle
+from sim.feature_sensor.sensor import FeatureSensor
+from sim.feature_sensor.visible_shares import LABEL_WEIGHT, LABELS, SIZE
+from sim.harness import RunConfig, evaluate, run
+from sim.harness.walk import walk
+from sim.report.findings import unseen
+from sim.session import Session
+from worlds.labels import ROOM_LABELS
+from worlds.presets import sample_from_rooms
+
+HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
+CONFIG = RunConfig(house=HOUSE, seed=5, fidelity="features", frame_rate_hz=2.5, length_m=45.0)
+
+
+class LabelEncoder:
+    """Sees nothing in images; reads the labels of rooms as the dimensions of `fitted`."""
+
+    name = fingerprint = "labels"
+
+    def encode_image(self, image):
+        return np.eye(len(ROOM_LABELS), dtype=np.float32)[int(image.mean()) % 3]
+
+    def encode_rooms(self, names):
+        return np.eye(len(ROOM_LABELS), dtype=np.float32)[[ROOM_LABELS.index(name) for name in names]]
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    """Of an encoder that sees what rooms of every label fill, with some error; loops are mostly found."""
+    weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
+    weights[LABELS] = np.eye(len(ROOM_LABELS)) / LABEL_WEIGHT
+    errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)
+    offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
+    embedding = EmbeddingModel(weights, offset, errors, np.full(len(KERNELS), 1 / len(KERNELS)))
+    edges = Measured(np.full((3, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 3, axis=0), np.array([20, 30, 40]))
+    nothing = Measured(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
+    loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, nothing)
+    return FeatureModel(fingerprint(LabelEncoder()), embedding, loops)
+
+
+@pytest.fixture(scope="module")
+def file(fitted, tmp_path_factory):
+    path = tmp_path_factory.mktemp("features") / "labels.npz"
+    save_features(fitted, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def config(file):
+    return replace(CONFIG, feature_model=file)
+
+
+@pytest.fixture(scope="module")
+def finished(config):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sim.changing_world.build_scene", lambda *_: pytest.fail("something was rendered"))
+        return run(config, LabelEncoder())
+
+
+def test_labels_and_loops_come_out_of_features(finished):
+    result = evaluate(finished, [])
+    assert result["fidelity"] == "features"
+    assert result["labels"]["accuracy"] > 0.8 and result["floors"]["accuracy"] == 1.0
+    assert result["loops"]["true"] > 3 and result["loops"]["false"] == 0
+    assert result["trajectory"]["ate_m"] < result["trajectory"]["ate_odometry_m"]
+
+
+def test_the_same_seed_gives_the_same_run_and_another_one_another(config, finished):
+    again, other = run(config, LabelEncoder()), run(replace(config, seed=6), LabelEncoder())
+    np.testing.assert_array_equal(again.map.similarities, finished.map.similarities)
+    np.testing.assert_array_equal(again.map.T_W_B, finished.map.T_W_B)
+    assert other.map.similarities[0].tolist() != finished.map.similarities[0].tolist()
+
+
+def test_a_percept_has_no_place_for_truth(finished):
+    observation, _ = next(iter(finished.session))
+    assert isinstance(observation.image, Percept)
+    assert {field.name for field in fields(Percept)} == {"embedding", "features"}
+    assert len(observation.image.features.keypoints) == 0
+
+
+def images(fitted, *faults):
+    walked = walk(CONFIG)
+    sensor = FeatureSensor(fitted, CONFIG.camera, CONFIG.seed)
+    session = Session(walked.house, walked.tour, walked.odometry, CONFIG.camera, faults, CONFIG.seed, sensor)
+    return np.array([observation.image.embedding for observation, _ in session])
+
+
+def test_moved_furniture_is_seen_from_then_on(fitted):
+    same = np.isclose(images(fitted, MovedFurniture(1.0)), images(fitted), atol=1e-5).all(axis=1)
+    half = len(same) // 2
+    assert same[: half - 1].all() and not same[half + 1 :].all()
+
+
+def test_faults_of_delivery_work_as_on_images(fitted):
+    frozen, clean = (np.abs(np.diff(images(fitted, *faults), axis=0)).max(axis=1) for faults in ((Frozen(0.3),), ()))
+    assert (frozen == 0.0).sum() > (clean == 0.0).sum()
+
+
+@pytest.mark.parametrize("fault", [Blur(), Smear(), Pedestrian(), ClosedDoors()])
+def test_faults_that_only_images_show_are_refused(fault):
+    with pytest.raises(SimError, match=f"fault '{fault.name}' is seen in images only; valid: with fidelity 'render'"):
+        replace(CONFIG, faults=(fault,))
+
+
+def test_a_model_of_another_encoder_is_refused(config):
+    class Other(LabelEncoder):
+        name = "other"
+
+        def encode_rooms(self, names):
+            return super().encode_rooms(names)[:, ::-1]
+
+    with pytest.raises(SimError, match=r"was fitted to another encoder than 'other'.*fit-features --encoder other"):
+        run(config, Other())
+
+
+def test_the_model_that_ships_is_of_the_encoder_that_ships():
+    load_features(MINI_FEATURES).check(load_encoder("mini"), "mini")
+
+
+def test_models_keep_what_they_are_in_files(fitted, file):
+    read = load_features(file)
+    for name in ("weights", "offset", "errors", "kernels"):
+        np.testing.assert_allclose(getattr(read.embedding, name), getattr(fitted.embedding, name), atol=1e-3)
+    for part in ("true_edges", "false_edges"):
+        for field in fields(Measured):
+            np.testing.assert_allclose(
+                getattr(getattr(read.loops, part), field.name), getattr(getattr(fitted.loops, part), field.name), atol=1e-6
+            )
+    assert read.loops.query_share == 0.5 and read.loops.false_rate == 0.0
+
+
+def test_what_is_no_model_is_refused(fitted, tmp_path):
+    with pytest.raises(SimError, match="no feature model there: No such file"):
+        load_features(tmp_path / "missing.npz")
+    (tmp_path / "text.npz").write_text("no model")
+    with pytest.raises(SimError, match=r"no feature model: .*; valid: a file of 'lexis-sim fit-features'"):
+        load_features(tmp_path / "text.npz")
+    np.savez(tmp_path / "other.npz", weights=np.zeros(3))
+    with pytest.raises(SimError, match="no feature model"):
+        load_features(tmp_path / "other.npz")
+    old = replace(fitted, embedding=replace(fitted.embedding, weights=np.zeros((3, 25), np.float32)))
+    save_features(old, tmp_path / "old.npz")
+    with pytest.raises(SimError, match="those of this version"):
+        load_features(tmp_path / "old.npz")
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"loops.query_share": np.zeros(3, np.float32)}, r"loops.query_share is float32 \(3,\)"),
+        ({"loops.query_share": np.array(1.5, np.float32)}, "between 0 and 1"),
+        ({"loops.false_rate": np.array(0.5, np.float32)}, "no edges to draw from"),
+        ({"embedding.offset": np.full(len(ROOM_LABELS), np.nan, np.float32)}, "not finite"),
+        ({"embedding.offset": np.full(len(ROOM_LABELS), 1e30, np.float32)}, "too large"),
+        ({"loops.true_edges.covariance": np.repeat(-np.eye(6, dtype=np.float32)[None], 3, axis=0)}, "no covariances"),
+        ({"loops.true_edges.inliers": np.array([b"x"] * 3)}, "no feature model"),
+        ({"embedding.kernels": np.zeros(2, np.float32)}, "those of this version"),
+    ],
+)
+def test_a_model_with_parts_that_nothing_can_be_drawn_from_is_refused(changes, says, file, tmp_path):
+    with np.load(file) as whole:
+        arrays = {name: whole[name] for name in whole.files}
+    np.savez_compressed(tmp_path / "changed.npz", **(arrays | changes))
+    with pytest.raises(SimError, match=says) as error:
+        load_features(tmp_path / "changed.npz")
+    assert "\n" not in str(error.value)
+
+
+def test_the_oracle_labels_by_what_is_truly_in_view(file):
+    result = evaluate(run(replace(CONFIG, encoder="oracle", feature_model=file)), [])
+    assert result["encoder"] == "oracle" and result["labels"]["accuracy"] > 0.8
+
+
+def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
+    """Where all frames but one are lost, that one may be labelled perfectly, which says nothing of the other rooms."""
+    assert finished.unseen_rooms == () and unseen(()) is None
+    blind = run(replace(config, faults=(Dropped(1.0),)), LabelEncoder())
+    result = evaluate(blind, [])
+    walked = dict.fromkeys(truth.room for truth in finished.session.truths)
+    _, *others = (finished.house.rooms[room].id for room in walked)
+    assert result["run"]["keyframes"] == 1 and set(result["rooms"].values()) == {None}
+    assert [*blind.unseen_rooms] == others and len(others) == 2
+    told = f"No keyframe in 2 rooms of the walk, so no figure of labels and rooms is about {' and '.join(others)}."
+    assert unseen(blind.unseen_rooms) == told
+
+
+def test_the_oracle_sees_no_images_and_knows_no_other_rooms():
+    with pytest.raises(SimError, match="sees no images; valid: with fidelity 'features'"):
+        replace(CONFIG, encoder="oracle", fidelity="render")
+    with pytest.raises(EncoderError, match="sees no images"):
+        Oracle().encode_image(np.zeros((2, 2, 3), np.uint8))
+    with pytest.raises(EncoderError, match="knows no room 'dungeon'"):
+        Oracle().encode_rooms(["kitchen", "dungeon"])
+
+
+def test_an_unknown_fidelity_is_refused():
+    with pytest.raises(SimError, match="unknown fidelity 'sound'; valid: render, features"):
+        replace(CONFIG, fidelity="sound")

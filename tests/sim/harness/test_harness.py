@@ -1,0 +1,139 @@
+"""The whole chain on real renders of a small house, checked against its truth."""
+
+import json
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lexis.evaluation.trajectory import ate_rmse
+from lexis.files.tum_trajectory import read_tum
+from lexis.map.folder import load_map
+from sim.faults.delivery import Duplicated
+from sim.faults.poses import Kidnap, OdometryNaN
+from sim.harness import RunConfig, evaluate, run, try_plans, write_run
+from sim.harness.loops import edge_truth
+from sim.harness.walk import walk
+from sim.render.rig import STEREO_BASELINE_M, RigRenderer, build_rig_scene, make_rig
+from sim.session import Session
+from worlds.house import build_house
+from worlds.presets import sample_from_rooms
+from worlds.spec import HouseSpec
+
+CONFIG = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
+BRIEF = replace(CONFIG, length_m=24.0, rig=make_rig("stereo", 160, 120))
+"""Too little to be good at, but a run like others."""
+CONTRACT = {
+    "house": {"rooms", "floors", "area_m2", "openness", "spec"},
+    "run": {"path_m", "duration_s", "frames", "keyframes"},
+    "labels": {"accuracy", "accuracy_baseline", "accuracy_graded", "per_room"},
+    "rooms": {
+        "pq", "precision", "recall", "hydra_precision", "hydra_recall", "ari", "v_measure", "splits", "merges",
+        "count_error",
+    },
+    "floors": {"accuracy", "count_error"},
+    "loops": {"proposed", "verified", "true", "false", "precision", "recall"},
+    "place_recognition": {"1", "3", "5"},
+    "coverage": {"rooms_with_keyframe", "rooms_walked", "path_covered"},
+    "planning": {"queries", "success", "spl", "collisions"},
+    "time": {"house_s", "scene_s", "render_s", "slam_s", "stages_s", "realtime_factor"},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def finished():
+    return run(CONFIG)
+
+
+@pytest.fixture(scope="module")
+def trials(finished):
+    return try_plans(finished)
+
+
+@pytest.fixture(scope="module")
+def result(finished, trials):
+    return evaluate(finished, trials)
+
+
+def test_the_result_has_every_field_of_the_contract(result):
+    assert result["schema"] == 1 and result["versions"]
+    assert {"seed", "preset", "fidelity", "encoder", "odometry"} <= result.keys()
+    assert {"ate_odometry_m", "ate_m"} <= result["trajectory"].keys()
+    for section, names in CONTRACT.items():
+        assert result[section].keys() == names
+    json.dumps(result, allow_nan=False)
+    assert result["time"]["realtime_factor"] == pytest.approx(result["run"]["duration_s"] / result["time"]["slam_s"])
+
+
+def test_lexis_beats_its_odometry_and_closes_no_false_loop(finished, result):
+    assert 0.0 < result["trajectory"]["ate_m"] < result["trajectory"]["ate_odometry_m"]
+    assert result["loops"]["true"] >= 5 and result["loops"]["recall"] > 0.2
+    assert not (finished.map.loop_weights[~edge_truth(finished)] > 0.5).any()
+
+
+def test_labels_are_far_better_than_chance(result):
+    assert result["labels"]["accuracy"] > 0.55
+    assert result["labels"]["accuracy_graded"] >= result["labels"]["accuracy"]
+
+
+def test_a_single_floor_is_one_floor(result):
+    assert result["floors"] == {"accuracy": 1.0, "count_error": 0}
+
+
+def test_every_plan_reaches_its_room(result, trials):
+    assert result["planning"]["queries"] == len(trials) > 0
+    assert result["planning"]["success"] == 1.0 and result["planning"]["collisions"] == 0
+    assert all(trial.travelled_m >= 0.99 * trial.shortest_m for trial in trials)
+
+
+def test_the_same_seed_gives_the_same_result_apart_from_times():
+    first, again = run(BRIEF), run(BRIEF)
+    assert evaluate(first, try_plans(first)) | {"time": None} == evaluate(again, try_plans(again)) | {"time": None}
+    np.testing.assert_array_equal(first.map.T_W_B, again.map.T_W_B)
+    np.testing.assert_array_equal(first.map.similarities, again.map.similarities)
+
+
+def test_lexis_sees_what_the_first_camera_of_the_rig_sees():
+    assert BRIEF.camera is BRIEF.rig.cameras["left"] and BRIEF.camera.T_B_C[1, 3] == STEREO_BASELINE_M / 2
+    walked = walk(BRIEF)
+    session = Session(walked.house, walked.tour, walked.odometry, BRIEF.camera)
+    with closing(iter(session)) as pairs, RigRenderer(build_rig_scene(walked.house, BRIEF.rig), BRIEF.rig) as renderer:
+        observation, truth = next(pairs)
+        np.testing.assert_array_equal(observation.image, renderer.rgb(truth.T_W_B)["left"])
+
+
+def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    out = tmp_path / "out"
+    out.symlink_to("elsewhere")
+    write_run(finished, result, trials, out)
+    assert {path.name for path in out.iterdir()} == {
+        "result.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum", "map",
+    }  # fmt: skip
+    assert json.loads((out / "result.json").read_text()) == result
+    assert build_house(HouseSpec.load(out / "house.json")).spec == finished.house.spec
+    poses = {name: read_tum(out / f"{name}.tum")[1][:, :3, 3] for name in ("trajectory", "ground_truth", "odometry")}
+    assert ate_rmse(poses["trajectory"], poses["ground_truth"]) == pytest.approx(result["trajectory"]["ate_m"], abs=1e-6)
+    assert ate_rmse(poses["odometry"], poses["ground_truth"]) == pytest.approx(
+        result["trajectory"]["ate_odometry_m"], abs=1e-6
+    )
+    assert np.array_equal(load_map(out / "map").labels, finished.map.labels)
+    assert "http://" not in (out / "report.html").read_text().replace("http://www.w3.org", "")
+
+
+def test_faults_are_counted_and_what_lexis_refuses_is_left_out():
+    faults = (OdometryNaN(0.05), Duplicated(0.1), Kidnap(at_s=10.0, skip_s=5.0))
+    finished = run(replace(BRIEF, faults=faults))
+    result = evaluate(finished, [])
+    counted = result["faults"]
+    assert counted["given"][1] == "duplicated:share=0.1" and counted["frames"].keys() == {f.name for f in faults}
+    touched = [truth for truth in finished.delivered if {"odometry-nan", "duplicated"} & set(truth.faults)]
+    assert counted["refused"] == len(finished.refused) == len(touched) > 10
+    assert counted["delivered"] == len(finished.delivered) > len(finished.map.keyframes)
+    np.testing.assert_array_equal(finished.true_poses, finished.session.tour.T_W_B[finished.observed])
+    json.dumps(result, allow_nan=False)
+
+
+def test_without_faults_nothing_is_said_of_them(result):
+    assert "faults" not in result

@@ -1,0 +1,139 @@
+"""The renderer: its images, its life time and its limits. `test_render_truth` is about whether they are true."""
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+from helpers.viewpoints import viewpoints
+
+from sim.errors import GraphicsError
+from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
+from sim.render.scene import build_scene
+from worlds.house import build_house
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec, RoomSpec, StoreySpec
+
+CAMERA = wide_camera(160, 120)
+SIZE, FOVY = (160, 120), fovy_deg(CAMERA.intrinsics)
+
+
+@pytest.fixture(scope="module")
+def house():
+    return build_house(sample_house("uh2-apt", 3))
+
+
+@pytest.fixture(scope="module")
+def poses(house):
+    return viewpoints(house, 12)
+
+
+@pytest.fixture(scope="module")
+def renderer(house):
+    with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as renderer:
+        yield renderer
+
+
+def test_what_stands_in_front_hides_what_is_behind(poses, renderer):
+    """Furniture, walls and floors are all nearer than the far plane wherever something is seen."""
+    for T_W_B in poses:
+        seen = renderer.geom_ids(T_W_B) >= 0
+        assert (renderer.depth(T_W_B)[seen] < 40.0).all() and seen.any()
+
+
+def test_a_new_renderer_of_the_same_house_gives_the_same_images(house, poses, renderer):
+    with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as other:
+        theirs = [other.rgb(T) for T in poses]
+    for T_W_B, image in zip(poses, theirs, strict=True):  # and closing the newer one left the older one whole
+        assert np.array_equal(renderer.rgb(T_W_B), image)
+
+
+def test_images_show_something(poses, renderer):
+    for T_W_B in poses:
+        assert renderer.rgb(T_W_B).std() > 10
+
+
+def test_the_field_of_view_is_the_one_asked_for():
+    for degrees in (60.0, 100.0, 120.0):
+        k = wide_camera(640, 480, degrees).intrinsics
+        left = np.arctan((k.cx + 0.5) / k.fx)
+        right = np.arctan((k.width - 0.5 - k.cx) / k.fx)
+        assert np.degrees(left + right) == pytest.approx(degrees)
+
+
+def test_a_frame_is_its_picture_depth_and_ids(poses, renderer):
+    for T_W_B in poses[:4]:
+        frame = renderer.frame(T_W_B)
+        assert np.array_equal(frame.rgb, renderer.rgb(T_W_B))
+        assert np.array_equal(frame.depth, renderer.depth(T_W_B))
+        assert np.array_equal(frame.geom_ids, renderer.geom_ids(T_W_B))
+
+
+def test_closing_an_old_renderer_leaves_a_newer_one_whole(house, poses, renderer):
+    scene = build_scene(house, SIZE, FOVY)
+    old, new = CameraRenderer(scene, CAMERA), CameraRenderer(scene, CAMERA)
+    expected = old.rgb(poses[0])
+    old.close()
+    old.close()  # and twice does no harm
+    assert np.array_equal(new.rgb(poses[0]), expected)
+    new.close()
+    with pytest.raises(GraphicsError, match="closed"):
+        new.rgb(poses[0])
+    assert np.array_equal(renderer.rgb(poses[0]), expected)
+
+
+def test_images_larger_than_the_scenes_are_refused(house, poses):
+    with (
+        CameraRenderer(build_scene(house, SIZE, FOVY), wide_camera(200, 120)) as renderer,
+        pytest.raises(GraphicsError, match="200 x 120 px from a scene that was built for 160 x 120 px"),
+    ):
+        renderer.rgb(poses[0])
+
+
+def bare_room():
+    """As cheap a scene as there is."""
+    corners = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0))
+    room = RoomSpec(id="room", label="office", polygon_m=corners)
+    return build_house(HouseSpec(storeys=(StoreySpec(rooms=(room,), windows=(), furniture=()),)))
+
+
+def in_the_middle():
+    T_W_B = np.eye(4)
+    T_W_B[:3, 3] = 1.0, 1.0, 1.4
+    return T_W_B
+
+
+def resident_mb():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def grown_mb(renderers):
+    scene, sizes = build_scene(bare_room(), SIZE, FOVY), []
+    for _ in range(renderers):
+        with CameraRenderer(scene, CAMERA) as renderer:
+            renderer.rgb(in_the_middle())
+        sizes.append(resident_mb())
+    return sizes[-1] - sizes[min(9, renderers // 2)]  # the first ones fill the driver's caches
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="reads Linux's /proc")
+def test_renderers_leave_no_memory_behind():
+    assert grown_mb(20) < 4.0
+
+
+@pytest.mark.slow
+def test_two_hundred_renderers_leave_no_memory_behind():
+    assert grown_mb(200) < 8.0
+
+
+def mean_grey(count):
+    with CameraRenderer(build_scene(bare_room(), SIZE, FOVY), CAMERA) as renderer:
+        return [float(renderer.rgb(in_the_middle()).mean()) for _ in range(count)]
+
+
+def test_two_processes_render_at_once():
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        one, other = pool.map(mean_grey, (20, 20))
+    assert one == other and len(set(one)) == 1 and one[0] > 10

@@ -1,0 +1,142 @@
+"""Floor plans: SVG and PNG show the same, the right way up, and a house's plan is the house's geometry."""
+
+import re
+
+import cv2
+import numpy as np
+import pytest
+from helpers.opening_rooms import every_kind
+from shapely.geometry import Point, Polygon, box
+from shapely.ops import unary_union
+
+from sim.errors import SimError
+from sim.report.data import FloorPlan, PlannedRoom
+from sim.report.drawing import STYLES, Drawing, Mark
+from sim.report.house_plan import floor_plans, plan_png
+from sim.report.palette import label_colours
+from sim.report.plan import plan_drawing
+from sim.report.png import to_image
+from sim.report.svg import to_svg
+from sim.report.symbols import NAMES, opening_marks
+from worlds.house import build_house
+from worlds.labels import ROOM_LABELS
+from worlds.presets import sample_house
+
+COLOURS = {"kitchen": "#ff0000", "office": "#0000ff"}
+
+
+@pytest.fixture
+def plan() -> FloorPlan:
+    """A kitchen, and an office that lies north of it."""
+    kitchen = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
+    return FloorPlan(0, 0.0, (PlannedRoom("k", "kitchen", kitchen), PlannedRoom("o", "office", kitchen + np.array([0, 4]))))
+
+
+def test_north_is_up_and_metres_are_where_they_should_be(plan):
+    drawing = plan_drawing(plan, COLOURS)
+    image = to_image(drawing, pixels_per_metre=40)
+    assert image.shape[:2] == pytest.approx(tuple((drawing.high - drawing.low)[::-1] * 40), abs=1)
+
+    def pixel(x: float, y: float) -> np.ndarray:
+        column, row = (np.array([x, y]) - [drawing.low[0], drawing.high[1]]) * [40, -40]
+        return image[int(row), int(column)].astype(int)
+
+    red, blue = pixel(2.5, 1.0), pixel(2.5, 5.0)
+    assert red[0] > red[2] + 30
+    assert blue[2] > blue[0] + 30
+    assert (pixel(5.3, 5.0) == 255).all()
+
+
+def test_svg_and_png_span_the_same_part_of_the_plan(plan):
+    drawing = plan_drawing(plan, COLOURS)
+    x, y, width, height = map(float, re.search(r'viewBox="([^"]*)"', to_svg(drawing)).group(1).split())
+    np.testing.assert_allclose([x, -y - height], drawing.low, atol=0.011)
+    np.testing.assert_allclose([x + width, -y], drawing.high, atol=0.011)
+
+
+def test_marks_widen_a_drawing_but_only_so_far(plan):
+    drawing = plan_drawing(plan, COLOURS)
+    wider = drawing.with_marks([Mark("line", "odometry", np.array([[2.0, 2.0], [90.0, 2.0]]))], reach_m=1.5)
+    np.testing.assert_allclose(wider.high - drawing.high, [1.5, 0])
+    np.testing.assert_allclose(wider.low, drawing.low)
+
+
+def test_wrong_keyframes_are_painted_last():
+    assert list(STYLES)[-1] == "wrong"
+
+
+def test_labels_have_colours_of_their_own():
+    colours = label_colours(ROOM_LABELS)
+    assert len(set(colours.values())) == len(ROOM_LABELS)
+    assert colours["kitchen"] == label_colours(["office", "kitchen"])["kitchen"]
+
+
+def test_a_storey_without_rooms_is_refused():
+    with pytest.raises(SimError, match="storey 2"):
+        plan_drawing(FloorPlan(2, 6.0, ()), COLOURS)
+
+
+def test_the_picture_of_a_house_holds_every_storey():
+    house = build_house(sample_house("home", 3))
+    picture = cv2.imdecode(np.frombuffer(plan_png(house), np.uint8), cv2.IMREAD_COLOR)
+    widths = [np.ptp(np.concatenate([room.outline for room in plan.rooms])[:, 0]) for plan in floor_plans(house)]
+    assert picture.shape[1] > 60 * sum(widths)
+
+
+def test_a_house_is_drawn_as_it_is_built():
+    house = build_house(sample_house("home", 3))
+    plans = floor_plans(house)
+    assert [plan.floor_m for plan in plans] == [storey.floor_m for storey in house.storeys]
+    for level, plan in enumerate(plans):
+        area = sum(Polygon(room.polygon_m).area for room in house.spec.storeys[level].rooms)
+        assert unary_union([Polygon(room.outline) for room in plan.rooms]).area == pytest.approx(area)
+        walls = unary_union([Polygon(outline) for outline in plan.walls])
+        assert plan.openings
+        assert not any(walls.contains(Point(opening.ends.mean(axis=0))) for opening in plan.openings)
+
+
+def test_every_kind_of_opening_has_a_symbol_of_its_own_and_is_named():
+    plan = floor_plans(build_house(every_kind()))[0]
+    symbols = {o.kind: sorted((mark.kind, mark.style) for mark in opening_marks(o)) for o in plan.openings}
+    assert set(symbols) == set(NAMES)
+    assert len({tuple(symbol) for symbol in symbols.values()}) == len(NAMES)
+    drawing = plan_drawing(plan, label_colours(ROOM_LABELS))
+    svg = to_svg(drawing)
+    for name in (*NAMES.values(), "window", "door leaf"):
+        assert f"<title>{name}</title>" in svg
+    told = [mark.text for mark in drawing.marks if mark.kind == "text"]
+    assert {*NAMES.values(), "window"} <= set(told)
+    assert all((drawing.low <= mark.points).all() and (mark.points <= drawing.high).all() for mark in drawing.marks)
+
+
+def test_leaves_windows_and_fences_are_the_houses():
+    house = build_house(every_kind())
+    plan = floor_plans(house)[0]
+    assert len(plan.leaves) == len(house.leaves) == 2
+    assert len(plan.windows) == len(house.windows) > 0
+    fences = unary_union([Polygon(outline) for outline in plan.fences])
+    assert not any(fences.contains(Point(opening.ends.mean(axis=0))) for opening in plan.openings)
+
+
+def test_dashes_leave_white_between_them():
+    line = np.array([[0.0, 0.5], [2.0, 0.5]])
+    drawn = to_image(Drawing([Mark("line", "open", line)], np.zeros(2), np.array([2.0, 1.0])), pixels_per_metre=100)[
+        50, 5:-5
+    ]
+    on, off = STYLES["open"].dash
+    assert (drawn < 128).any(axis=1).mean() == pytest.approx(on / (on + off), abs=0.1)
+
+
+@pytest.mark.parametrize(("preset", "seed"), [("office", 610), ("school", 611), ("random", 611)])
+def test_names_stand_in_their_rooms(preset, seed):
+    house = build_house(sample_house(preset, seed, clutter=0.0))
+    for plan in floor_plans(house):
+        rooms = [Polygon(room.outline) for room in plan.rooms]
+        south = min(room.bounds[1] for room in rooms)  # of it are the legend and the scale
+        marks = plan_drawing(plan, label_colours(ROOM_LABELS)).marks
+        names = [mark for mark in marks if mark.style == "name" and mark.points[0, 1] > south]
+        assert len(names) >= len(rooms)
+        for mark in names:
+            (x, y), width = mark.points[0], 0.55 * mark.size * len(mark.text)
+            (room,) = [room for room in rooms if room.contains(Point(x, y))]
+            assert room.contains(box(x, y - 0.2 * mark.size, x + width, y + 0.4 * mark.size)), mark.text

@@ -1,0 +1,175 @@
+"""A body in MuJoCo that drives by what it believes of its pose."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.errors import SimError
+from sim.odometry.simulation import PRESETS, OdometryConfig
+from sim.robot import DeadReckoning, Robot
+from sim.robot.body import RADIUS_M, Body
+from sim.robot.controller import HORIZON_M, LEAST_M, Controller
+from sim.robot.local_map import CELL_M, LocalMap
+from worlds.house import Furniture, build_house
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.walkable import Walkable
+
+
+def two_rooms(door=True):
+    """An office and a kitchen, each 4 x 3 m, with a door in the middle of the wall between them."""
+    rooms = tuple(
+        RoomSpec(id=name, label=name, polygon_m=((x, 0.0), (x + 4.0, 0.0), (x + 4.0, 3.0), (x, 3.0)))
+        for name, x in (("office", 0.0), ("kitchen", 4.0))
+    )
+    opening = OpeningSpec(rooms=("office", "kitchen"), kind="door", start_m=(4.0, 1.0), end_m=(4.0, 2.0))
+    return build_house(HouseSpec(storeys=(StoreySpec(rooms=rooms, openings=(opening,) if door else (), furniture=()),)))
+
+
+@pytest.fixture(scope="module")
+def home():
+    return build_house(sample_house("home", 600))
+
+
+def go(house, *waypoints, drift=None, off=(0.0, 0.0, 0.0), seed=0, blind=False):
+    """From the first waypoint, facing the second, believing to be `off` from there."""
+    points = np.array([(*point, 0.0)[:3] for point in waypoints])
+    toward = points[min(1, len(points) - 1)] - points[0]
+    yaw = float(np.arctan2(toward[1], toward[0]))
+    x, y, turn = off
+    pose = DeadReckoning(
+        points[0, 0] + x, points[0, 1] + y, yaw + turn, drift or OdometryConfig(), np.random.default_rng(seed)
+    )
+    return Robot(house, blind).drive(points[0], yaw, pose, points)
+
+
+def test_a_body_touches_a_wall_from_where_its_surface_meets_it():
+    body = Body(two_rooms())
+    wall = 0.05  # half its thickness
+    assert body.place(wall + RADIUS_M + 0.001, 1.5, 0.0) == ()
+    touched = body.place(wall + RADIUS_M - 0.001, 1.5, 0.0)
+    assert touched and all(name.startswith("wall#") for name in touched)
+
+
+def test_a_drive_along_free_space_touches_nothing_and_is_hardly_longer_than_the_plan():
+    result = go(two_rooms(), (1.0, 1.5), (3.0, 1.5), (7.0, 1.5))
+    assert (result.room, result.touched) == ("kitchen", ())
+    assert 5.8 <= result.length_m <= 6.2
+    np.testing.assert_allclose(result.path[:, 1], 1.5, atol=0.05)
+
+
+def test_the_robot_goes_round_what_the_map_does_not_know():
+    table = Furniture("table", "dining table", "office", 0, (2.0, 1.5, 0.0), 0.3, (0.8, 1.0, 0.7), True)
+    result = go(replace(two_rooms(), furniture=(table,)), (0.6, 1.5), (3.4, 1.5), (6.0, 1.5))
+    assert (result.room, result.touched) == ("kitchen", ())
+
+
+def test_passing_the_end_of_a_plan_is_not_arriving():
+    """As below a room upstairs that is the plan's goal."""
+    driven = go(two_rooms(), (1.0, 1.5), (6.0, 1.5), (1.1, 1.5), (1.1, 0.8), (2.0, 0.8), (2.0, 1.0))
+    assert driven.length_m > 10.0
+    assert not driven.touched
+
+
+@pytest.mark.parametrize("x", [3.3, 3.7, 4.0, 4.2])
+def test_the_robot_stops_where_its_plan_ends_on_either_side_of_a_door_or_in_it(x):
+    driven = go(two_rooms(), (1.0, 1.5), (x, 1.5))
+    np.testing.assert_allclose(driven.path[-1, :2], [x, 1.5], atol=0.12)
+
+
+def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan():
+    house, way, off = two_rooms(), [(1.0, 1.5), (7.0, 1.5)], (0.0, 0.35, 0.0)
+    blind, seeing = (go(house, *way, off=off, blind=blind) for blind in (True, False))
+    assert (blind.room, blind.collisions) == ("office", 1) and blind.touched[0].startswith("wall#")
+    np.testing.assert_allclose(blind.path[-1, :2], [4.0 - RADIUS_M, 1.15], atol=0.1)
+    assert (seeing.room, seeing.touched) == ("kitchen", ())
+
+
+def test_without_a_way_the_robot_stops_in_front_of_the_wall():
+    result = go(two_rooms(door=False), (1.0, 1.5), (7.0, 1.5))
+    assert (result.room, result.touched) == ("office", ())
+
+
+@pytest.mark.parametrize(("wall_ends_at", "goes_round"), [(0.7, True), (1.4, False)])
+def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_far_one(wall_ends_at, goes_round):
+    """As behind the wall between two flights of stairs, where the drifted route runs."""
+    around, start = LocalMap(LEAST_M), np.array([0.0, 0.6])
+    route = np.linspace(start, [0.0, 0.6 - HORIZON_M], 18)
+    wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
+    around.add(wall - start, *start, 0.0, 0.0)
+    way = around.way(start, route)
+    lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    assert np.allclose(way[0], start) and lengths.max() < 1.5 * CELL_M
+    assert (np.linalg.norm(way[-1] - route[-1]) < CELL_M) == goes_round
+    assert (way[-1, 1] < 0.0) == goes_round
+
+
+@pytest.mark.parametrize("stands_m", [1.0, 1.05])
+def test_the_robot_looks_for_another_way_when_it_has_come_to_the_end_of_one(stands_m):
+    """A wall across the route seems to have no end at first; then its end comes into view."""
+    controller = Controller(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]))
+    pose = DeadReckoning(0.0, 0.0, 0.0, OdometryConfig(), np.random.default_rng(0))
+    for step in range(250):
+        if step % 5 == 0:
+            y = np.arange(-2.0, 2.0 if step < 50 else 0.6, 0.05)
+            wall = np.stack([np.full(len(y), stands_m), y], axis=1) - (pose.x, pose.y)
+            cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
+            controller.see(wall @ np.array([[cos, -sin], [sin, cos]]), pose, 0.0)
+        motion = controller.step(pose)
+        if motion is None:
+            break
+        pose.advance(*motion)
+    np.testing.assert_allclose([pose.x, pose.y], [3.0, 0.0], atol=0.12)
+
+
+@pytest.mark.parametrize("away_m", [0.26, 0.3, 0.6])
+def test_no_way_leads_through_a_wall(away_m):
+    around = LocalMap(LEAST_M)
+    wall = np.stack([np.full(200, away_m), np.linspace(-2.0, 2.0, 200)], axis=1)
+    around.add(wall, 0.0, 0.0, 0.0, 0.0)
+    assert around.way(np.zeros(2), np.linspace([0.0, 0.0], [HORIZON_M, 0.0], 18))[:, 0].max() < away_m
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_of_two_ways_round_something_the_one_by_the_route_is_taken(side):
+    """Though the other one is no longer, and nothing says that it is barred."""
+    around, start = LocalMap(LEAST_M), np.zeros(2)
+    y = np.arange(-0.6, 0.6, 0.02)
+    around.add(np.stack([np.full(len(y), 0.8), y], axis=1), 0.0, 0.0, 0.0, 0.0)
+    route = np.concatenate([np.linspace([0.0, 0.0], [0.8, side], 13), np.linspace([0.8, side], [1.6, 0.0], 13)])
+    way = around.way(start, route)
+    beside = np.abs(way[:, 0] - 0.8) < CELL_M
+    assert beside.any() and (side * way[beside, 1] > 0.6).all()
+
+
+def test_stairs_are_climbed_and_descended_without_a_touch(home):
+    line = home.stairs[0].walking_line
+    for way, storey in ((line, 1), (line[::-1], 0)):
+        result = go(home, *way)
+        assert result.touched == ()
+        assert result.path[-1, 2] == pytest.approx(home.storeys[storey].floor_m, abs=1e-6)
+
+
+def test_what_is_believed_has_no_bearing_on_where_contacts_are(home):
+    """A robot that is lost by a metre cannot fare through walls: every place of its path is free of contacts."""
+    walkable = Walkable(home)
+    a, b = (int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1]))
+    result = go(home, *walkable.path(a, b), off=(0.7, -0.7, 0.3), drift=PRESETS["degraded"])
+    body = Body(home)
+    assert not any(body.place(*point) for point in result.path[: len(result.path) - bool(result.touched)])
+
+
+def test_the_same_seed_is_the_same_drive(home):
+    walkable = Walkable(home)
+    way = walkable.path(*(int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1])))
+    first, again, other = (go(home, *way, drift=PRESETS["multicam"], seed=seed).path for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first, again)
+    assert first.shape != other.shape or not np.array_equal(first, other)
+
+
+def test_bad_waypoints_and_starts_are_named():
+    with pytest.raises(SimError, match="at least one and finite"):
+        go(two_rooms(), (np.nan, 0.0))
+    with pytest.raises(SimError, match="nothing to stand on"):
+        go(two_rooms(), (-3.0, 1.5), (1.0, 1.5))

@@ -1,0 +1,42 @@
+"""Whether features predict renders: slow, a smaller form of `lexis-sim bench fidelity`."""
+
+import numpy as np
+import pytest
+
+from lexis.encoder.open_clip_encoder import load_encoder
+from sim.bench.fidelity import FIGURES, HousePair, agreement, compare, mixed_houses, summarised
+from worlds.presets import PRESETS
+
+
+def test_agreement_is_of_ranks():
+    same = agreement([(0.1, 0.3), (0.5, 0.4), (0.9, 0.8)])
+    assert (same.rho, same.houses) == (1.0, 3) and same.rendered == pytest.approx(0.5)
+    assert agreement([(0.1, 0.8), (0.5, 0.4), (0.9, 0.3)]).rho == -1.0
+    assert agreement([(0.1, 0.8), (0.5, 0.4)]).rho is None and agreement([(0.1, 0.5)] * 3).rho is None
+
+
+def test_houses_are_mixed_and_unusual_looks_come_apart():
+    configs = mixed_houses(10, 40)
+    usual = [config for group, config in configs if group in PRESETS]
+    assert len(usual) == 10 and {group for group, _ in configs[10:]} == {"poor texture", "dim light", "evening light"}
+    assert all(config.house.appearance.texture == "rich" and config.house.appearance.light == "day" for config in usual)
+    assert len({config.seed for _, config in configs}) == len(configs)
+    assert len({config.house.clutter for config in usual}) > 2
+
+
+def test_the_summary_is_of_usual_looks_first_then_by_group():
+    pairs = [HousePair("home", "a", *[(0.1, 0.2)] * 3), HousePair("dim light", "b", *[(0.2, 0.9)] * 3)]
+    rows = list(summarised(pairs))
+    assert [row[:2] for row in rows] == [
+        *(("usual looks", name) for name in FIGURES), ("home", "accuracy"), ("dim light", "accuracy"),
+    ]  # fmt: skip
+    assert rows[0][2].houses == 1 and rows[-1][2].features == 0.9
+
+
+@pytest.mark.slow
+def test_features_predict_the_label_accuracy_of_renders():
+    pairs = list(compare(mixed_houses(14, 200)[:14], load_encoder("mini")))
+    found = agreement([pair.accuracy for pair in pairs])
+    assert found.rho >= 0.5  # of 30 houses 0.7; with 14 the coefficient itself is uncertain by 0.2
+    assert abs(found.rendered - found.features) < 0.1
+    assert np.ptp([pair.accuracy[0] for pair in pairs]) > 0.1

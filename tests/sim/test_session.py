@@ -1,0 +1,106 @@
+"""A session yields what a robot sees, in order, and keeps the truth out of it."""
+
+import gc
+import threading
+from contextlib import closing
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from lexis.types import Observation
+from sim.errors import SimError
+from sim.odometry.simulation import PRESETS, simulate_odometry
+from sim.prefetch import THREAD
+from sim.render.camera import CameraRenderer, wide_camera
+from sim.session import Session
+from sim.tours.tour import Tour, plan_tour
+from worlds.house import build_house
+from worlds.presets import sample_house
+from worlds.walkable import Walkable
+
+FRAMES = 40
+GUARD_S = 20.0
+"""Only a thread that hangs takes that long [s]."""
+
+
+@pytest.fixture(scope="module")
+def session():
+    house = build_house(sample_house("uh2-apt", 5))
+    tour = plan_tour(house, Walkable(house), np.random.default_rng(1))
+    short = Tour(tour.stamps[:FRAMES], tour.T_W_B[:FRAMES], tour.motion, tour.eye_height_m)
+    odometry = simulate_odometry(short.T_W_B, short.stamps, PRESETS["mono"], np.random.default_rng(2))
+    return Session(house, short, odometry, wide_camera(160, 120))
+
+
+@pytest.fixture(scope="module")
+def pairs(session):
+    return list(session)
+
+
+def test_one_pair_per_frame_in_the_order_of_time(session, pairs):
+    assert len(pairs) == len(session) == FRAMES
+    assert [o.index for o, _ in pairs] == [t.index for _, t in pairs] == list(range(FRAMES))
+    assert (np.diff([o.stamp for o, _ in pairs]) > 0).all()
+
+
+def test_images_are_the_renderer_s(session, pairs):
+    with CameraRenderer(session.scene, session.camera) as renderer:
+        for observation, truth in pairs[:: FRAMES // 5]:
+            assert np.array_equal(observation.image, renderer.rgb(truth.T_W_B))
+
+
+def test_a_second_pass_is_the_same(session, pairs):
+    for (first, _), (again, _) in zip(pairs, session, strict=True):
+        assert np.array_equal(first.image, again.image) and np.array_equal(first.T_O_B, again.T_O_B)
+
+
+def threads_of_sessions():
+    return [thread for thread in threading.enumerate() if thread.name == THREAD]
+
+
+def test_leaving_early_ends_the_thread_that_renders(session):
+    with closing(iter(session)) as pairs:
+        assert next(pairs)[0].index == 0 and threads_of_sessions()
+    for thread in threads_of_sessions():
+        thread.join(GUARD_S)
+    assert not threads_of_sessions()
+
+
+def test_an_iterator_in_garbage_is_collected_without_waiting(session):
+    """As after an exception, whose traceback holds the frames that iterate: the cycle goes all at once."""
+
+    def abandon():
+        cycle = [iter(session)]
+        next(cycle[0])
+        cycle.append(cycle)
+        del cycle
+        gc.collect()
+
+    guard = threading.Thread(target=abandon, daemon=True)
+    guard.start()
+    guard.join(GUARD_S)
+    assert not guard.is_alive()
+    for thread in threads_of_sessions():
+        thread.join(GUARD_S)
+    assert not threads_of_sessions()
+
+
+def test_an_observation_has_no_place_for_truth(session, pairs):
+    assert {field.name for field in fields(Observation)} == {"index", "stamp", "image", "T_O_B", "increment_covariance"}
+    last_seen, last_true = pairs[-1]
+    assert not np.allclose(last_seen.T_O_B, last_true.T_W_B)
+
+
+def test_a_tour_that_leaves_the_house_is_refused(session):
+    away = replace(session.tour, T_W_B=session.tour.T_W_B + np.array([0.0, 0.0, 0.0, 500.0])[None, None, :])
+    with pytest.raises(SimError, match=r"frame 0 at .* is in no room; valid"):
+        Session(session.house, away, session.odometry, session.camera)
+
+
+def test_truth_names_the_room_that_holds_the_camera(session, pairs):
+    for _, truth in pairs:
+        room = session.house.rooms[truth.room]
+        x, y, z = truth.T_W_B[:3, 3]
+        x0, y0, x1, y1 = room.polygon.bounds
+        assert x0 <= x <= x1 and y0 <= y <= y1 and room.floor_m < z < room.ceiling_m and truth.label == room.label

@@ -1,0 +1,445 @@
+"""Plans drawn elsewhere: our own come back as they were, sloppy ones are put right, and what cannot be meant is refused."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from worlds.errors import SpecError, WorldsError
+from worlds.plan_import.importer import import_plan, to_geojson
+from worlds.presets import sample_from_rooms, sample_house
+
+LEFT, RIGHT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [8, 0], [8, 3], [4, 3]]
+DOOR = {"type": "Feature", "properties": {"kind": "door"}, "geometry": {"type": "Point", "coordinates": [4.1, 1.5]}}
+
+
+def room(label, corners, **properties):
+    ring = [*corners, corners[0]]
+    return {
+        "type": "Feature",
+        "properties": {"label": label, **properties},
+        "geometry": {"type": "Polygon", "coordinates": [ring]},
+    }
+
+
+def written(tmp_path, *features):
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def svg(tmp_path, body, head='data-metres-per-unit="0.01"'):
+    path = tmp_path / "plan.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>')
+    return path
+
+
+def refusal(path, **options):
+    with pytest.raises(WorldsError) as error:
+        import_plan(path, **options)
+    assert str(error.value).startswith(str(path)) and "\n" not in str(error.value)
+    return str(error.value)
+
+
+def rooms(spec):
+    return {r.id: (level, r.label, r.polygon_m) for level, storey in enumerate(spec.storeys) for r in storey.rooms}
+
+
+def gaps(spec):
+    return {
+        (level, frozenset(o.rooms), o.kind, frozenset([o.start_m, o.end_m]), o.leaf, o.leads, o.height_m)
+        for level, storey in enumerate(spec.storeys)
+        for o in storey.openings
+    }
+
+
+def corners_of(spec):
+    """Every room's corners, wherever its polygon starts."""
+    return {name: (level, label, frozenset(polygon)) for name, (level, label, polygon) in rooms(spec).items()}
+
+
+@pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt", "random"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_we_export_comes_back(tmp_path, preset, seed):
+    house = sample_house(preset, seed)
+    path = tmp_path / "plan.geojson"
+    path.write_text(to_geojson(house))
+    back = import_plan(path).spec
+    assert corners_of(back) == corners_of(house)
+    assert gaps(back) == gaps(house)
+    assert [storey.height_m for storey in back.storeys] == [storey.height_m for storey in house.storeys]
+
+
+def test_a_turned_sloppy_plan_in_map_coordinates_is_put_right(tmp_path):
+    rng, angle = np.random.default_rng(3), math.radians(17.0)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+    def sloppy(points):
+        points = np.array(points) + rng.uniform(-0.015, 0.015, (len(points), 2))
+        return (points @ turn.T + [451_000.0, 5_000_000.0]).tolist()
+
+    door = {**DOOR, "geometry": {"type": "LineString", "coordinates": sloppy([[4.2, 1.0], [4.2, 1.9]])}}
+    plan = import_plan(written(tmp_path, room("kitchen", sloppy(LEFT)), room("office", sloppy(RIGHT)), door))
+    (storey,) = plan.spec.storeys
+    sizes = [np.ptp(np.array(r.polygon_m), axis=0) for r in storey.rooms]
+    assert np.allclose(sizes, [[4, 3], [4, 3]], atol=0.05)
+    assert storey.openings[0].width_m == pytest.approx(0.9, abs=0.05)
+    assert any("turned by -17" in note or "turned by -16.9" in note for note in plan.notes) and any(
+        "moved by" in note for note in plan.notes
+    )
+
+
+def test_without_doors_every_room_is_reached_through_the_corridor(tmp_path):
+    corridor = room("Hallway", [[0, 3], [8, 3], [8, 5], [0, 5]])
+    plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), corridor))
+    assert [set(o.rooms) for o in plan.spec.storeys[0].openings] == [{"corridor", "kitchen"}, {"corridor", "office"}]
+    assert plan.notes == (
+        "no openings are drawn; made up, so that every room can be reached: "
+        "kitchen - corridor (door), office - corridor (door)",
+    )
+
+
+HALL = room("corridor", [[0, 3], [8, 3], [8, 5], [0, 5]])
+IN_HALL = {**DOOR, "geometry": {"type": "Point", "coordinates": [2, 3]}}
+
+
+def test_rooms_that_the_drawn_doors_do_not_reach_get_made_up_ones(tmp_path):
+    plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, IN_HALL))
+    drawn, added = plan.spec.storeys[0].openings
+    assert set(drawn.rooms) == {"kitchen", "corridor"} and (drawn.start_m, drawn.end_m) == ((1.55, 3.0), (2.45, 3.0))
+    assert set(added.rooms) == {"office", "corridor"}
+    (note,) = plan.notes
+    assert note == (
+        "the drawn openings do not reach every room; made up, so that every room can be reached: office - corridor (door)"
+    )
+
+
+def test_no_door_is_made_up_where_the_drawn_ones_suffice(tmp_path):
+    doors = [IN_HALL, {**DOOR, "geometry": {"type": "Point", "coordinates": [6, 3]}}]
+    plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, *doors))
+    assert len(plan.spec.storeys[0].openings) == 2 and plan.notes == ()
+
+
+def test_one_looks_but_does_not_walk_over_a_counter(tmp_path):
+    counter = {**DOOR, "properties": {"kind": "counter"}}
+    added = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), counter)).spec.storeys[0].openings
+    assert [opening.kind for opening in added] == ["counter", "door"]
+
+
+def test_only_the_drawn_doors_count_if_that_is_asked_for(tmp_path):
+    path = written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, IN_HALL)
+    message = refusal(path, only_drawn=True)
+    assert "not reachable on foot (body radius 0.25 m): office" in message
+    assert message.endswith("the plan stands without --only-drawn (in Python only_drawn=False)")
+    both = written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), DOOR)
+    assert import_plan(both, only_drawn=True).spec == import_plan(both).spec
+
+
+def test_storeys_joined_by_drawn_stairs_need_no_doors_besides(tmp_path):
+    cell = [[-3.4, 0], [0, 0], [0, 2], [-3.4, 2]]
+    storeys = [room(label, c, storey=k) for k in (0, 1) for label, c in (("stairs", cell), ("corridor", LEFT))]
+    ends = [
+        {
+            "type": "Feature",
+            "properties": {"kind": "open", "storey": k},
+            "geometry": {"type": "LineString", "coordinates": c},
+        }
+        for k, c in ((0, [[0, 0.05], [0, 1]]), (1, [[0, 1], [0, 1.95]]))
+    ]
+    plan = import_plan(written(tmp_path, *storeys, *ends))
+    assert plan.notes == () and [len(storey.openings) for storey in plan.spec.storeys] == [1, 1]
+
+
+def test_stairs_get_their_openings_too(tmp_path):
+    cell = [[-3.4, 0], [0, 0], [0, 2], [-3.4, 2]]
+    storeys = [room(label, c, storey=k) for k in (0, 1) for label, c in (("stairs", cell), ("corridor", LEFT))]
+    spec = import_plan(written(tmp_path, *storeys)).spec
+    assert [[o.leads for o in storey.openings] for storey in spec.storeys] == [["up"], ["down"]]
+
+
+def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_path):
+    apart = [[x + 0.12, y] for x, y in RIGHT]
+    path = written(tmp_path, room("kitchen", LEFT), room("office", apart), DOOR)
+    message = refusal(path)
+    assert "leave a gap of 0.12 m" in message or "no wall between two rooms" in message
+    assert message.endswith("; the plan stands with --snap 0.15 (in Python snap_m=0.15)")
+    (storey,) = import_plan(path, snap_m=0.15).spec.storeys
+    assert {x for r in storey.rooms for x, _ in r.polygon_m} == {0.0, 4.06, 8.12}
+
+
+def test_rooms_as_far_apart_as_what_snaps_meet(tmp_path):
+    upper = room("corridor", [[0, 3.1], [8, 3.1], [8, 5], [0, 5]])  # 3.1 - 3 is more than 0.1
+    (storey,) = import_plan(
+        written(tmp_path, room("kitchen", [[0, 0], [8, 0], [8, 3], [0, 3]]), upper), snap_m=0.1
+    ).spec.storeys
+    assert {y for r in storey.rooms for _, y in r.polygon_m} == {0.0, 3.05, 5.0}
+
+
+def test_names_keep_their_letters(tmp_path):
+    spec = import_plan(written(tmp_path, room("office", LEFT, name="Büro Müller"), room("gym", RIGHT, name="体育館"))).spec
+    assert [r.id for r in spec.storeys[0].rooms] == ["Buro Muller", "gym"]
+
+
+def test_svg_shapes_transforms_and_y_down(tmp_path):
+    body = """
+      <g id="storey-0" transform="translate(100 50)">
+        <rect id="kitchen_1" width="400" height="300"/>
+        <path data-label="office" data-name="my office" d="M400 0 h400 V300 l-400,0 z"/>
+        <line class="door" x1="400" y1="100" x2="400" y2="190"/>
+        <text>a note</text><circle r="3"/><path d="M0 0 C 1 1 2 2 3 3"/>
+      </g>"""
+    plan = import_plan(svg(tmp_path, body))
+    kitchen, office = plan.spec.storeys[0].rooms
+    assert (kitchen.id, office.id) == ("kitchen", "my office")
+    assert set(kitchen.polygon_m) == {(1.0, -3.5), (5.0, -3.5), (5.0, -0.5), (1.0, -0.5)}
+    (door,) = plan.spec.storeys[0].openings
+    assert {door.start_m, door.end_m} == {(5.0, -1.5), (5.0, -2.4)}
+    assert plan.notes == ("passed over, because they say neither a label nor a kind: <path> on line 6",)
+
+
+INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="210mm" height="297mm" viewBox="0 0 210 297"'
+
+
+def test_labels_and_layers_of_inkscape_count(tmp_path):
+    body = """
+      <g inkscape:groupmode="layer" inkscape:label="Rooms" id="layer1" transform="translate(10,20)">
+        <rect id="rect1" inkscape:label="Kitchen" width="40" height="30"/>
+        <path id="path2" class="bedroom" inkscape:label="Anna's room" d="m 40,0 h 40 v 30 H 40 Z"/>
+        <g id="g5" inkscape:label="office"><rect id="rect9" y="30" width="80" height="20"/><text>Office</text></g>
+      </g>
+      <g inkscape:groupmode="layer" inkscape:label="Doors" id="layer2">
+        <path id="path3" d="M 50,30 V 39"/><path id="swing" d="m 50,39 a 9,9 0 0 0 9,-9"/>
+      </g>
+      <g inkscape:groupmode="layer" inkscape:label="Garden" style="display:none"><rect y="60" width="30" height="30"/></g>"""
+    plan = import_plan(svg(tmp_path, body, INKSCAPE), metres_per_unit=0.1)
+    found = [(r.id, r.label, r.polygon_m[0]) for r in plan.spec.storeys[0].rooms]
+    assert [room[:2] for room in found] == [("Kitchen", "kitchen"), ("Anna's room", "bedroom"), ("office", "office")]
+    assert set(plan.spec.storeys[0].openings[0].rooms) == {"Kitchen", "Anna's room"}
+    swing, note = plan.notes
+    assert swing.endswith("neither a label nor a kind: <path> 'swing' on line 8")
+    assert note.endswith("made up, so that every room can be reached: office - Kitchen (door)")
+
+
+def test_a_group_with_several_shapes_does_not_say_which_is_the_room(tmp_path):
+    body = '<g class="kitchen"><rect width="400" height="300"/><rect id="sink" width="60" height="50"/></g>'
+    notes = import_plan(svg(tmp_path, body + '<rect class="gym" x="400" width="400" height="300"/>')).notes
+    assert notes == (
+        "passed over, because they say neither a label nor a kind: "
+        "<rect> on line 1 at (0, 0); <rect> 'sink' on line 1 at (0, 0)",
+    )
+
+
+def test_layers_are_storeys(tmp_path):
+    layers = "".join(
+        f"""<g inkscape:label="Floor {k}"><rect class="stairs" x="-340" width="340" height="200"/>
+        <rect class="corridor" width="400" height="300"/></g>"""
+        for k in (0, 1)
+    )
+    spec = import_plan(svg(tmp_path, layers)).spec
+    assert [[r.label for r in storey.rooms] for storey in spec.storeys] == [["stairs", "corridor"]] * 2
+
+
+def test_what_is_drawn_once_can_be_used_often(tmp_path):
+    body = """
+      <defs><rect id="cell" width="300" height="400"/><g id="way"><line class="door" x1="-10" x2="80"/></g></defs>
+      <use href="#cell" class="office"/><use xlink:href="#cell" class="office" x="300"/>
+      <rect class="corridor" y="400" width="600" height="200"/>
+      <use href="#way" x="100" y="400"/><use href="#way" transform="translate(400 400)"/><use href="#nothing"/>"""
+    plan = import_plan(svg(tmp_path, body))
+    assert [r.id for r in plan.spec.storeys[0].rooms] == ["office", "office 2", "corridor"]
+    assert [{o.start_m[0], o.end_m[0]} for o in plan.spec.storeys[0].openings] == [{0.9, 1.8}, {3.9, 4.8}]
+    assert plan.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("head", "unit"),
+    [
+        ('width="8000mm" height="3000mm" viewBox="0 0 800 300"', ""),
+        ('width="800cm"', "cm"),
+        ('data-metres-per-unit="0.01"', ""),
+        ('width="8m" data-metres-per-unit="0.01"', "px"),
+    ],
+)
+def test_pages_and_lengths_have_units(tmp_path, head, unit):
+    body = f'<rect id="kitchen" width="400{unit}" height="300{unit}"/><rect id="gym" x="400{unit}" width="400{unit}" '
+    (kitchen, gym) = import_plan(svg(tmp_path, f'{body} height="300{unit}"/>', head)).spec.storeys[0].rooms
+    assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3)) and np.max(gym.polygon_m) == pytest.approx(8)
+
+
+def test_a_plan_on_a_sheet_of_paper_wants_a_scale(tmp_path):
+    body = '<rect id="kitchen" width="40" height="30"/><rect id="gym" x="40" width="40" height="30"/>'
+    message = refusal(svg(tmp_path, body, INKSCAPE))
+    assert "is 0.08 x 0.03 m on its page" in message and "give --metres-per-unit" in message
+    assert message.endswith("0.1 for 1:100")
+    (kitchen, _) = import_plan(svg(tmp_path, body, INKSCAPE), metres_per_unit=0.1).spec.storeys[0].rooms
+    assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3))
+
+
+def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tmp_path):
+    body = """
+      <rect id="kitchen" width="400" height="300"/><rect class="gym" x="400" width="400" height="300"/>
+      <rect class="wall Kitchn" x="900" width="9" height="9"/><rect class="kitchn" x="950" width="9" height="9"/>
+      <rect class="door" x="395" y="100" width="9" height="90"/><line id="Office_2" x2="9"/>
+      <rect class="wall" width="9" height="9"/><path id="path371" d="M0 0 h9"/>"""
+    notes = import_plan(svg(tmp_path, body)).notes
+    assert notes[:4] == (
+        "<rect> 'wall Kitchn' on line 3: 'kitchn' means nothing (did you mean 'kitchen'?); passed over",
+        "<rect> 'door' on line 4: 'door' is an opening: a line, polyline or path, not a rect; passed over",
+        "<line> 'Office_2' on line 4: 'office' is a room: a rect, polygon, polyline or path, not a line; passed over",
+        "passed over, because they say neither a label nor a kind: "
+        "<rect> 'wall Kitchn' on line 3 at (900, 0); <rect> 'kitchn' on line 3 at (950, 0); "
+        "<rect> 'door' on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0); <rect> 'wall' on line 5 at (0, 0); "
+        "<path> 'path371' on line 5 at (0, 0)",
+    )
+    assert not any("'wall' means nothing" in note for note in notes)
+
+
+def test_misspelt_properties_of_geojson_are_named(tmp_path):
+    hall = room("hall", [[0, 3], [8, 3], [8, 5], [0, 5]], storry=0, width_m=3, name_de="Flur")
+    other = {**room("gym", LEFT), "properties": {"lable": "gym", "colour": "red"}}
+    plan = import_plan(written(tmp_path, hall, room("office", RIGHT), other))
+    assert plan.notes[:3] == (
+        "features[0]: 'storry' means nothing (did you mean 'storey'?); passed over",
+        "features[2]: 'lable' means nothing (did you mean 'label'?); passed over",
+        "passed over, because they have neither a label nor a kind: features[2]",
+    )
+
+
+def test_what_was_passed_over_is_said_where_the_rest_is_no_house(tmp_path):
+    lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
+    assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' means nothing (did you mean" in lost
+    far = '<rect id="gym" width="400" height="300"/><rect id="office" x="900" width="400" height="300"/>'
+    lost = refusal(svg(tmp_path, far + '<rect id="corrider" x="400" width="500" height="300"/>'))
+    assert "not reachable" in lost and "(did you mean 'corridor'?)" in lost
+
+
+def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
+    shapes = "".join(f'<line class="kitche{a}{b}"/>' for a in "abcdefg" for b in "abcdefg")
+    assert len(import_plan(svg(tmp_path, '<rect id="gym" width="400" height="300"/>' + shapes)).notes) == 20 + 1
+
+
+@pytest.mark.parametrize(
+    ("features", "message"),
+    [
+        ([room("kitchn", LEFT)], "features[0]: unknown label 'kitchn' (did you mean 'kitchen'?)"),
+        (
+            [room("gym", [[0, 0], [4, 0], [5, 3], [0, 3]], name="my gym")],
+            "features[0] ('my gym'): the wall from corner 1 (4.00",
+        ),
+        ([room("gym", [[0, 0], [4e-5, 0], [4e-5, 3e-5], [0, 3e-5]]), room("gym", LEFT)], "at least 4 corners farther apart"),
+        ([room("gym", [[7, 50], [7 + 4e-5, 50], [7 + 4e-5, 50 + 3e-5], [7, 50 + 3e-5]])], "in degrees, it seems"),
+        ([room("gym", LEFT), room("office", [[3, 0], [8, 0], [8, 3], [3, 3]]), DOOR], "overlap"),
+        ([room("gym", LEFT), room("office", [[9, 0], [12, 0], [12, 3], [9, 3]])], "not reachable"),
+        ([room("gym", LEFT, storey=9)], "features[0]: storey '9'; valid: 0 (the lowest) to 7"),
+        ([room("gym", LEFT, storey=1)], "no rooms on storey 0"),
+        ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is no pair of coordinates"),
+        ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
+        ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
+        (
+            [room("gym", LEFT), {**DOOR, "properties": {"kind": "dor"}}],
+            "kind of opening 'dor' (did you mean 'door'?); valid:",
+        ),
+        ([room("gym", LEFT)] * 201, "has 201 rooms"),
+        (
+            [room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "door", "height_m": "2"}}],
+            "features[2]: height_m: is '2'; valid: a number above 0 and at most 1000 [m]",
+        ),
+        ([room("gym", [p for k in range(40) for p in ([k, k % 2], [k + 1, k % 2])] + [[40, 9], [0, 9]])], "4 to 64"),
+    ],
+)
+def test_drawings_that_cannot_be_meant_are_refused_with_their_place(tmp_path, features, message):
+    assert message in refusal(written(tmp_path, *features))
+
+
+def test_a_door_far_from_any_wall_is_refused_and_one_to_the_outside_left_out(tmp_path):
+    pair = room("gym", LEFT), room("office", RIGHT)
+
+    def door(x, y):
+        return {**DOOR, "geometry": {"type": "Point", "coordinates": [x, y]}}
+
+    assert "no wall between two rooms is within 0.3 m of the door at (2.00, 1.50) m" in refusal(
+        written(tmp_path, *pair, DOOR, door(2, 1.5))
+    )
+    plan = import_plan(written(tmp_path, *pair, DOOR, door(2, 0)))
+    assert plan.notes == ("features[3]: leads out of the house; left out",) and len(plan.spec.storeys[0].openings) == 1
+
+
+LAUGHS = (
+    "<svg data-metres-per-unit='1'><g id='g0'><rect/></g>"
+    + "".join(f"<g id='g{k + 1}'>" + f"<use href='#g{k}'/>" * 10 + "</g>" for k in range(20))
+    + "</svg>"
+)
+BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (BOMB + "<svg>&b;</svg>", "document type definition"),
+        ('<!DOCTYPE svg SYSTEM "file:///etc/passwd"><svg/>', "document type definition"),
+        ("<svg>" + "<g>" * 200, "nested deeper than 100"),
+        ("<svg>" + "<g/>" * 100_001 + "</svg>", "more than 100000"),
+        ("<html/>", "outermost element is <html>"),
+        ("<svg><g></svg>", "is not SVG: mismatched tag at line 1"),
+        ("<svg/>", "does not say its scale"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0 C 1 1 2 2 3 3 Z"/></svg>', "has a curve (CubicBezier)"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0 L garbage Z"/></svg>', "its coordinates cannot be read"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="L 4 0 L 4 3 Z"/></svg>', "has 0 corners"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0h4v3z M9 0h1v1z"/></svg>', "more than one part"),
+        ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0h4v3h-4"/></svg>', "a room's path is closed"),
+        (f'<svg data-metres-per-unit="1"><path id="gym" d="M{"0 0 " * 250_001}Z"/></svg>', "more than 1000000 characters"),
+        ('<svg data-metres-per-unit="1"><rect id="gym" width="5ft" height="3"/></svg>', "width is '5ft'"),
+        ('<svg data-metres-per-unit="ten"/>', "data-metres-per-unit is 'ten'"),
+        ('<svg width="9mm" viewBox="0 0 0 9"/>', "has the viewBox '0 0 0 9'"),
+        ("<svg data-metres-per-unit='1'><g id='a'><use href='#a'/></g></svg>", "nested deeper than 100"),
+        (LAUGHS, "more than 100000"),
+        (
+            '<svg data-metres-per-unit="1"><rect id="gym" width="5" height="3" transform="wobble(3)"/></svg>',
+            "transform 'wobble(3)'",
+        ),
+        (" " * 16_000_001, "larger than 16 MB"),
+    ],
+)
+def test_hostile_and_broken_svg_is_refused(tmp_path, text, message):
+    path = tmp_path / "plan.svg"
+    path.write_text(text)
+    assert message in refusal(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"features": 3}', "[" * 100_000, '{"features": [null, 3, {}]}'])
+def test_broken_geojson_is_refused(tmp_path, text):
+    path = tmp_path / "plan.geojson"
+    path.write_text(text)
+    refusal(path)
+
+
+def test_files_of_other_kinds_and_senseless_scales_are_refused(tmp_path):
+    assert "valid: .svg, .geojson, .json" in refusal(tmp_path / "plan.dxf")
+    assert "cannot be read" in refusal(tmp_path / "missing.svg")
+    for options in ({"metres_per_unit": 0.0}, {"metres_per_unit": math.nan}, {"snap_m": 1.0}):
+        with pytest.raises(SpecError, match="valid:"):
+            import_plan("plan.svg", **options)
+
+
+def test_a_use_that_refers_to_nothing_draws_nothing(tmp_path):
+    rooms = '<rect class="kitchen" width="4" height="3"/><rect class="bedroom" x="4" width="4" height="3"/>'
+    plans = []
+    for stray in ("", "<use/>", '<use x="20"/>', '<use href=""/>', '<use href="#nowhere"/>'):
+        path = tmp_path / "plan.svg"
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" data-metres-per-unit="1">{rooms}{stray}</svg>')
+        plans.append(import_plan(path).spec)
+    assert all(plan == plans[0] for plan in plans)
+
+
+def test_every_malformed_field_of_a_drawn_door_is_told(tmp_path):
+    house = to_geojson(sample_from_rooms(("kitchen", "bedroom"), seed=3))
+    drawing = json.loads(house)
+    door = next(feature for feature in drawing["features"] if "kind" in feature["properties"])
+    door["properties"] |= {"height_m": "q", "sill_m": "x"}
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps(drawing))
+    with pytest.raises(SpecError) as caught:
+        import_plan(path)
+    told = [str(caught.value), *caught.value.__notes__]
+    assert len(told) == 2 and any("height_m" in line for line in told) and any("sill_m" in line for line in told)

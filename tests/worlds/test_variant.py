@@ -1,0 +1,154 @@
+"""Houses in pairs: one thing differs and nothing else; symmetries are a group and commute with the truth."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from worlds.errors import WorldsError
+from worlds.floor_plans.symmetry import Symmetry, in_place
+from worlds.house import build_house
+from worlds.labels import STAIRS
+from worlds.presets import sample_house
+from worlds.truth import ambiguity_at, openness, room_at
+from worlds.validation import validate
+from worlds.variant import explicit, variant
+
+PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
+OBLIQUE = st.floats(-math.pi, math.pi)
+
+
+@pytest.fixture(scope="module", params=PRESETS)
+def spec(request):
+    return explicit(sample_house(request.param, 4))
+
+
+def assert_same(a, b):
+    """Equal but for the last digits of yaws."""
+    assert bare(a) == bare(b)
+    for x, y in zip(pieces(a), pieces(b), strict=True):
+        assert math.remainder(x.yaw_rad - y.yaw_rad, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
+
+
+def pieces(spec):
+    return [piece for storey in spec.storeys for piece in storey.furniture]
+
+
+def bare(spec):
+    storeys = [
+        storey.model_copy(update={"furniture": tuple(p.model_copy(update={"yaw_rad": 0.0}) for p in storey.furniture)})
+        for storey in spec.storeys
+    ]
+    return spec.model_copy(update={"storeys": tuple(storeys)})
+
+
+def test_mirrored_twice_or_turned_four_times_is_the_same_house(spec):
+    assert_same(variant(variant(spec, mirror=True), mirror=True), spec)
+    turned = spec
+    for _ in range(4):
+        turned = variant(turned, rotate=1)
+    assert_same(turned, spec)
+    assert_same(variant(spec, rotate=3), variant(variant(spec, rotate=2), rotate=1))
+
+
+@pytest.mark.parametrize(("mirror", "turns"), [(True, 0), (False, 1), (True, 3)])
+def test_truth_commutes_with_symmetry(spec, rng, mirror, turns):
+    there = in_place(spec, mirror, turns)
+    house, image = build_house(spec), build_house(variant(spec, mirror=mirror, rotate=turns))
+    bounds = np.array([room.polygon.bounds for room in house.rooms])
+    low, high = bounds[:, :2].min(axis=0) - 0.5, bounds[:, 2:].max(axis=0) + 0.5
+    points = np.column_stack([rng.uniform(low, high, (600, 2)), rng.uniform(0.0, house.storeys[-1].ceiling_m, 600)])
+    assert np.array_equal(room_at(image, there.points(points)), room_at(house, points))
+    assert np.array_equal(ambiguity_at(image, there.points(points)), ambiguity_at(house, points))
+    assert openness(image) == pytest.approx(openness(house))
+
+
+@pytest.mark.parametrize(("mirror", "turns"), [(True, 0), (False, 1), (True, 2)])
+def test_everything_solid_goes_where_the_symmetry_takes_it(spec, mirror, turns):
+    there = in_place(spec, mirror, turns)
+    house, image = build_house(spec), build_house(variant(spec, mirror=mirror, rotate=turns))
+    validate(image)
+
+    def outline(thing):
+        points = np.array([(*corner, 0.0) for corner in thing.footprint.exterior.coords[:-1]])
+        return {tuple(np.round(p, 6) + 0.0) for p in points}
+
+    def moved(thing):
+        points = np.array([(*corner, 0.0) for corner in thing.footprint.exterior.coords[:-1]])
+        return {tuple(np.round(p, 6) + 0.0) for p in there.points(points)}
+
+    for before, after in ((house.furniture, image.furniture), (house.leaves, image.leaves)):
+        assert all(close(outline(b), moved(a)) for a, b in zip(before, after, strict=True))
+    walls = sorted(tuple(sorted(moved(wall))) for wall in house.walls)
+    assert np.allclose(walls, sorted(tuple(sorted(outline(wall))) for wall in image.walls), atol=1e-5)
+    for a, b in zip(house.stairs, image.stairs, strict=True):
+        assert np.allclose(there.points(a.walking_line), b.walking_line)
+
+
+def close(a, b):
+    return np.allclose(sorted(np.round(list(a), 4).tolist()), sorted(np.round(list(b), 4).tolist()), atol=2e-4)
+
+
+@given(OBLIQUE, st.booleans(), st.integers(0, 3))
+def test_fronts_go_where_the_symmetry_takes_them(yaw, mirror, turns):
+    symmetry = Symmetry(mirror, turns)
+    front = np.array([[-math.sin(yaw), math.cos(yaw), 0.0]])
+    there = symmetry.yaw(yaw)
+    assert -math.pi <= there <= math.pi
+    assert np.allclose(symmetry.points(front), [[-math.sin(there), math.cos(there), 0.0]], atol=1e-9)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_openness_leaves_polygons_windows_and_seeds_alone(preset):
+    spec = sample_house(preset, 6)
+    changed = variant(spec, openness=0.45)
+    strip = [{**s.model_dump(), "storeys": [{**x.model_dump(), "openings": ()} for x in s.storeys]} for s in (spec, changed)]
+    assert strip[0] == strip[1] and spec != changed
+    windows = [[(w.room, w.start, w.end, w.size) for w in build_house(s).windows] for s in (spec, changed)]
+    assert windows[0] == windows[1] and windows[0]
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_repainting_leaves_all_geometry_alone(preset):
+    spec = sample_house(preset, 6)
+    a, b = explicit(spec), explicit(variant(spec, repaint=7))
+    assert a.storeys == b.storeys and a.appearance != b.appearance
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_more_clutter_keeps_what_stood_there(preset):
+    spec = sample_house(preset, 6)
+    few, many = (pieces(explicit(variant(spec, clutter=amount))) for amount in (0.6, 1.8))
+    places = {(p.kind, p.position_m, p.size_m) for p in many}
+    kept = sum((p.kind, p.position_m, p.size_m) in places for p in few)
+    assert len(many) > len(few) and kept >= 0.9 * len(few)
+
+
+@pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt"])
+def test_a_storey_more_leaves_those_below_as_they_are(preset):
+    spec = sample_house(preset, 6)
+    taller = variant(spec, add_storey=True)
+    house = build_house(taller)
+    validate(house)
+    assert len(taller.storeys) == len(spec.storeys) + 1
+    assert taller.storeys[: len(spec.storeys) - 1] == spec.storeys[:-1]
+    assert taller.storeys[-2].rooms == spec.storeys[-1].rooms
+    assert [r.polygon_m for r in taller.storeys[-1].rooms] == [r.polygon_m for r in spec.storeys[-1].rooms]
+    assert sum(room.label == STAIRS for room in house.rooms) == sum(r.label == STAIRS for r in build_house(spec).rooms)
+    validate(build_house(variant(taller, add_storey=True, mirror=True)))
+
+
+def test_what_cannot_be_varied_is_refused():
+    spec = sample_house("uh2-office", 1)
+    with pytest.raises(WorldsError, match="valid: houses of two storeys or more"):
+        variant(spec, add_storey=True)
+    for change in ({"clutter": -1.0}, {"repaint": -1}, {"openness": 2.0}):
+        with pytest.raises(WorldsError, match="valid: 0 "):
+            variant(spec, **change)
+
+
+def test_nothing_asked_for_nothing_changed():
+    spec = sample_house("home", 1)
+    assert variant(spec) is spec

@@ -1,0 +1,87 @@
+"""Furniture that blocks the way: pieces without which every room could be reached, named with the opening beside them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+
+from worlds.checks.furniture_checks import piece_name
+from worlds.checks.plan_grid import PlanGrid
+from worlds.checks.reachability import unreachable_rooms
+from worlds.house import Furniture, House
+from worlds.spec import PASSABLE
+
+_BESIDE_M = 0.6
+"""A piece that is no farther from an opening than a body is wide, and a little, may block it."""
+
+
+def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iterator[str]:
+    """A message for each piece of furniture that cuts rooms off, and one for all rooms that have no way in at all."""
+
+    def cut_off(pieces: Sequence[Furniture]) -> set[str]:
+        return set(unreachable_rooms(replace(house, furniture=tuple(pieces)), grid, radius_m))
+
+    if not (missing := cut_off(house.furniture)):
+        return
+    unfurnished = cut_off(())
+    solid = [piece for piece in house.furniture if piece.solid]
+    if freed := missing - unfurnished:
+        barriers = _barriers(house, solid, lambda pieces: cut_off(pieces) <= unfurnished)
+        for piece in barriers:
+            others = [other for other in solid if other is piece or other not in barriers]
+            rooms = [room.id for room in house.rooms if room.id in cut_off(others) - unfurnished]
+            yield (
+                f"{piece_name(piece)} in {piece.room!r} {_blocked(house, piece)}; not reachable on foot "
+                f"(body radius {radius_m} m): {', '.join(rooms)}; move it away"
+            )
+    if rooms := [room.id for room in house.rooms if room.id in missing - freed]:
+        yield f"not reachable on foot (body radius {radius_m} m): {', '.join(rooms)}; add an opening, stairs or free space"
+
+
+def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequence[Furniture]], bool]) -> list[Furniture]:
+    """Pieces without which all is free, none of them to spare; those beside openings are suspected first."""
+    openings = shapely.union_all([line for _, _, line in _openings(house)])
+    suspects = [piece for piece in solid if shapely.distance(_footprint(piece), openings) <= _BESIDE_M]
+    if not frees([piece for piece in solid if piece not in suspects]):
+        suspects = list(solid)
+    barriers, some = suspects, len(suspects)
+    while some > 0:
+        # Half of them at a time, then quarters: few of many pieces are barriers.
+        for first in range(len(barriers) - some, -some, -some):
+            fewer = barriers[: max(first, 0)] + barriers[first + some :]
+            if frees([piece for piece in solid if piece not in fewer]):
+                barriers = fewer
+        some //= 2
+    return barriers
+
+
+def _blocked(house: House, piece: Furniture) -> str:
+    """Say how a piece blocks the way, with the opening that it stands beside."""
+    beside = [
+        (shapely.distance(_footprint(piece), line), name)
+        for storey, name, line in _openings(house)
+        if storey == piece.storey
+    ]
+    distance, name = min(beside, default=(np.inf, ""))
+    return f"blocks {name}" if distance <= _BESIDE_M else "stands across the way"
+
+
+def _openings(house: House) -> Iterator[tuple[int, str, LineString]]:
+    """Storey, name, and line in the plan of every opening that one walks through."""
+    for level, storey in enumerate(house.spec.storeys):
+        for i, opening in enumerate(storey.openings):
+            if opening.kind in PASSABLE:
+                name = f"the {_KINDS.get(opening.kind, opening.kind)} between {opening.rooms[0]!r} and {opening.rooms[1]!r}"
+                yield level, f"{name} (storeys[{level}].openings[{i}])", LineString([opening.start_m, opening.end_m])
+
+
+_KINDS = {"cased": "passage", "open": "open boundary"}
+
+
+def _footprint(piece: Furniture) -> Polygon:
+    (width, depth, _), (x, y, _) = piece.size, piece.position
+    corners = np.array([[-width, -depth], [width, -depth], [width, depth], [-width, depth]]) / 2
+    cos, sin = np.cos(piece.yaw), np.sin(piece.yaw)
+    return Polygon(corners @ np.array([[cos, sin], [-sin, cos]]) + (x, y))

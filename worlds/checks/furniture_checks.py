@@ -1,0 +1,142 @@
+"""What is wrong with where the furniture of a house stands, and with where its door leaves swing."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Int
+
+from worlds.checks.collisions import outlines_over, overlaps
+from worlds.checks.plan_grid import PlanGrid
+from worlds.free_space import Obstacles
+from worlds.house import Furniture, House
+from worlds.openings.doors import Leaf
+from worlds.walls import Wall, opening_span
+
+FLAT_M = 0.03
+"""What is no higher (a rug) may lie under furniture."""
+_TOLERANCE_M = 2e-3
+_HEIGHT_TOLERANCE_M = 1e-3
+_AT_ONCE = 64
+
+
+def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
+    """Rules about every piece and every leaf, each named."""
+    pieces, leaves = house.furniture, house.leaves
+    boxes = boxes_of([(*p.position, *p.size, p.yaw) for p in pieces])
+    hung = boxes_of([(*leaf.position, *leaf.size, leaf.yaw) for leaf in leaves])
+    walls = boxes_of([_wall_row(wall) for wall in house.walls])
+    yield from _between_floor_and_ceiling(house)
+    outside = _outside_their_room(house, grid, boxes)
+    for i in sorted(outside):
+        yield f"{piece_name(pieces[i])} sticks out of its room {pieces[i].room!r}"
+    for i, j in overlaps(boxes, walls, _TOLERANCE_M).tolist():
+        if i not in outside:
+            yield f"{piece_name(pieces[i])} in {pieces[i].room!r} stands in {_wall_name(house.walls[j])}"
+    standing = np.array([piece.size[2] > FLAT_M for piece in pieces], bool)
+    for i, j in _clashes(boxes):
+        if standing[i] and standing[j]:
+            yield f"{piece_name(pieces[i])} and {piece_name(pieces[j])} in {pieces[i].room!r} run into each other"
+    yield from _on_the_stairs(house, boxes)
+    for i, j in overlaps(boxes, hung, _TOLERANCE_M).tolist():
+        if standing[i]:
+            yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {_leaf_name(house, leaves[j])} as it stands"
+    windows = boxes_of([(*window.position, *window.size, window.yaw) for window in house.windows])
+    for i, j in overlaps(boxes, windows, _TOLERANCE_M).tolist():
+        yield f"{piece_name(pieces[i])} in {pieces[i].room!r} runs into {house.windows[j].id}"
+    yield from _swings(house, boxes, hung, walls)
+
+
+def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
+    """Upright boxes from rows of (x, y, underside, width, depth, height, yaw)."""
+    table = np.array(rows, dtype=np.float64).reshape(-1, 7)
+    return Obstacles(table[:, :2], table[:, 3:5], table[:, 6], np.stack([table[:, 2], table[:, 2] + table[:, 5]], axis=-1))
+
+
+def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
+    """Pairs of boxes that run into each other, for some boxes at a time: a heap has more pairs than fit in memory."""
+    for first in range(0, len(boxes.yaw), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        these = Obstacles(boxes.centre[some], boxes.size[some], boxes.yaw[some], boxes.span[some])
+        for i, j in overlaps(these, boxes, _TOLERANCE_M).tolist():
+            if first + i < j:
+                yield first + i, j
+
+
+def _between_floor_and_ceiling(house: House) -> Iterator[str]:
+    for piece in house.furniture:
+        storey, bottom = house.storeys[piece.storey], piece.position[2]
+        top = bottom + piece.size[2]
+        if not storey.floor_m - _HEIGHT_TOLERANCE_M <= bottom <= top <= storey.ceiling_m + _HEIGHT_TOLERANCE_M:
+            yield (
+                f"{piece_name(piece)} reaches from {bottom:.2f} to {top:.2f} m; valid: {storey.floor_m:.2f} ... "
+                f"{storey.ceiling_m:.2f} m, floor to ceiling"
+            )
+
+
+def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[int]:
+    """Pieces whose centre is not in their room, or that cross one of its sides (a box without thickness)."""
+    index = {room.id: k for k, room in enumerate(grid.rooms)}
+    own = np.array([index[piece.room] for piece in house.furniture], int)
+    level = np.array([piece.storey for piece in house.furniture], int)
+    away = np.flatnonzero(grid.owner_at(level, boxes.centre) != own)
+    sides, room_of_side = _sides(grid)
+    i, j = overlaps(boxes, sides, _TOLERANCE_M).T
+    return set(away.tolist()) | set(i[own[i] == room_of_side[j]].tolist())
+
+
+def _sides(grid: PlanGrid) -> tuple[Obstacles, Int[np.ndarray, "n"]]:
+    rings = [np.array(room.polygon_m) for room in grid.rooms]
+    start, end = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    span = np.broadcast_to([-math.inf, math.inf], (len(start), 2))
+    sides = Obstacles((start + end) / 2, np.abs(end - start), np.zeros(len(start)), span)
+    return sides, np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
+
+
+def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
+    parts = [(flight, part) for flight in house.stairs for part in flight.parts]
+    steps = boxes_of([(*p.centre[:2], p.centre[2] - p.size[2] / 2, *p.size, 0.0) for _, p in parts])
+    hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
+    for i, stairs in hits:
+        piece = house.furniture[i]
+        yield f"{piece_name(piece)} in {piece.room!r} stands in the flights of the stairs {stairs!r}"
+
+
+def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
+    """What a leaf would hit between shut and as it stands, and at least square to the wall."""
+    leaves = house.leaves
+    if not leaves:
+        return
+    sectors = np.array([leaf.swing.exterior.coords[:-1] for leaf in leaves])
+    for i, j in outlines_over(sectors, hung.span, boxes, _TOLERANCE_M).tolist():
+        piece = house.furniture[j]
+        if piece.solid and piece.size[2] > FLAT_M:
+            yield f"{piece_name(piece)} in {piece.room!r} is in the way of {_leaf_name(house, leaves[i])}"
+    for i, j in outlines_over(sectors, hung.span, hung, _TOLERANCE_M).tolist():
+        if i != j:
+            yield f"{_leaf_name(house, leaves[j])} as it stands is in the way of {_leaf_name(house, leaves[i])}"
+    for i, j in outlines_over(sectors, hung.span, walls, _TOLERANCE_M).tolist():
+        axis, at, *_ = opening_span(house.spec.storeys[leaves[i].storey].openings[leaves[i].opening])
+        boundary = house.walls[j].boundary
+        if (boundary.axis, boundary.at) != (axis, at):
+            yield f"{_wall_name(house.walls[j])} is in the way of {_leaf_name(house, leaves[i])}"
+
+
+def _wall_row(wall: Wall) -> tuple[float, ...]:
+    x0, y0, x1, y1 = wall.bounds
+    return (x0 + x1) / 2, (y0 + y1) / 2, wall.bottom_m, x1 - x0, y1 - y0, wall.top_m - wall.bottom_m, 0.0
+
+
+def piece_name(piece: Furniture) -> str:
+    """A piece by its id and kind, for messages."""
+    return f"furniture {piece.id!r} ({piece.kind})"
+
+
+def _wall_name(wall: Wall) -> str:
+    a, b = ("the outside" if room is None else repr(room) for room in wall.rooms)
+    return f"the wall between {a} and {b}"
+
+
+def _leaf_name(house: House, leaf: Leaf) -> str:
+    opening = house.spec.storeys[leaf.storey].openings[leaf.opening]
+    return f"the door leaf of storeys[{leaf.storey}].openings[{leaf.opening}] ({opening.rooms[0]} - {opening.rooms[1]})"

@@ -1,0 +1,69 @@
+"""What is wrong with the openings and windows of a house."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import combinations
+
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.openings.windows import Window
+from worlds.spec import PASSABLE, OpeningSpec
+from worlds.walls import opening_span, segment_span
+
+MIN_WIDTH_M = 0.6
+"""Of what a body of radius 0.25 m walks through."""
+MIN_HEIGHT_M = 1.9
+_TOLERANCE_M = 1e-3
+
+Span = tuple[int, float, float, float]
+
+
+def opening_problems(house: House) -> Iterator[str]:
+    """Rules about openings and windows, storey by storey, each with its place in the spec."""
+    for level, storey in enumerate(house.spec.storeys):
+        windows = [window for window in house.windows if window.storey == level]
+        spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]
+        spans += [(window.id, span) for window in windows if (span := segment_span(window.start, window.end)) is not None]
+        yield from _not_apart(level, spans)
+        in_wall: dict[int, float] = defaultdict(float)
+        for boundary, opening in house.boundaries[level]:
+            if opening is not None and set(boundary.rooms) == set(opening.rooms):
+                in_wall[id(opening)] += boundary.length
+        for i, opening in enumerate(storey.openings):
+            place = f"storeys[{level}].openings[{i}] ({opening.rooms[0]} - {opening.rooms[1]})"
+            yield from _bad_opening(place, opening, in_wall[id(opening)], storey.height_m)
+            if opening.leads is not None and not any(house.room_by_id[room].label == STAIRS for room in opening.rooms):
+                yield f'{place}: "leads" says {opening.leads!r}, but neither room is stairs; leave it out'
+        for window in windows:
+            yield from _bad_window(house, window)
+
+
+def _not_apart(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
+    lines: dict[tuple[int, float], list[tuple[float, float, str]]] = defaultdict(list)
+    for name, (axis, at, low, high) in spans:
+        lines[axis, at].append((low, high, name))
+    for line in lines.values():
+        for (low, high, a), (start, stop, b) in combinations(line, 2):
+            if min(high, stop) - max(low, start) > _TOLERANCE_M:
+                yield f"storeys[{level}]: {a} and {b} overlap; openings and windows may only touch"
+
+
+def _bad_opening(place: str, opening: OpeningSpec, in_wall_m: float, height_m: float) -> Iterator[str]:
+    if in_wall_m < opening.width_m - _TOLERANCE_M:
+        yield f"{place}: only {in_wall_m:.2f} of its {opening.width_m:.2f} m lie in the wall between the two rooms"
+    low, high = opening.gap_m(height_m)
+    if opening.kind not in PASSABLE:
+        if not low < high <= height_m:
+            yield f"{place}: open from {low:.2f} to {high:.2f} m; valid: a part of 0 ... {height_m:.2f} m, floor to ceiling"
+        return
+    if opening.width_m < MIN_WIDTH_M - _TOLERANCE_M:
+        yield f"{place}: {opening.width_m:.2f} m wide; a body needs at least {MIN_WIDTH_M:.2f} m"
+    if opening.kind != "open" and not MIN_HEIGHT_M <= high <= height_m:
+        yield f"{place}: {high:.2f} m high; valid: {MIN_HEIGHT_M} ... {height_m:.2f} m"
+
+
+def _bad_window(house: House, window: Window) -> Iterator[str]:
+    storey = house.storeys[window.storey]
+    bottom, top = window.position[2] - storey.floor_m, window.position[2] + window.size[2] - storey.floor_m
+    if top > (height_m := storey.ceiling_m - storey.floor_m) + _TOLERANCE_M:
+        yield f"{window.id} ({window.room}): from {bottom:.2f} to {top:.2f} m; valid: up to the ceiling ({height_m:.2f} m)"

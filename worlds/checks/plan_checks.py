@@ -1,0 +1,72 @@
+"""What is wrong with the plan of a house: rooms that overlap or nearly touch, rooms in the air, stairs that lead nowhere."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from worlds.checks.plan_grid import NO_ROOM, PlanGrid
+from worlds.house import House
+from worlds.labels import OUTDOOR_LABELS, STAIRS
+
+MIN_APART_M = 0.3
+"""Rooms touch or are at least so far apart: nothing can be built into less."""
+MIN_SUPPORT = 0.9
+"""Share of an indoor room above ground that has indoor rooms below."""
+_TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
+
+
+def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
+    """Rules that concern whole rooms, each named."""
+    yield from overlap_problems(grid)
+    yield from _slivers(grid)
+    yield from _unsupported(grid)
+    for room in house.rooms:
+        if room.label == STAIRS and room.ceiling_m == house.storeys[room.storey].ceiling_m:
+            yield f"stairs {room.id!r} join no storeys; they need stairs with the same corners above or below"
+
+
+def overlap_problems(grid: PlanGrid) -> Iterator[str]:
+    """Rooms that are in the same place."""
+    for a, b, area in grid.clashes:
+        if area > _TOLERANCE_M2:
+            yield (
+                f"storeys[{grid.level_of_room[a]}]: rooms {grid.rooms[a].id!r} and {grid.rooms[b].id!r} overlap by "
+                f"{area:.2f} m²; rooms may only touch"
+            )
+
+
+def _slivers(grid: PlanGrid) -> Iterator[str]:
+    for level, owner in enumerate(grid.owner):
+        for axis, (cells, along, across) in enumerate(((owner.T, grid.x, grid.y), (owner, grid.y, grid.x))):
+            # From here on each row runs along the axis.
+            number = np.arange(cells.shape[1])
+            before = np.maximum.accumulate(np.where(cells != NO_ROOM, number, -1), axis=1)
+            after = np.minimum.accumulate(np.where(cells != NO_ROOM, number, cells.shape[1])[:, ::-1], axis=1)[:, ::-1]
+            between = (cells == NO_ROOM) & (before >= 0) & (after < cells.shape[1])
+            width = along[np.minimum(after, cells.shape[1])] - along[before + 1]
+            rows, columns = np.nonzero(between & (width < MIN_APART_M - _TOLERANCE_M))
+            seen = set()
+            for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
+                pair = cells[row, before[row, column]], cells[row, after[row, column]]
+                if pair not in seen:
+                    seen.add(pair)
+                    a, b = (grid.rooms[k].id for k in pair)
+                    place = (along[column], across[row]) if axis == 0 else (across[row], along[column])
+                    yield (
+                        f"storeys[{level}]: rooms {a!r} and {b!r} leave a gap of {width[row, column]:.3g} m near "
+                        f"({place[0]:.2f}, {place[1]:.2f}) m; rooms touch or are at least {MIN_APART_M} m apart"
+                    )
+
+
+def _unsupported(grid: PlanGrid) -> Iterator[str]:
+    indoor = np.array([*(room.label not in OUTDOOR_LABELS for room in grid.rooms), False])
+    area, rooms = grid.area.ravel(), len(grid.rooms)
+    for level in range(1, len(grid.owner)):
+        above, below = grid.owner[level].ravel(), indoor[grid.owner[level - 1].ravel()]
+        of_room = np.where(above == NO_ROOM, rooms, above)
+        whole, borne = (np.bincount(of_room, weights, rooms + 1)[:rooms] for weights in (area, area * below))
+        for k in np.flatnonzero(indoor[:-1] & (borne < MIN_SUPPORT * whole)).tolist():
+            yield (
+                f"storeys[{level}]: only {100 * borne[k] / whole[k]:.0f} % of room {grid.rooms[k].id!r} stand on indoor "
+                f"rooms of the storey below; valid: at least {100 * MIN_SUPPORT:.0f} %"
+            )

@@ -1,0 +1,85 @@
+"""Which rooms a body reaches on foot: the parts of the free floor that hang together, joined by stairs."""
+
+import math
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+
+from worlds.checks.plan_grid import NO_ROOM, PlanGrid
+from worlds.free_space import Obstacles, clearance_on, lattice, solid_obstacles, stair_wells
+from worlds.house import House
+
+STAIRS_LINK_M = 0.5
+"""The end of a walking line is joined to free places this near [m]."""
+
+
+def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
+    """Ids of the rooms that an upright round body cannot reach from the largest part of the house, doors being opened.
+
+    The rule of `Walkable.reachable_rooms`, without its graph.
+    """
+    x, y = lattice(house, resolution_m)
+    solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)
+    margin = math.hypot(radius_m, resolution_m / math.sqrt(2.0))
+    rooms = grid.lattice(x, y)
+    obstacles = [(solids.at_height(s.floor_m), wells.at_height(s.floor_m)) for s in house.storeys]
+    clear = np.stack([clearance_on(x, y, groups, margin) >= margin for groups in obstacles])
+    parts = _parts((rooms != NO_ROOM) & clear)
+    parts, flights = _join(house, x, y, parts, solids, radius_m)
+    sizes = np.bincount(parts.ravel())
+    sizes[0] = 0
+    if not sizes.any():
+        return tuple(room.id for room in house.rooms)
+    largest = int(np.argmax(sizes))
+    reached = {house.room_by_id[grid.rooms[k].id].id for k in np.unique(rooms[parts == largest]).tolist()}
+    reached |= {flight for flight, part in flights if part == largest}
+    return tuple(room.id for room in house.rooms if room.id not in reached)
+
+
+def _parts(free: Bool[np.ndarray, "storeys nx ny"]) -> Int[np.ndarray, "storeys nx ny"]:
+    """Number of the connected part that each place belongs to, 0 where it is not free; a grid's diagonals are ways."""
+    parts, used = [], 0
+    for storey in free:
+        count, labels = cv2.connectedComponents(storey.astype(np.uint8), connectivity=8)
+        parts.append(np.where(labels > 0, labels + used, 0))
+        used += count - 1
+    return np.stack(parts)
+
+
+def _join(
+    house: House,
+    x: Float64[np.ndarray, "nx"],
+    y: Float64[np.ndarray, "ny"],
+    parts: Int[np.ndarray, "storeys nx ny"],
+    solids: Obstacles,
+    radius_m: float,
+) -> tuple[Int[np.ndarray, "storeys nx ny"], list[tuple[str, int]]]:
+    """Parts that stairs join get one number; and the stairs' rooms with their part."""
+    number = np.arange(parts.max(initial=0) + 1)
+    flights = []
+    for stairs in house.stairs:
+        ends = [(stairs.storey, stairs.walking_line[0]), (stairs.storey + 1, stairs.walking_line[-1])]
+        met = {part for level, end in ends for part in _near(x, y, parts[level], end, solids, radius_m)}
+        if met:
+            first = min(met)
+            number[np.isin(number, number[list(met)])] = number[first]
+            flights.append((house.room_by_id[stairs.room].id, first))
+    return number[parts], [(room, int(number[part])) for room, part in flights]
+
+
+def _near(
+    x: Float64[np.ndarray, "nx"],
+    y: Float64[np.ndarray, "ny"],
+    parts: Int[np.ndarray, "nx ny"],
+    end: Float64[np.ndarray, "3"],
+    solids: Obstacles,
+    radius_m: float,
+) -> set[int]:
+    """The parts that a body steps into from the end of a walking line."""
+    i, j = np.nonzero(np.add.outer((x - end[0]) ** 2, (y - end[1]) ** 2) <= STAIRS_LINK_M**2)
+    i, j = i[parts[i, j] > 0], j[parts[i, j] > 0]
+    places = np.stack([x[i], y[j], np.full(len(i), end[2])], axis=-1)
+    local = solids.within(end[:2], 2 * STAIRS_LINK_M)
+    clear = local.clear(np.broadcast_to(end, places.shape), places, radius_m)
+    return set(parts[i[clear], j[clear]].tolist())

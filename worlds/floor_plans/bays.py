@@ -1,0 +1,83 @@
+"""How wide the bays of a band are, and which rectangles their rooms take; in centimetres."""
+
+import math
+from collections.abc import Sequence
+
+from worlds.floor_plans.programmes import Bay, Run
+from worlds.floor_plans.rectangles import Edge, Rect
+from worlds.floor_plans.room_sizes import SIZES
+
+DOOR_FRONT = 140
+"""What a host keeps of its bay's front."""
+_ARM = 170
+"""Least depth of what reaches behind a carved room."""
+_SLENDER = {"toilet": 2.6, "storage room": 2.6, "pantry": 2.6, "laundry room": 2.4, "bathroom": 2.2, "print room": 2.2}
+_MOST_SLENDER = 1.75
+"""Greatest depth of a bay over its width."""
+
+
+def bay_width(bay: Bay, depth: int) -> int:
+    """The width at which the rooms of a bay get the areas wished for, or more where they would be too slender [cm]."""
+    host = bay.labels[0]
+    wished = round(sum(bay.areas) * 1e4 / depth)
+    least = max(round(100 * SIZES[host].side_m), math.ceil(depth / _SLENDER.get(host, _MOST_SLENDER)))
+    carved = sum(_small_size(bay, i, depth)[0] for i in range(1, len(bay.labels)))
+    front = {"plain": 0, "inner": 120, "middle": 2 * DOOR_FRONT}.get(bay.form, 160)
+    return 5 * math.ceil(max(wished, least, carved + front) / 5)
+
+
+def run_width(run: Run, depth: int) -> int:
+    """Of all its bays [cm]."""
+    return sum(bay_width(bay, depth) for bay in run.bays)
+
+
+def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
+    """Width along the front and depth of the i-th room of a bay, a carved one."""
+    side, area = round(100 * SIZES[bay.labels[i]].side_m), bay.areas[i] * 1e4
+    most = max(side, depth - _ARM)
+    deep = 5 * round(min(max(math.sqrt(1.3 * area), side), most) / 5)
+    return 5 * math.ceil(max(side, area / deep) / 5), deep
+
+
+def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
+    """The rectangles of every room of a bay that stands along `edge` from `start`, the host's first."""
+    cut = [_small_size(bay, i, depth) for i in range(1, len(bay.labels))]
+    rooms: list[tuple[Rect, ...]]
+    match bay.form:
+        case "plain":
+            rooms = [((0, 0, width, depth),)]
+        case "corner":
+            ((m, d),) = cut
+            rooms = [((m, 0, width, d), (0, d, width, depth)), ((0, 0, m, d),)]
+        case "inner":
+            back, n = depth - max(d for _, d in cut), cut[1][0] if len(cut) > 1 else 0
+            m = cut[0][0]
+            rooms = [((0, 0, width, back), (m, back, width - n, depth)), ((0, back, m, depth),)]
+            rooms += [((width - n, back, width, depth),)] if n else []
+        case "middle":
+            ((m, d),) = cut
+            left = (width - m) // 2
+            host = ((0, 0, left, d), (left + m, 0, width, d), (0, d, width, depth))
+            rooms = [host, ((left, 0, left + m, d),)]
+        case "corners":
+            (m, d), (n, e) = cut
+            d = e = max(d, e)
+            rooms = [((m, 0, width - n, d), (0, d, width, depth)), ((0, 0, m, d),), ((width - n, 0, width, e),)]
+    return [tuple(_placed(r, bay, edge, start, width) for r in rects) for rects in rooms]
+
+
+def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, width: int) -> Rect:
+    u0, v0, u1, v1 = r
+    if bay.flipped:
+        u0, u1 = width - u1, width - u0
+    return edge.rect(start + u0, v0, start + u1, v1)
+
+
+def share_out(widths: Sequence[int], bays: Sequence[Bay], length: int) -> list[int]:
+    """Widen bays in proportion so that they fill `length`, which is at least their sum; twins stay alike."""
+    total = sum(widths)
+    out = [w + (length - total) * w // total for w in widths]
+    rest = length - sum(out)
+    others = [i for i, bay in enumerate(bays) if bay.twin is None] or [len(bays) - 1]
+    out[others[-1]] += rest
+    return out

@@ -1,0 +1,84 @@
+"""Kinds of buildings: which rooms they hold, on which storeys, and how they are laid out."""
+
+from dataclasses import dataclass, replace
+
+from worlds.floor_plans.floor_plan import Style
+from worlds.floor_plans.programmes import Habits
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A family of buildings."""
+
+    rooms: tuple[int, int]
+    """Range of the number of rooms when none is asked for; corridors, halls and stairs come on top."""
+    storeys: tuple[int, ...]
+    """To choose from when none is asked for."""
+    first: tuple[str, ...]
+    """Rooms in the order in which they are wanted."""
+    more: tuple[str, ...]
+    """What further rooms are drawn from."""
+    style: Style
+    habits: Habits
+    halls: tuple[str | None, ...] = (None,)
+    """Labels of the first stretch of the ground storey's corridor; None: it has none."""
+    upstairs: tuple[str, ...] = ()
+    """What belongs on upper storeys."""
+    repeats: float = 0.0
+    """Share of buildings whose upper storeys are all the same."""
+    flat: tuple[int, int] | None = None
+    """Range of the rooms on a storey where there are several storeys and no number of rooms is asked for."""
+    shuffled: int = 0
+    """How far rooms may change places in `first`."""
+
+
+_HOME_STYLE = Style(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))
+_OFFICE_STYLE = Style((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
+_CLINIC_STYLE = Style((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
+
+KINDS: dict[str, Kind] = {
+    "home": Kind(
+        (7, 8), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
+        ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
+         "children's room"),
+        _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
+        ("bedroom", "children's room", "bathroom", "office", "library"),
+    ),
+    "apartment": Kind(
+        (4, 8), (1, 1, 1, 2, 3), ("living room", "kitchen", "bedroom", "bathroom", "dining room", "balcony", "bedroom"),
+        ("children's room", "storage room", "toilet", "office", "laundry room", "bedroom", "bathroom", "pantry", "library"),
+        _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=1, flat=(4, 6),
+    ),
+    "office": Kind(
+        (7, 14), (1, 2, 2, 3), ("office", "office", "meeting room", "office", "kitchen", "open-plan office", "toilet"),
+        ("office", "office", "office", "print room", "storage room", "meeting room", "library", "lobby", "open-plan office",
+         "toilet", "balcony", "laboratory"),
+        _OFFICE_STYLE, Habits(open_plan=0.3, twins=0.7), ("lobby", "entrance hall", None), repeats=0.5, shuffled=2,
+    ),
+    "ori": Kind(
+        (7, 7), (2,), ("kitchen", "office", "office", "office", "office", "meeting room", "print room"),
+        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9), (None, "lobby"),
+    ),
+    "uh2-apt": Kind(
+        (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom", "office", "storage room"),
+        Style((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
+        upstairs=("bedroom", "bathroom"),
+    ),
+    "uh2-office": Kind(
+        (11, 13), (1,), ("open-plan office", "meeting room", "office", "office", "office", "open-plan office", "office"),
+        ("office", "office", "meeting room"), replace(_OFFICE_STYLE, one_sided_m=(5.0, 6.0), wings=0.5, spine_m=(1.9, 2.4)),
+        Habits(twins=0.6),
+    ),
+    "clinic": Kind(
+        (10, 16), (1, 1, 2), ("office", "office", "laboratory", "toilet", "office", "storage room", "bathroom", "bedroom"),
+        ("office", "bedroom", "office", "bathroom", "toilet", "storage room", "kitchen", "meeting room", "laundry room",
+         "gym", "laboratory", "print room", "lobby"),
+        _CLINIC_STYLE, Habits(twins=0.7), ("lobby", "lobby", "entrance hall"),
+    ),
+    "school": Kind(
+        (9, 15), (1, 2, 2), ("classroom", "classroom", "office", "toilet", "library", "classroom", "gym", "storage room"),
+        ("classroom", "classroom", "laboratory", "toilet", "office", "storage room", "kitchen", "dining room",
+         "meeting room", "print room", "bathroom"),
+        replace(_CLINIC_STYLE, depth_m=(4.6, 6.0)), Habits(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
+    ),
+}  # fmt: skip

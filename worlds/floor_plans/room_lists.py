@@ -1,0 +1,154 @@
+"""Which rooms a building of a kind has, and on which storeys."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from worlds.floor_plans.building_kinds import Kind
+from worlds.floor_plans.floor_plan import Style
+from worlds.floor_plans.programmes import SMALL, Habits, StoreyProgramme, programme_runs, seeded
+from worlds.floor_plans.room_sizes import SIZES
+from worlds.labels import OUTDOOR_LABELS
+from worlds.spec import OpeningKind
+
+_BELOW = ("living room", "kitchen", "dining room", "garage", "pantry", "lobby", "entrance hall")
+"""What belongs on the ground storey where there are several."""
+_ONCE = ("living room", "kitchen", "dining room", "garage", "garden", "pantry", "lobby")
+_SEEDS = 2**31
+
+
+def draw_programmes(
+    kind: Kind, rooms: int, storeys: int, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    """What the storeys of a building hold, `rooms` rooms besides circulation in all, and how it is to be laid out.
+
+    There are at least as many rooms as storeys.
+    """
+    labels = _labels(kind, rooms, storeys, rng)
+    hall = kind.halls[int(rng.integers(len(kind.halls)))]
+    if storeys > 1 and rooms >= 3 * storeys and rng.random() < kind.repeats:
+        same = _repeating(labels, storeys, hall, kind, rng)
+        if same is not None:
+            return same, kind.style
+    if storeys == 1 and "living room" in labels and rooms <= 6 and rng.random() < (0.5 if rooms > 3 else 1.0):
+        return _around_a_living_room(labels, kind, rng)
+    return programmes_of(by_storey(labels, storeys, kind.upstairs, rng), kind.habits, hall, rng), kind.style
+
+
+def programmes_of(
+    labels: Sequence[Sequence[str]], habits: Habits, hall: str | None, rng: np.random.Generator
+) -> tuple[StoreyProgramme, ...]:
+    """Programmes of storeys whose rooms are known."""
+    return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
+
+
+def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
+    """Share rooms among storeys: what has to be below, below, the rest evenly; no storey stays without a room.
+
+    There are at least as many rooms as storeys, the outdoor ones not counted, and at most as many balconies.
+    """
+    out: list[list[str]] = [[] for _ in range(storeys)]
+    area = [0.0] * storeys
+    indoors = [label for label in labels if label not in OUTDOOR_LABELS]
+    for label in sorted(indoors, key=lambda label: (label not in _BELOW, label in SMALL, label in upstairs)):
+        wanted = [k for k in range(storeys) if k > 0 or label not in upstairs] if storeys > 1 else [0]
+        if label in _BELOW:
+            wanted = [0]
+        level = min(wanted, key=lambda k: area[k] - 10.0 * (k == 0))
+        out[level].append(label)
+        area[level] += _area([label])
+    _fill_empty(out)
+    out.sort(key=lambda own: (not set(own) & set(_BELOW), -_area(own)))
+    _settle(out)
+    out[0] += [label for label in labels if label == "garden"]
+    # A storey has at most one balcony, and the one with the garden is the last to get one.
+    levels = sorted(rng.permutation(storeys).tolist(), key=lambda k: k == 0 and "garden" in labels)
+    for level in levels[: labels.count("balcony")]:
+        out[level].append("balcony")
+    return out
+
+
+def _area(labels: Sequence[str]) -> float:
+    """Wished for indoors, about [m²]."""
+    return sum(sum(SIZES[label].usual) / 2 for label in labels if label not in OUTDOOR_LABELS)
+
+
+def _settle(storeys: list[list[str]]) -> None:
+    """No storey is much larger than the ground one: such a storey changes places with what may leave the ground."""
+    for level in range(1, len(storeys)):
+        fixed, free = ([label for label in storeys[0] if (label in _BELOW) == below] for below in (True, False))
+        if free and _area(storeys[level]) > 1.15 * _area(storeys[0]):
+            storeys[0], storeys[level] = fixed + storeys[level], free
+    storeys[1:] = sorted(storeys[1:], key=_area, reverse=True)
+
+
+def _fill_empty(storeys: list[list[str]]) -> None:
+    for own in storeys:
+        if not own:
+            richest = max(storeys, key=len)
+            own.append(richest.pop())
+
+
+def _labels(kind: Kind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
+    """The rooms of a building; indoor ones at least as many as storeys."""
+    order = list(kind.first)
+    if kind.shuffled:
+        keys = np.arange(len(order)) + rng.uniform(0, kind.shuffled, len(order))
+        order = [order[i] for i in np.argsort(keys)]
+    pool: list[str] = []
+    while len(order) < rooms:
+        pool = pool or [kind.more[i] for i in rng.permutation(len(kind.more))]
+        label = pool.pop()
+        most = storeys if label == "balcony" else 1 if label in _ONCE else rooms
+        if order.count(label) < most:
+            order.append(label)
+    drawn = order[:rooms]
+    while sum(label not in OUTDOOR_LABELS for label in drawn) < storeys:
+        drawn[next(i for i, label in enumerate(drawn) if label in OUTDOOR_LABELS)] = "storage room"
+    return drawn
+
+
+def _repeating(
+    labels: Sequence[str], storeys: int, hall: str | None, kind: Kind, rng: np.random.Generator
+) -> tuple[StoreyProgramme, ...] | None:
+    """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it.
+
+    None where the ground storey would be the smaller one.
+    """
+    share = len(labels) // storeys
+    equal = len(labels) == share * storeys and "garden" not in labels
+    inside = [label for label in labels if label != "garden"]
+    above = inside[:share] if equal else inside[len(inside) - share :]
+    ground = [*inside[: len(inside) - share * (storeys - 1)], *["garden"] * (len(labels) - len(inside))]
+    if max(above.count("balcony"), ground.count("balcony")) > 1:
+        return None
+    if not 0.0 < _area(above) <= _area(above if equal else ground):
+        return None
+    upper = _storey(above, kind.habits, rng, None)
+    upper = replace(upper, seed=int(rng.integers(_SEEDS)), runs=seeded(upper.runs, rng))
+    first = replace(upper, hall=hall) if equal else _storey(ground, kind.habits, rng, hall)
+    return (first, *[upper] * (storeys - 1))
+
+
+def _around_a_living_room(
+    labels: Sequence[str], kind: Kind, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    """A small home without a corridor: its rooms stand along the living room."""
+    others = list(labels)
+    others.remove("living room")
+    storey = _storey(others, kind.habits, rng, None)
+    opens: tuple[OpeningKind, ...] = ("open", "cased", "arch", "half wall")
+    runs = []
+    for run in storey.runs:
+        public = run.bays[0].labels[0] in ("kitchen", "dining room") and rng.random() < max(kind.habits.open_plan, 0.5)
+        entry = opens[int(rng.integers(len(opens)))] if public else "door"
+        runs.append(replace(run, bays=tuple(replace(bay, entry=entry) for bay in run.bays)))
+    style = replace(kind.style, spine_m=(3.5, 4.6), one_sided_m=(5.0, 8.0), wings=0.0, spine_m2=16.0)
+    return (replace(storey, runs=tuple(runs), spine="living room"),), style
+
+
+def _storey(labels: Sequence[str], habits: Habits, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
+    inside = [label for label in labels if label not in OUTDOOR_LABELS]
+    runs = programme_runs(inside, habits, rng)
+    return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balcony="balcony" in labels)

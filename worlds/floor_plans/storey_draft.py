@@ -1,0 +1,200 @@
+"""One storey's rooms and links, in centimetres, before they become a layout."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from worlds.errors import WorldsError
+from worlds.floor_plans.bays import bay_rooms
+from worlds.floor_plans.layout import Link, StoreyLayout
+from worlds.floor_plans.programmes import Bay, Run, StoreyProgramme
+from worlds.floor_plans.rectangles import Corner, Rect, Symmetry, contact, metres, outline
+from worlds.floor_plans.wings import Band, Shell
+from worlds.labels import STAIRS
+from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
+
+_LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
+_LONGEST_HALL = 1100
+"""A longer hall is a corridor [cm]."""
+_NICHE = 60
+"""Corners of a spine are not nearer to each other [cm]."""
+_WAY = 100
+"""Least wall between two rooms that are joined [cm]."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A bay with its place in a band [cm]."""
+
+    band: Band
+    bay: Bay
+    start: int
+    width: int
+    joint: Run | None
+    """The run that joins it to the bay before it."""
+    wrap: int = 0
+    """How far its host reaches beyond the spine and round its end [cm]."""
+
+
+@dataclass(frozen=True)
+class DraftRoom:
+    """A room that has no id yet."""
+
+    label: str
+    rects: tuple[Rect, ...]
+    seed: int | None = None
+
+
+@dataclass
+class StoreyDraft:
+    """Rooms and links, by the rooms' numbers."""
+
+    rooms: list[DraftRoom] = field(default_factory=list)
+    links: list[tuple[int, int, OpeningKind, int | None]] = field(default_factory=list)
+    gaps: list[tuple[int, int, str, tuple[Corner, Corner]]] = field(default_factory=list)
+
+    def add(self, label: str, rects: Sequence[Rect], seed: int | None = None) -> int:
+        """The new room's number."""
+        self.rooms.append(DraftRoom(label, tuple(rects), seed))
+        return len(self.rooms) - 1
+
+    def link(self, a: int, b: int, kind: OpeningKind = "door", seed: int | None = None) -> None:
+        """Join two rooms."""
+        self.links.append((a, b, kind, seed))
+
+    def nearest(self, room: int, others: Sequence[int]) -> int:
+        """Of `others`, the one with the longest side along `room`. Raises `WorldsError` where a door does not fit."""
+        shared = [contact(self.rooms[room].rects, self.rooms[k].rects) for k in others]
+        if max(shared, default=0) < _WAY:
+            raise WorldsError(f"no wall for the door of a {self.rooms[room].label!r}: it touches nothing that leads to it")
+        return others[shared.index(max(shared))]
+
+    def layout(self, level: int, turn: Symmetry, height_m: float) -> StoreyLayout:
+        """The storey as a layout, turned."""
+        count: dict[str, int] = {}
+        ids, rooms = [], []
+        for room in self.rooms:
+            count[room.label] = count.get(room.label, 0) + 1
+            ids.append(f"{room.label} {level}.{count[room.label]}")
+            polygon = tuple(metres(p) for p in outline([turn.rect(r) for r in room.rects]))
+            rooms.append(RoomSpec(id=ids[-1], label=room.label, polygon_m=polygon, seed=room.seed))
+        openings = []
+        for a, b, leads, (start, end) in self.gaps:
+            start_m, end_m = metres(turn.point(start)), metres(turn.point(end))
+            openings.append(OpeningSpec(rooms=(ids[a], ids[b]), kind="open", start_m=start_m, end_m=end_m, leads=leads))  # type: ignore[arg-type]
+        links = tuple(Link((ids[a], ids[b]), kind, seed) for a, b, kind, seed in self.links)
+        return StoreyLayout(tuple(rooms), links, tuple(openings), height_m)
+
+
+def draft_storey(
+    level: int,
+    storeys: int,
+    programme: StoreyProgramme,
+    shell: Shell,
+    placed: Sequence[Placed],
+    slot: Run | None,
+    cross_apart: bool,
+) -> tuple[StoreyDraft, list[int]]:
+    """All indoor rooms of a storey: the spine first, then stairs, then bays; and the numbers of the bays' hosts."""
+    draft = StoreyDraft()
+    spine = _spine(draft, programme, shell, placed, cross_apart)
+    if shell.stairs is not None:
+        _stairs(draft, shell, spine, level, storeys)
+    hosts = _bays(draft, shell, placed, spine)
+    rect = shell.slot()
+    if slot is not None and rect is not None:
+        room = draft.add(slot.bays[0].labels[0], [rect], slot.bays[0].seed)
+        draft.link(draft.nearest(room, spine), room)
+    return draft, hosts
+
+
+def _spine(
+    draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[Placed], cross_apart: bool
+) -> list[int]:
+    c, x = shell.depths.spine, shell.passage_start
+    reach = [shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)[2] for p in placed if p.band not in ("west", "east")]
+    cross = max((p.start + p.width for p in placed if p.band in ("west", "east")), default=0)
+    end = max([*reach, 0]) if not shell.at_end else shell.length
+    if shell.stairs and not shell.at_end:
+        end = max(end, shell.stairs_start + shell.stairs.front)
+    if cross:
+        end = max(end, x + shell.depths.cross)
+    end = min(end, shell.length)
+    arms = [shell.stairs_edge().rect(*arm) for arm in shell.stairs.arms()] if shell.stairs else []
+    wing = [(x, c, x + shell.depths.cross, c + shell.depths.north + cross)] if cross else []
+    split = _hall_end(programme.hall, shell, placed, end) if programme.hall else 0
+    parts = []
+    if programme.hall and split:
+        in_hall = arms if _stairs_end(shell) <= split else []
+        parts.append(draft.add(programme.hall, [(0, 0, split, c), *in_hall]))
+        arms = [] if in_hall else arms
+    main = [(split, 0, end, c), *arms] + ([] if cross_apart else wing)
+    label = programme.hall if programme.hall and not split and end <= _LONGEST_HALL else programme.spine
+    parts.append(draft.add(label, main, programme.seed if programme.hall is None else None))
+    if split:
+        draft.link(parts[0], parts[1], "open")
+    if cross_apart and wing:
+        parts.append(draft.add(programme.spine, wing, None if programme.seed is None else programme.seed + 1))
+        draft.link(parts[-2], parts[-1], "open")
+    return parts
+
+
+def _stairs_end(shell: Shell) -> int:
+    """Where stairs in the north band end; far away if there are none."""
+    return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
+
+
+def _hall_end(hall: str, shell: Shell, placed: Sequence[Placed], end: int) -> int:
+    """Where the entrance hall may end so that every bay keeps enough of one of the two for its door; 0: nowhere."""
+    fronts = []
+    for p in placed:
+        if p.band not in ("west", "east"):
+            r = shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)
+            fronts.append((r[0], r[2], p.bay.form in ("plain", "inner")))
+    limit = min(end - 400, _LONGEST_HALL, shell.passage_start if shell.depths.cross else end)
+    least = max(250.0, 1e4 * _LEAST_HALL_M2.get(hall, 0.0) / shell.depths.spine)
+    beside = (shell.stairs_start, _stairs_end(shell)) if shell.stairs and not shell.at_end else (0, 0)
+    for cut in sorted({hi for _, hi, _ in fronts}):
+        in_pieces = [(max(cut - lo, hi - cut), whole) for lo, hi, whole in fronts if lo < cut < hi]
+        if not all(longer >= 300 and whole for longer, whole in in_pieces):
+            continue
+        clear = cut in beside or not beside[0] - _NICHE < cut < beside[1] + _NICHE
+        if least <= cut <= limit and clear:
+            return cut
+    return 0
+
+
+def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, storeys: int) -> None:
+    stairs, edge = shell.stairs, shell.stairs_edge()
+    if stairs is None:
+        return
+    room = draft.add(STAIRS, [edge.rect(*stairs.cell())])
+    up, down = ((edge.point(*gap[:2]), edge.point(*gap[2:])) for gap in stairs.gaps())
+    front = max(spine, key=lambda k: contact(draft.rooms[k].rects, [edge.rect(*stairs.gaps()[0])]))
+    if level + 1 < storeys:
+        draft.gaps.append((front, room, "up", up))
+    if level > 0:
+        draft.gaps.append((front, room, "down", down))
+
+
+def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[Placed], spine: Sequence[int]) -> list[int]:
+    """The hosts' numbers."""
+    hosts: list[int] = []
+    for p in placed:
+        bay, depth = p.bay, shell.depths.of(p.band)
+        rects = bay_rooms(bay, shell.edge(p.band), p.start, p.width, depth)
+        if p.wrap:
+            end = p.start + p.width
+            rects[0] += (shell.edge(p.band).rect(end, -shell.depths.spine, end + p.wrap, depth),)
+        numbers = [
+            draft.add(label, r, None if bay.seed is None else bay.seed + i)
+            for i, (label, r) in enumerate(zip(bay.labels, rects, strict=True))
+        ]
+        host = numbers[0]
+        draft.link(draft.nearest(host, spine), host, bay.entry, bay.seed)
+        for label, small in zip(bay.labels[1:], numbers[1:], strict=True):
+            way_in = host if bay.form == "inner" or label == "pantry" else draft.nearest(small, spine)
+            draft.link(way_in, small, "door", bay.seed)
+        if p.joint is not None and p.joint.joint is not None:
+            draft.link(hosts[-1], host, p.joint.joint)
+        hosts.append(host)
+    return hosts

@@ -1,0 +1,100 @@
+"""`with_storey_on_top`: a house one storey taller, its top storey's plan repeated."""
+
+import re
+import zlib
+from collections.abc import Mapping
+from dataclasses import replace
+
+from worlds.errors import WorldsError
+from worlds.labels import STAIRS
+from worlds.openings.door_swings import hang_leaf, is_in_front
+from worlds.openings.gap import Gap, shared_walls
+from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.walls import opening_span
+
+_GROUND_ONLY = frozenset({"garden", "garage"})
+_NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
+_FRONT_M = 0.9
+_MIN_SHARED_M = 0.7
+
+
+def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
+    """A copy of the top storey's plan on top of it, without gardens and garages; the stairs go on up.
+
+    Rooms get new ids and with them furniture and finishes of their own; twins stay twins. Raises `WorldsError` for a house
+    whose top storey no stairs reach, or where there is no room at the foot of another flight.
+    """
+    top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
+    cells = [room for room in top.rooms if room.label == STAIRS]
+    if below is None or not cells:
+        raise WorldsError("no stairs lead to the top storey, so none can lead on; valid: houses of two storeys or more")
+    ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells]
+    storeys = (*spec.storeys[:-1], _with_feet(top, ups), _copy(spec, top))
+    return HouseSpec.model_validate(spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True))
+
+
+def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
+    """The opening of the next flight up: above the one of the flight below."""
+    here = sorted(cell.polygon_m)
+    lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
+    foot = next((o for o in below.openings if lower in o.rooms and o.leads == "up"), None)
+    if foot is None:
+        raise WorldsError(f"stairs {cell.id!r} have no opening on storeys[{level - 1}] that leads up, so none to repeat")
+    axis, at, low, high = opening_span(foot)
+    for room in top.rooms:
+        for wall in shared_walls(cell, room) if room.id != cell.id else ():
+            start, stop = max(low, wall.low), min(high, wall.high)
+            if (wall.axis, wall.at) == (axis, at) and stop - start >= min(_MIN_SHARED_M, high - low) - 1e-6:
+                ends = {"start_m": wall.point(start), "end_m": wall.point(stop)}
+                return foot.model_copy(update={"rooms": (room.id, cell.id), **ends})
+    raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies before the foot of another flight")
+
+
+def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
+    """The storey with the openings of the flights up; leaves that would stand before them hang elsewhere."""
+    rooms = {room.id: room for room in top.rooms}
+    openings = [*top.openings, *ups]
+    gaps = [Gap.of(opening, rooms) for opening in openings]
+    feet = gaps[len(top.openings) :]
+    for k, gap in enumerate(gaps):
+        if any(is_in_front(gap, foot, _FRONT_M) for foot in feet):
+            gaps[k] = replace(gap, leaf=hang_leaf(gap, gaps, rooms, (0.5, 0.5)))
+            openings[k] = gaps[k].spec()
+    return top.model_copy(update={"openings": tuple(openings)})
+
+
+def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
+    level = len(spec.storeys)
+    rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
+    taken = {room.id for storey in spec.storeys for room in storey.rooms}
+    names: dict[str, str] = {}
+    for room in rooms:
+        names[room.id] = _new_name(room.id, level, taken)
+        taken.add(names[room.id])
+    return StoreySpec(
+        height_m=top.height_m,
+        rooms=tuple(
+            RoomSpec(id=names[r.id], label=r.label, polygon_m=r.polygon_m, seed=_new_seed(r.seed, level)) for r in rooms
+        ),
+        openings=tuple(_renamed(opening, names) for opening in top.openings if set(opening.rooms) <= set(names)),
+    )
+
+
+def _new_name(name: str, level: int, taken: set[str]) -> str:
+    match = _NUMBERED.fullmatch(name)
+    stem = match[1] if match else name[:56]
+    number = int(match[3]) if match else 1
+    while f"{stem} {level}.{number}" in taken:
+        number += 1
+    return f"{stem} {level}.{number}"
+
+
+def _new_seed(seed: int | None, level: int) -> int | None:
+    """Of a room that had one: another, the same for all that had the same."""
+    return None if seed is None else zlib.crc32(f"{seed} {level}".encode())
+
+
+def _renamed(opening: OpeningSpec, names: Mapping[str, str]) -> OpeningSpec:
+    a, b = opening.rooms
+    leaf = opening.leaf and opening.leaf.model_copy(update={"into": names[opening.leaf.into]})
+    return opening.model_copy(update={"rooms": (names[a], names[b]), "leaf": leaf})

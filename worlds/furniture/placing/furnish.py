@@ -1,0 +1,242 @@
+"""`furnish`: fill the rooms of a storey with what the catalogue says belongs there, keeping every room walkable."""
+
+import heapq
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+from numpy.random import Generator
+
+from worlds.furniture.catalogue import CATALOGUE, kind_of
+from worlds.furniture.kinds import Around, Kind, OnCeiling, OnFloor, OnTop, OnWall, Range, Size
+from worlds.furniture.placing.candidates import candidates
+from worlds.furniture.placing.counts import USUAL, appearances
+from worlds.furniture.placing.draws import Draws, pool, stream_key
+from worlds.furniture.placing.piece import Piece
+from worlds.furniture.placing.room_plan import RoomPlan
+from worlds.labels import STAIRS
+from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec, WindowSpec
+
+WALKABLE_SHARE = 0.4
+"""Of a room's area, what a body can still cover in a usual home."""
+_SHARE_PER_CLUTTER = 0.04
+_HEAD_ROOM_M = 0.05
+_SMALLEST = (0.0, 0.0, 0.0)
+_YAWS = (0.0, math.pi / 2, math.pi, -math.pi / 2)
+
+
+def furnish(
+    storey: StoreySpec,
+    rng_of: Callable[[RoomSpec], Generator],
+    clutter: float = USUAL,
+    prefix: str = "0",
+    windows: Sequence[WindowSpec] = (),
+) -> tuple[FurnitureSpec, ...]:
+    """Furniture for all rooms of a storey; none for `clutter` 0, the usual for 1, more things lying about above.
+
+    `rng_of` gives every room its generator; rooms that are alike and have equal generators are furnished alike. What is
+    there at some clutter is there at any higher one, under the same id. Ids start with `prefix`. Stairs stay bare.
+    """
+    specs: list[FurnitureSpec] = []
+    for index, room in enumerate(storey.rooms):
+        if room.label == STAIRS or clutter <= 0.0:
+            continue
+        plan = RoomPlan(room, storey, windows)
+        pieces = _Furnisher(plan, pool(rng_of(room)), clutter).furnished()
+        specs += [
+            _spec(piece, plan, room, f"{prefix}.{index}.{number} {piece.kind.name}")
+            for number, piece in enumerate(pieces)
+            if piece.since <= clutter
+        ]
+    return tuple(specs)
+
+
+def is_solid(kind: str) -> bool:
+    """Whether pieces of `kind` block the way. Raises `WorldsError` for an unknown kind."""
+    return kind_of(kind).solid
+
+
+class _Furnisher:
+    """Fills one room.
+
+    First with all that a usual home has, the needed and the large before the rest; then with what there is more of in a
+    cluttered one, by the clutter from which on it is there.
+    """
+
+    def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
+        self._plan, self._numbers, self._clutter = plan, numbers, clutter
+        self._kinds = _kinds_for(plan.label)
+        self._pieces: list[Piece] = []
+        self._by_kind: dict[str, list[Piece]] = defaultdict(list)
+        self._more: list[_Queued] = []
+
+    def furnished(self) -> list[Piece]:
+        """The pieces in the order in which they were placed, with all of a usual home even if the clutter is less."""
+        for kind in self._kinds.standing:
+            for piece in self._usual(kind, None):
+                for seat in self._kinds.seats.get(kind.name, ()):
+                    self._usual(seat, piece)
+        for kind in self._kinds.details:
+            for host in self._hosts(kind):
+                self._usual(kind, host)
+        while self._more:
+            self._add_queued(heapq.heappop(self._more))
+        return self._pieces
+
+    def _hosts(self, kind: Kind) -> Sequence[Piece | None]:
+        names = host_names(kind)
+        return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
+
+    def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
+        """Place what a usual home has of a kind (per host), and queue the rest."""
+        placed: list[Piece] = []
+        each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
+        for since, number in each:
+            if since > USUAL:
+                self._queue(since, kind, number, host, each)
+                break
+            piece = self._place(kind, number, host, since)
+            if piece is None:
+                break
+            placed.append(piece)
+        return placed
+
+    def _queue(self, since: float, kind: Kind, number: int, host: Piece | None, rest: Iterator[tuple[float, int]]) -> None:
+        if since <= self._clutter:
+            heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
+
+    def _add_queued(self, next_one: "_Queued") -> None:
+        """Place it, and queue what follows: the next of its kind, and what belongs to it."""
+        since, _, kind, number, host, rest = next_one
+        piece = self._place(kind, number, host, since)
+        if piece is None:
+            return
+        for since, number in rest:
+            self._queue(max(since, piece.since), kind, number, host, rest)
+            break
+        for guest in self._kinds.guests.get(kind.name, ()):
+            each = appearances(guest, self._plan.label, self._plan.shape.area_m2, self._draws(guest, 0, piece))
+            for since, number in each:
+                self._queue(max(since, piece.since), guest, number, piece, each)
+                break
+
+    def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
+        """Try a random size, then the smallest; None if neither finds a place."""
+        draws = self._draws(kind, number, host)
+        seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
+        since = max(since, host.since) if host else since
+        walkable = WALKABLE_SHARE - _SHARE_PER_CLUTTER * max(0.0, since - USUAL)
+        for size in (_size(kind, each, self._plan.height_m) for each in (shares, _SMALLEST)):
+            poses = candidates(self._plan, kind, size, host, draws)
+            pose = self._plan.first_free(kind, size, poses, host, walkable)
+            if pose is not None:
+                piece = Piece(kind, size, pose, _key(kind, number, host), seed, since)
+                self._plan.add(piece)
+                self._pieces.append(piece)
+                self._by_kind[kind.name].append(piece)
+                return piece
+        return None
+
+    def _draws(self, kind: Kind, number: int, host: Piece | None) -> Draws:
+        return Draws(self._numbers, _key(kind, number, host))
+
+
+def _key(kind: Kind, number: int, host: Piece | None) -> int:
+    return stream_key(kind.name, number, host.key if host else 0)
+
+
+class _Queued(NamedTuple):
+    """A piece that is there from some clutter above the usual on, and those of its kind that follow."""
+
+    since: float
+    key: int
+    kind: Kind
+    number: int
+    host: Piece | None
+    rest: Iterator[tuple[float, int]]
+
+
+@dataclass(frozen=True)
+class _Kinds:
+    """The kinds of a room, in the order of placing."""
+
+    standing: tuple[Kind, ...]
+    """What stands by itself."""
+    seats: Mapping[str, tuple[Kind, ...]]
+    """By the name of their host: what goes with it at once."""
+    details: tuple[Kind, ...]
+    """What comes last."""
+    guests: Mapping[str, tuple[Kind, ...]]
+    """By the name of their host: all that stands at, on or under it."""
+
+
+@cache
+def _kinds_for(label: str) -> _Kinds:
+    here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
+    seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
+    standing = tuple(kind for kind in here if _stage(kind) == 1)
+    details = tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
+    return _Kinds(standing, _by_host(seats), details, _by_host(here))
+
+
+def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
+    names = {name for kind in kinds for name in host_names(kind)}
+    return {name: tuple(kind for kind in kinds if name in host_names(kind)) for name in names}
+
+
+def host_names(kind: Kind) -> tuple[str, ...]:
+    """The kinds that a piece of `kind` stands at, on or under; none if it needs none."""
+    match kind.place:
+        case OnTop(hosts=names) | Around(hosts=names) | OnWall(above=names):
+            return names
+    return ()
+
+
+def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
+    """What comes later has to make do: the required first, then what needs the centre of the room, then the large."""
+    central = kind.solid and isinstance(kind.place, OnFloor) and kind.place.spot == "centre"
+    return _stage(kind), not _is_required(kind, label), not central, -kind.width[1] * kind.depth[1]
+
+
+def _is_required(kind: Kind, label: str) -> bool:
+    return isinstance(kind.rooms[label], tuple)
+
+
+def _stage(kind: Kind) -> int:
+    match kind.place:
+        case Around():
+            return 2
+        case OnTop():
+            return 3
+        case OnWall():
+            return 4
+        case OnCeiling():
+            return 5
+    return 1
+
+
+def _size(kind: Kind, shares: tuple[float, float, float], room_height: float) -> Size:
+    """The kind's size at `shares` of its ranges, no higher than the room."""
+    width, depth, height = map(_at_share, (kind.width, kind.depth, kind.height), shares)
+    return Size(width, depth, min(height, round(room_height - _HEAD_ROOM_M, 3)))
+
+
+def _at_share(interval: Range, share: float) -> float:
+    return round(interval[0] + share * (interval[1] - interval[0]), 3)
+
+
+def _spec(piece: Piece, plan: RoomPlan, room: RoomSpec, name: str) -> FurnitureSpec:
+    """Not validated: that is done once, where the spec of a whole house is made."""
+    (x0, y0), pose, size = plan.shape.origin, piece.pose, piece.size
+    return FurnitureSpec.model_construct(
+        id=name,
+        kind=piece.kind.name,
+        room=room.id,
+        position_m=(round(x0 + pose.x, 5), round(y0 + pose.y, 5), round(pose.z, 5)),
+        yaw_rad=_YAWS[pose.turn],
+        size_m=(size.width, size.depth, size.height),
+        seed=piece.seed,
+    )

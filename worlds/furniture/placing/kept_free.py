@@ -1,0 +1,131 @@
+"""What the openings and windows of a room ask of its furniture."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from worlds.furniture.placing.free_floor import HALF_WALL_M
+from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, Rectangle, RoomShape, Side, grown
+from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
+
+OPENING_DEPTH_M = 0.9
+OPENING_MARGIN_M = 0.15
+PASSAGE_M = 1.3
+"""Of an opening wider than that, this much is kept clear, at the end that is nearer to another way out."""
+SIGHT_DEPTH_M = 0.35
+"""What is higher than the sill of a window, half wall or counter stays so far from it."""
+_SWING_MARGIN_M = 0.06
+_LEAF_HALF_M = 0.02
+_STANDS_OPEN_RAD = 1.2
+"""A leaf that is opened that far is left so; a body would push one that is ajar."""
+
+
+class Space(NamedTuple):
+    """A box that is taken or has to stay free."""
+
+    rectangle: Rectangle
+    """[m]"""
+    low: float
+    high: float
+    """Above the floor [m]."""
+
+
+@dataclass(frozen=True)
+class WallRun:
+    """A side of the room, and the stretches of wall along it."""
+
+    side: Side
+    free: tuple[Interval, ...]
+    """Distances from its start between the openings that one can walk through [m]."""
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Of one room, in its own coordinates."""
+
+    runs: tuple[WallRun, ...]
+    zones: tuple[Rectangle, ...]
+    """Floor that stays free of what blocks the way: in front of passages."""
+    spaces: tuple[Space, ...]
+    """That stay empty: where leaves swing, before windows, over half walls and counters."""
+    entries: tuple[Point, ...]
+    """A place in front of every passage."""
+    leaves: tuple[Rectangle, ...]
+    """Where the leaves of doors that stand open are."""
+
+
+def ways_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> Ways:
+    """Read a room's openings and windows; `room` is one of `storey`."""
+    gaps: dict[Side, list[Interval]] = {side: [] for side in shape.sides}
+    zones, spaces, entries, leaves = [], [], [], []
+    for opening in storey.openings:
+        if room.id not in opening.rooms:
+            continue
+        if opening.kind not in PASSABLE:
+            spaces += _before(shape, opening.start_m, opening.end_m, opening.sill_m, storey.height_m)
+            continue
+        for side, (low, high) in _on_sides(shape, opening.start_m, opening.end_m):
+            gaps[side].append((low - HALF_WALL_M, high + HALF_WALL_M))
+        for side, (low, high) in _on_sides(shape, *_passage(opening, storey.openings)):
+            zones.append(side.rectangle(low - OPENING_MARGIN_M, high + OPENING_MARGIN_M, OPENING_DEPTH_M))
+            entries.append(side.at((low + high) / 2, OPENING_DEPTH_M / 2))
+        if opening.leaf is not None and opening.leaf.into == room.id:
+            for swing, leaf in _swings(shape, opening, opening.leaf):
+                zones.append(swing)
+                spaces.append(Space(swing, 0.0, opening.height_m))
+                leaves += [leaf] if opening.leaf.angle_rad > _STANDS_OPEN_RAD else []
+    for window in windows:
+        if window.room == room.id:
+            spaces += _before(shape, window.start_m, window.end_m, window.sill_m, window.height_m)
+    runs = tuple(WallRun(side, _remaining(side.length, cuts)) for side, cuts in gaps.items())
+    return Ways(runs, tuple(zones), tuple(spaces), tuple(entries), tuple(leaves))
+
+
+def _on_sides(shape: RoomShape, start: Point, end: Point) -> Iterator[tuple[Side, Interval]]:
+    a, b = shape.local(start), shape.local(end)
+    return ((side, span) for side in shape.sides if (span := side.interval(a, b)) is not None)
+
+
+def _before(shape: RoomShape, start: Point, end: Point, low: float, high: float) -> list[Space]:
+    return [Space(side.rectangle(*span, SIGHT_DEPTH_M), low, high) for side, span in _on_sides(shape, start, end)]
+
+
+def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[tuple[Rectangle, Rectangle]]:
+    """The rectangle round the sector that the leaf sweeps, opened at least square to the wall; the one round the leaf."""
+    ends = opening.start_m, opening.end_m
+    width, hinged = opening.width_m, ends if leaf.hinge == "start" else ends[::-1]
+    back = _SWING_MARGIN_M + width * max(0.0, -math.cos(leaf.angle_rad))
+    for side, _ in _on_sides(shape, *ends):
+        hinge, other = (side.along(shape.local(end)) for end in hinged)
+        ahead = math.copysign(1.0, other - hinge)
+        low, high = sorted((hinge - back * ahead, other + _SWING_MARGIN_M * ahead))
+        tip = hinge + ahead * width * math.cos(leaf.angle_rad)
+        standing = side.rectangle(min(hinge, tip), max(hinge, tip), width * math.sin(leaf.angle_rad))
+        yield side.rectangle(low, high, width + _SWING_MARGIN_M), grown(standing, _LEAF_HALF_M)
+
+
+def _passage(opening: OpeningSpec, all_openings: Sequence[OpeningSpec]) -> tuple[Point, Point]:
+    """The part of an opening that is kept clear on both sides: both rooms come to the same answer."""
+    a, b, width = opening.start_m, opening.end_m, opening.width_m
+    if width <= PASSAGE_M:
+        return a, b
+    ways_out = [
+        other
+        for other in all_openings
+        if other.kind in PASSABLE and other.width_m <= PASSAGE_M and set(other.rooms) & set(opening.rooms)
+    ]
+    from_a, from_b = (min((math.dist(end, o.start_m) for o in ways_out), default=0.0) for end in (a, b))
+    (x0, y0), (x1, y1) = (a, b) if from_a <= from_b else (b, a)
+    return (x0, y0), (x0 + (x1 - x0) * PASSAGE_M / width, y0 + (y1 - y0) * PASSAGE_M / width)
+
+
+def _remaining(length: float, cuts: Sequence[Interval]) -> tuple[Interval, ...]:
+    left, position = [], 0.0
+    for low, high in sorted(cuts):
+        if low > position + EPS_M:
+            left.append((position, min(low, length)))
+        position = max(position, high)
+    if length > position + EPS_M:
+        left.append((position, length))
+    return tuple(interval for interval in left if interval[1] - interval[0] > 0.05)

@@ -1,0 +1,96 @@
+"""`RoomPlan`: what is still free in one room while it is being furnished; all axis-aligned rectangles, in its own frame."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+
+from worlds.furniture.kinds import Around, Kind, Size
+from worlds.furniture.placing.free_floor import HALF_WALL_M, FreeFloor
+from worlds.furniture.placing.kept_free import Space, ways_of
+from worlds.furniture.placing.piece import Piece, Pose
+from worlds.furniture.placing.room_shape import EPS_M, Rectangle, RoomShape, grown
+from worlds.spec import RoomSpec, StoreySpec, WindowSpec
+
+FLAT_M = 0.03
+"""What is lower may lie under furniture."""
+_TRIES = 5
+
+
+class RoomPlan:
+    """The free floor, walls and space of a room. Solid pieces must not meet in plan; others must not meet in space."""
+
+    def __init__(self, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec] = ()) -> None:
+        """`room` is one of `storey`; `windows` are the storey's."""
+        self.label, self.height_m = room.label, storey.height_m
+        self.shape = RoomShape.of(room)
+        ways = ways_of(self.shape, room, storey, windows)
+        self.runs = ways.runs
+        self.at_wall: dict[int | None, list[Piece]] = defaultdict(list)
+        """What stands on the floor against each of the `runs`."""
+        self._inside = grown((0.0, 0.0, *self.shape.size), EPS_M - HALF_WALL_M)
+        self._notches = [grown(notch, HALF_WALL_M) for notch in self.shape.notches]
+        self._zones: list[tuple[Rectangle, Piece | None]] = [(zone, None) for zone in ways.zones]
+        self._solids: list[Space] = []
+        self._spaces = list(ways.spaces)
+        self._flat: list[Rectangle] = []
+        self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
+
+    def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
+        """The first of some poses of equal height at which a piece fits.
+
+        A solid piece has to leave a body the room's ways in and `share` of its area; then its floor is taken at once.
+        """
+        obstacles: list[Rectangle] | None = None
+        tries = _TRIES
+        solids = self._notches + [space.rectangle for space in self._solids] if kind.clearance else []
+        for pose in poses:
+            if obstacles is None:
+                obstacles = self._obstacles(kind, pose.z, pose.z + size.height, host)
+            place = pose.covers(size)
+            if not self._is_free(place, obstacles):
+                continue
+            if kind.clearance and not self._is_free(pose.ahead(size, kind.clearance), solids):
+                continue
+            if not kind.solid or self._floor.block(place, share):
+                return pose
+            tries -= 1
+            if tries == 0:
+                break
+        return None
+
+    def add(self, piece: Piece) -> None:
+        """Take the space of a piece; what it needs clear stays so for all but its guests."""
+        kind, size, pose = piece.kind, piece.size, piece.pose
+        place = pose.covers(size)
+        if pose.z + size.height <= FLAT_M:
+            self._flat.append(place)
+            return
+        (self._solids if kind.solid else self._spaces).append(Space(place, pose.z, pose.z + size.height))
+        if kind.clearance:
+            self._zones.append((pose.ahead(size, kind.clearance), piece))
+        if pose.run is not None and pose.z == 0.0:
+            self.at_wall[pose.run].append(piece)
+
+    def _obstacles(self, kind: Kind, low: float, high: float, host: Piece | None) -> list[Rectangle]:
+        if high > self.height_m + EPS_M:
+            return [self._inside]
+        if high <= FLAT_M:
+            return self._notches + self._flat
+        low, high = low + EPS_M, high - EPS_M
+        taken = self._notches + [s.rectangle for s in self._spaces if s.low < high and s.high > low]
+        if not kind.solid:
+            return taken + [s.rectangle for s in self._solids if s.low < high and s.high > low]
+        # A guest (a chair at a desk) may stand in the zone that is kept clear for its host.
+        guest_of = host if isinstance(kind.place, Around) else None
+        zones = [zone for zone, owner in self._zones if owner is None or owner is not guest_of]
+        return taken + [s.rectangle for s in self._solids] + zones
+
+    def _is_free(self, place: Rectangle, obstacles: Iterable[Rectangle]) -> bool:
+        x0, y0, x1, y1 = place
+        left, front, right, rear = self._inside
+        x0, y0, x1, y1 = x0 + EPS_M, y0 + EPS_M, x1 - EPS_M, y1 - EPS_M
+        if x0 < left or y0 < front or x1 > right or y1 > rear:
+            return False
+        for a, b, c, d in obstacles:  # noqa: SIM110 - the innermost loop of furnishing
+            if x0 < c and x1 > a and y0 < d and y1 > b:
+                return False
+        return True

@@ -1,0 +1,183 @@
+"""Ways to open a partition by a given area: part of it away, an arch, a hatch beside the door, a half wall."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from worlds.openings.arches import spandrel_area
+from worlds.openings.gap import Gap
+from worlds.openings.partitions import Partition, gap_area
+from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_gap
+from worlds.spec import PASSABLE, OpeningKind
+from worlds.walls import Boundary
+
+_MIN_STRETCH_M = 0.6
+"""Shorter stretches of wall are never taken away whole; a body has to pass."""
+_MIN_HATCH_M = 0.2
+_MAX_FRAMED_M = 2.6
+_HATCH_CORNER_M = 0.05
+_DOOR_CORNER_M = 0.1
+"""Of a narrow door that makes way for a hatch; its leaf clears the wall across by this."""
+_LOW_SILL_M = 0.3
+_EXACT_M2 = 0.03
+_DOOR_M = 0.85
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a form has to do with a partition."""
+
+    part: Partition
+    old: tuple[Gap, ...]
+    """The gaps in it so far."""
+    area: float
+    """Of the gaps to be [m²]."""
+    draw: float
+    """In [0, 1): where along the wall."""
+    blocked: tuple[Gap, ...] = ()
+    """Stretches of wall that furniture stands at; no door is put there."""
+
+    @property
+    def main(self) -> Boundary:
+        """The longest stretch."""
+        return max(self.part.walls, key=lambda wall: wall.length)
+
+
+Gaps = tuple[Gap, ...]
+
+
+def open_by(task: Task, style: str) -> Gaps:
+    """The gaps of the form that comes to the task's area, `style` first; else of the one that comes nearest."""
+    best, least = closed(task), math.inf
+    for name in (style, *(name for name in FORMS if name != style)):
+        gaps = FORMS[name](task)
+        if gaps is None:
+            continue
+        off = abs(area_of(gaps, task.part) - task.area)
+        if off <= _EXACT_M2:
+            return gaps
+        if off < least:
+            best, least = gaps, off
+    return closed(task) if task.area < least else best
+
+
+def area_of(gaps: Sequence[Gap], part: Partition) -> float:
+    """What gaps take out of a partition for good [m²]."""
+    return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
+
+
+def fully_open(task: Task) -> Gaps:
+    """No wall, on every stretch that is wide enough to walk through."""
+    return tuple(_open_gap(task, wall, wall.low, wall.high) for wall in task.part.walls if wall.length >= _MIN_STRETCH_M)
+
+
+def closed(task: Task) -> Gaps:
+    """A door if one could walk through before, else nothing."""
+    doors = tuple(gap for gap in task.old if gap.kind == "door")
+    ways = [gap for gap in task.old if gap.kind in PASSABLE]
+    if doors or not ways:
+        return doors
+    for spans in (free_spans(task.part.walls, task.blocked), free_spans(task.part.walls, ())):
+        span = max(spans, key=lambda span: span[2] - span[1], default=None)
+        if span is not None and span[2] - span[1] >= MIN_DOOR_M:
+            return (_in_span("door", task, span, min(_DOOR_M, span[2] - span[1])),)
+    widest = max(ways, key=lambda gap: gap.width)
+    return (replace(widest, kind="door", high=min(widest.high, widest.low + _DOOR_M), height=_height("door", task)),)
+
+
+def _away(task: Task) -> Gaps:
+    """A part of the wall away, floor to ceiling, from one end."""
+    left = task.area / task.part.height_m
+    gaps: list[Gap] = []
+    for wall in sorted(task.part.walls, key=lambda wall: -wall.length):
+        if wall.length < _MIN_STRETCH_M or (gaps and left < MIN_OPEN_M):
+            break
+        width = min(wall.length, max(MIN_OPEN_M, round(left, 2)))
+        low = wall.low if task.draw < 0.5 else round(wall.high - width, 6)
+        gaps.append(_open_gap(task, wall, low, round(low + width, 6)))
+        left -= width
+    return tuple(gaps)
+
+
+def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
+    def form(task: Task) -> Gaps | None:
+        """A wide gap under a lintel or an arch."""
+        span = (task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
+        most, least = min(_MAX_FRAMED_M, span[2] - span[1]), 1.0 if kind == "arch" else MIN_DOOR_M
+        if most < least:
+            return None
+        height = _height(kind, task)
+        rise = spandrel_area(1.0) if kind == "arch" else 0.0  # of every arch this wide, per metre of its width
+        return (_in_span(kind, task, span, min(max(task.area / (height - rise), least), most)),)
+
+    return form
+
+
+def _half_wall(task: Task) -> Gaps | None:
+    """A passage at one end and a half wall beside it."""
+    wall, height = task.main, task.part.height_m
+    passage, sill = 0.9, 1.0
+    most = wall.length - passage
+    if most < _MIN_HATCH_M:
+        return None
+    width = round(min(max((task.area - passage * height) / (height - sill), _MIN_HATCH_M), most), 6)
+    cuts = [wall.low, wall.low + passage, wall.low + passage + width]
+    if task.draw >= 0.5:
+        cuts = [wall.high, wall.high - passage, wall.high - passage - width]
+    (a, b, c) = (round(cut, 6) for cut in cuts)
+    return (
+        _open_gap(task, wall, min(a, b), max(a, b)),
+        make_gap("half wall", (wall, wall.low, wall.high), min(b, c), max(b, c), height),
+    )
+
+
+def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callable[[Task], Gaps | None]:
+    def form(task: Task) -> Gaps | None:
+        """A hatch, as wide as needed, beside the door."""
+        doors = closed(task)
+        if narrow_door and doors:
+            span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
+            doors = (make_gap("door", span, round(span[1], 6), round(span[1] + MIN_DOOR_M, 6), task.part.height_m),)
+        spans = free_spans(task.part.walls, doors, _HATCH_CORNER_M)
+        span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))
+        if span[2] - span[1] < _MIN_HATCH_M or (doors and doors[-1].high > span[0].high):
+            return None
+        hatch = replace(make_gap(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
+        width = task.area / area_of([hatch], task.part)
+        placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span[2] - span[1]))
+        return (*doors, replace(placed, sill=sill))
+
+    return form
+
+
+def _open_gap(task: Task, wall: Boundary, low: float, high: float) -> Gap:
+    return make_gap("open", (wall, wall.low, wall.high), low, high, task.part.height_m)
+
+
+def _height(kind: OpeningKind, task: Task) -> float:
+    return make_gap(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
+
+
+def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> Gap:
+    """A gap of that width, to the centimetre where the span allows it."""
+    start, stop = round(span[1], 6), round(span[2], 6)
+    width = min(round(width, 2), round(stop - start, 6))
+    low = min(round(start + task.draw * (stop - start - width), 2), round(stop - width, 6))
+    low = max(low, start)
+    return make_gap(kind, span, low, round(low + width, 6), task.part.height_m)
+
+
+FORMS: dict[str, Callable[[Task], Gaps | None]] = {
+    "open": _away,
+    "arch": _framed("arch"),
+    "cased": _framed("cased"),
+    "half wall": _half_wall,
+    "counter": _hatch("counter", 1.0),
+    "hatch": _hatch("half wall", 1.0),
+    "low hatch": _hatch("half wall", _LOW_SILL_M),
+    "narrow": _hatch("counter", 1.0, narrow_door=True),
+    "narrow and low": _hatch("half wall", _LOW_SILL_M, narrow_door=True),
+}
+"""By name; what people build more often first."""
+STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
+"""Forms for their looks, and which share of a wall they usually take."""

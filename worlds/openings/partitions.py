@@ -1,0 +1,50 @@
+"""`Partition`: all that separates two indoor rooms of a storey, and how much of it is gap for good."""
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.openings.arches import spandrel_area
+from worlds.openings.gap import join_stretches
+from worlds.spec import HouseSpec, OpeningSpec
+from worlds.walls import Boundary, boundaries
+
+
+@dataclass(frozen=True)
+class Partition:
+    """The boundary between two indoor rooms neither of which is stairs."""
+
+    storey: int
+    rooms: frozenset[str]
+    walls: tuple[Boundary, ...]
+    """Its straight stretches."""
+    height_m: float
+    """Floor to ceiling."""
+
+    @property
+    def area(self) -> float:
+        """Gaps included [m²]."""
+        return self.height_m * sum(wall.length for wall in self.walls)
+
+
+def partitions(spec: HouseSpec) -> list[Partition]:
+    """All partitions of a house, storey by storey. Raises `HouseError` where rooms overlap."""
+    found = []
+    for level, storey in enumerate(spec.storeys):
+        inner = {room.id for room in storey.rooms if room.label != STAIRS and room.label not in OUTDOOR_LABELS}
+        pairs: dict[frozenset[str], list[Boundary]] = defaultdict(list)
+        for wall in boundaries(storey):
+            sides = frozenset(room for room in wall.rooms if room is not None)
+            if len(sides) == 2 and sides <= inner:
+                pairs[sides].append(wall)
+        found += [Partition(level, rooms, tuple(join_stretches(walls)), storey.height_m) for rooms, walls in pairs.items()]
+    return found
+
+
+def gap_area(opening: OpeningSpec, ceiling_m: float) -> float:
+    """What an opening takes out of the wall for good [m²]: nothing if it is a door, which can be closed."""
+    if opening.kind == "door":
+        return 0.0
+    low, high = opening.gap_m(ceiling_m)
+    lacking = spandrel_area(opening.width_m) if opening.kind == "arch" else 0.0
+    return opening.width_m * (min(high, ceiling_m) - low) - lacking

@@ -1,1 +1,0 @@
-"""The patterns that `worlds.materials` colours: functions (surface, generator) -> shade."""

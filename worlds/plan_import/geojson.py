@@ -1,0 +1,147 @@
+"""GeoJSON in metres: rooms are Polygons with a `label`, openings LineStrings (both ends) or Points (the middle).
+
+    {"type": "FeatureCollection", "features": [
+      {"type": "Feature", "properties": {"label": "kitchen", "name": "my kitchen", "storey": 0},
+       "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]]}},
+      {"type": "Feature", "properties": {"kind": "door"},
+       "geometry": {"type": "LineString", "coordinates": [[4, 1], [4, 1.9]]}}]}
+
+Without `storey` a feature is on the ground floor. Features with neither `label` nor `kind` are passed over, and so are
+other properties.
+"""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from worlds.errors import SpecError
+from worlds.plan_import.drawn_plan import Drawing, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, some, storey_of
+from worlds.spec import HouseSpec, OpeningSpec, Point
+
+_DETAILS = ("height_m", "sill_m", "leaf", "leads")
+_FARTHEST_M = 1e8
+_PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
+
+
+def read_geojson(text: str, metres_per_unit: float) -> Drawing:
+    """What a FeatureCollection draws. Raises `SpecError`."""
+    try:
+        return _drawing(json.loads(text), metres_per_unit)
+    except RecursionError:  # while it is read, or later, where a deeply nested value is shown in a message
+        raise SpecError("is nested too deeply; valid: GeoJSON") from None
+    except SpecError:
+        raise
+    except ValueError as error:
+        raise SpecError(f"is not GeoJSON: {str(error)[:80]}") from None
+
+
+def _drawing(data: object, metres_per_unit: float) -> Drawing:
+    if not isinstance(data, dict) or not isinstance(data.get("features"), list):
+        raise SpecError('is not GeoJSON; valid: a "FeatureCollection" with "features"')
+    rooms: list[DrawnRoom] = []
+    strokes: list[Stroke] = []
+    spoken: list[tuple[str, str]] = []
+    passed_over: list[str] = []
+    for i, feature in enumerate(data["features"]):
+        properties, geometry = _parts(feature)
+        where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _text(properties, "name")) else "")
+        spoken += [(where, key) for key in properties if key not in _PROPERTIES]
+        storey = storey_of(where, properties.get("storey", 0))
+        if "label" in properties:
+            corners = _ring(where, geometry, metres_per_unit)
+            rooms.append(DrawnRoom(where, name, label_of(where, str(properties["label"])), storey, corners))
+        elif "kind" in properties:
+            details = tuple((key, properties[key]) for key in _DETAILS if properties.get(key) is not None)
+            points = _ends(where, geometry, metres_per_unit)
+            strokes.append(Stroke(where, kind_of(where, str(properties["kind"])), storey, points, details))
+        else:
+            passed_over.append(where)
+    if rooms and _in_degrees(rooms):
+        raise SpecError("has coordinates in degrees, it seems: the whole plan is smaller than 0.5 m; valid: metres, x and y")
+    notes = (f"passed over, because they have neither a label nor a kind: {some(passed_over)}",) if passed_over else ()
+    return checked(rooms, strokes, heights_m=_heights(data), notes=guesses(spoken, _PROPERTIES) + notes)
+
+
+def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
+    """Whether corners are at longitudes and latitudes: a house is a hundred-thousandth of the Earth, or less."""
+    x, y = zip(*(corner for room in rooms for corner in room.corners), strict=True)
+    is_small = max(x) - min(x) < 0.5 and max(y) - min(y) < 0.5
+    return is_small and all(abs(degrees) <= 180.0 for degrees in (*x, *y))
+
+
+def to_geojson(spec: HouseSpec) -> str:
+    """The rooms and openings of a house, as `read_geojson` reads them with 1 metre per unit."""
+    features = []
+    for level, storey in enumerate(spec.storeys):
+        for room in storey.rooms:
+            ring = [*room.polygon_m, room.polygon_m[0]]
+            properties = {"name": room.id, "label": room.label, "storey": level}
+            features.append(_feature(properties, {"type": "Polygon", "coordinates": [ring]}))
+        for opening in storey.openings:
+            line = {"type": "LineString", "coordinates": [opening.start_m, opening.end_m]}
+            features.append(_feature({**_properties(opening), "storey": level}, line))
+    heights = [storey.height_m for storey in spec.storeys]
+    return json.dumps({"type": "FeatureCollection", "storey_heights_m": heights, "features": features}, indent=1) + "\n"
+
+
+def _properties(opening: OpeningSpec) -> dict[str, Any]:
+    return opening.model_dump(mode="json", include={"kind", *_DETAILS}, exclude_defaults=True)
+
+
+def _feature(properties: dict[str, Any], geometry: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "Feature", "properties": properties, "geometry": geometry}
+
+
+def _parts(feature: object) -> tuple[dict[str, Any], dict[str, Any]]:
+    if not isinstance(feature, dict):
+        return {}, {}
+    parts = feature.get("properties"), feature.get("geometry")
+    properties, geometry = (part if isinstance(part, dict) else {} for part in parts)
+    return properties, geometry
+
+
+def _text(properties: dict[str, Any], key: str) -> str:
+    value = properties.get(key)
+    return value if isinstance(value, str) else ""
+
+
+def _heights(data: dict[str, Any]) -> tuple[tuple[int, float], ...]:
+    heights = data.get("storey_heights_m")
+    if not isinstance(heights, list):
+        return ()
+    return tuple((level, height) for level, height in enumerate(heights[:8]) if isinstance(height, int | float))
+
+
+def _ring(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:
+    rings = geometry.get("coordinates")
+    if geometry.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
+        raise SpecError(f"{where}: a room is a Polygon, not {str(geometry.get('type'))[:40]!r}")
+    if len(rings) > 1:
+        raise SpecError(f"{where}: a room has no holes; cut it into rooms that touch")
+    points = _points(where, rings[0], scale)
+    return points[:-1] if points[0] == points[-1] else points
+
+
+def _ends(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:
+    match geometry.get("type"):
+        case "Point":
+            return _points(where, [geometry.get("coordinates")], scale)
+        case "LineString":
+            points = _points(where, geometry.get("coordinates"), scale)
+            return points[0], points[-1]
+    raise SpecError(f"{where}: an opening is a LineString or a Point, not {str(geometry.get('type'))[:40]!r}")
+
+
+def _points(where: str, data: object, scale: float) -> tuple[Point, ...]:
+    if not isinstance(data, list) or not 1 <= len(data) <= 1000:
+        raise SpecError(f"{where}: has no list of 1 to 1000 coordinates")
+    points = []
+    for point in data:
+        numbers = point[:2] if isinstance(point, list) else []
+        if len(numbers) < 2 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
+            raise SpecError(f"{where}: {str(point)[:40]} is no pair of coordinates")
+        # Compared before they are converted: Python's whole numbers have no end, and those of JSON neither.
+        if not all(abs(n) <= _FARTHEST_M and abs(n) * scale <= _FARTHEST_M for n in numbers):
+            raise SpecError(f"{where}: {str(point)[:40]} is not a place on Earth in metres")
+        points.append((float(numbers[0]) * scale, float(numbers[1]) * scale))
+    return tuple(points)

@@ -1,0 +1,118 @@
+"""Drawn outlines become rectilinear polygons: the plan is turned to its main direction, corners snap to common lines."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from worlds.errors import SpecError
+from worlds.plan_import.drawn_plan import DrawnRoom
+from worlds.spec import Point
+
+_SLOPE = 0.02
+"""A wall may be so far off its direction, per metre, beside what corners are off."""
+_AGREE_RAD = math.radians(3.0)
+"""Walls agree on a direction if they differ by no more."""
+_ROUNDING_M = 1e-6
+"""Lines that are 0.1 m apart in a file may be 0.1 m and a rounding error apart in memory."""
+_TURN_RAD = 1e-3
+"""A plan is not turned by less."""
+Lines = Callable[[float], float]
+"""From a coordinate to that of the common line it belongs to."""
+
+
+def main_direction(rooms: Sequence[DrawnRoom]) -> float:
+    """By how much walls are turned from x and y, in [-pi/4, pi/4]; 0 where fewer than half of them agree [rad]."""
+    edges = [edge for room in rooms for edge in _edges(room.corners)]
+    length = np.array([math.dist(a, b) for a, b in edges])
+    angle = np.array([math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in edges])
+    # Directions a right angle apart are the same here. What a few oblique walls say is not to move the mean.
+    by_degree = np.bincount((np.degrees(angle) % 90.0).astype(int) % 90, length, 90)
+    near_by = by_degree + np.roll(by_degree, 1) + np.roll(by_degree, -1)
+    mode = math.radians(float(np.argmax(near_by)) + 0.5)
+    off = (angle - mode + math.pi / 4) % (math.pi / 2) - math.pi / 4
+    agree = np.abs(off) <= _AGREE_RAD
+    if length[agree].sum() < 0.5 * length.sum() or not agree.any():
+        return 0.0
+    main = mode + float(np.average(off[agree], weights=length[agree]))
+    main = (main + math.pi / 4) % (math.pi / 2) - math.pi / 4
+    return main if abs(main) > _TURN_RAD else 0.0
+
+
+def turned(points: Sequence[Point], angle: float) -> tuple[Point, ...]:
+    """Points turned clockwise about the origin [rad]."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return tuple((cos * x + sin * y, cos * y - sin * x) for x, y in points) if angle else tuple(points)
+
+
+def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: float) -> list[tuple[Point, ...]]:
+    """Rectilinear, counter-clockwise polygons for turned outlines.
+
+    Raises `SpecError`, naming room and corner, for walls that run along neither x nor y.
+    """
+    walls = [list(_walls(room, corners, snap_m)) for room, corners in outlines]
+    x, y = (_common_lines([at for room in walls for axis, at in room if axis == across], snap_m) for across in (1, 0))
+    polygons = []
+    for (room, _), around in zip(outlines, walls, strict=True):
+        lines = [(axis, (y if axis == 0 else x)(at)) for axis, at in around]
+        polygon = _corners(lines)
+        if len(polygon) < 4 or abs(_area(polygon)) < 0.25:
+            raise SpecError(f"{room.where}: nothing is left of the room once its corners have snapped to common lines")
+        polygons.append(polygon if _area(polygon) > 0 else polygon[::-1])
+    return polygons
+
+
+def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
+    return pairwise((*corners, corners[0]))
+
+
+def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator[tuple[int, float]]:
+    """(axis, coordinate) of each wall; 0: along x. Bits shorter than what snaps are left out."""
+    kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
+    if len(kept) < 4:
+        raise SpecError(f"{room.where}: a room has at least 4 corners farther apart than {snap_m} m")
+    for i, ((x0, y0), (x1, y1)) in enumerate(_edges(kept)):
+        dx, dy = abs(x1 - x0), abs(y1 - y0)
+        if min(dx, dy) > 2 * snap_m + _SLOPE * max(dx, dy) or min(dx, dy) > 0.5 * max(dx, dy):
+            raise SpecError(
+                f"{room.where}: the wall from corner {i} ({x0:.2f}, {y0:.2f}) m to ({x1:.2f}, {y1:.2f}) m is oblique; "
+                "valid: walls at right angles"
+            )
+        yield (0, (y0 + y1) / 2) if dx > dy else (1, (x0 + x1) / 2)
+
+
+def _common_lines(values: list[float], snap_m: float) -> Lines:
+    """Values no more than `snap_m` from each other's middle share a line: the one most often drawn, to the millimetre."""
+    groups: list[list[float]] = []
+    for value in sorted(values):
+        if groups and value - groups[-1][0] <= 2 * snap_m + _ROUNDING_M and value - groups[-1][-1] <= snap_m + _ROUNDING_M:
+            groups[-1].append(value)
+        else:
+            groups.append([value])
+    lines = {value: _line(group) for group in groups for value in group}
+    return lambda value: lines[value] if value in lines else min(lines.values(), key=lambda line: abs(line - value))
+
+
+def _line(group: Sequence[float]) -> float:
+    millimetres = Counter(round(value, 3) for value in group)
+    (line, times), middle = millimetres.most_common(1)[0], sum(group) / len(group)
+    return line + 0.0 if 2 * times > len(group) else round(middle, 3) + 0.0
+
+
+def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
+    """Where consecutive walls meet, without walls of no length."""
+    around = list(lines)
+    while True:
+        merged = [wall for wall, after in zip(around, around[1:] + around[:1], strict=True) if wall[0] != after[0]]
+        corners = [(a[1], b[1]) if a[0] else (b[1], a[1]) for a, b in zip(merged, merged[1:] + merged[:1], strict=True)]
+        # The wall between corners i-1 and i is merged[i]; it goes where both are the same point.
+        left = [wall for i, wall in enumerate(merged) if corners[i - 1] != corners[i]]
+        if left == around or len(left) < 4:
+            return tuple(corners) if len(left) >= 4 else ()
+        around = left
+
+
+def _area(polygon: Sequence[Point]) -> float:
+    return sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in _edges(polygon)) / 2

@@ -1,0 +1,200 @@
+"""SVG: closed shapes are rooms, strokes are openings; what says neither is passed over.
+
+A room is a `rect`, `polygon`, `polyline` or `path` that is called by a label ("kitchen", "Office_2"): by its `data-label`,
+its `class`, its label in Inkscape or its `id`. An opening is a `line`, `polyline` or `path` that is called by a kind of
+opening ("door"). A shape that says neither is called as the group around it: every stroke in a layer "Doors" is a door, and
+the only shape of a group "kitchen" is the kitchen. `data-name`, or else the label in Inkscape, names a room. `data-storey`
+on an element or a group around it says the storey, and so does a group or layer with the name "storey-1" or "Floor 1".
+Hidden layers are passed over.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from worlds.errors import SpecError
+from worlds.labels import ROOM_LABELS
+from worlds.plan_import.drawn_plan import (
+    KINDS,
+    Drawing,
+    DrawnRoom,
+    Stroke,
+    checked,
+    find_kind,
+    find_label,
+    guesses,
+    kind_of,
+    label_of,
+    some,
+    storey_of,
+    words,
+)
+from worlds.plan_import.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, is_curved, length_px
+from worlds.plan_import.svg_tree import LABEL, Named, SvgShape, outline_of, read_tree, shown_shapes
+from worlds.spec import OpeningKind, Point
+
+_PX_M = 0.0254 / 96.0
+_LEAST_PLAN_M = 2.0
+"""A plan that is smaller is drawn to a scale."""
+_FAR_M = 1e8
+_MAX_CHARACTERS = 1_000_000
+_Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
+"""A shape with the label of the room or the kind of the opening that it is."""
+_PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
+
+
+def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
+    """Read the drawing in an SVG. Raises `SpecError`.
+
+    Without `metres_per_unit` the root states the scale, by `data-metres-per-unit` or a page in mm.
+    """
+    root = read_tree(text)
+    scale = _scale(root) if metres_per_unit is None else metres_per_unit
+    if not 0.0 < scale < 1e6:
+        raise SpecError(f"has a scale of {scale} metres per unit; valid: above 0")
+    shapes = list(shown_shapes(root))
+    meanings = _meanings(shapes)
+    if sum(len(shape.attributes.get("d", shape.attributes.get("points", ""))) for shape, *_ in meanings) > _MAX_CHARACTERS:
+        raise SpecError(f"has more than {_MAX_CHARACTERS} characters of coordinates in rooms and openings")
+    rooms = [_room(shape, label, scale) for shape, label, _ in meanings if label is not None]
+    strokes = [_stroke(shape, kind, scale) for shape, _, kind in meanings if kind is not None]
+    understood = {id(shape) for shape, *_ in meanings}
+    drawing = checked(rooms, strokes, notes=tuple(_notes([shape for shape in shapes if id(shape) not in understood])))
+    if metres_per_unit is None and "data-metres-per-unit" not in root.attrib:
+        _check_true_to_scale(drawing, scale)
+    return drawing
+
+
+def _room(shape: SvgShape, label: str, scale: float) -> DrawnRoom:
+    drawn = outline_of(shape)
+    if shape.tag == "path" and not drawn.closed:
+        raise SpecError(f"{shape.where}: a room's path is closed; end it with Z")
+    name = shape.attributes.get("data-name") or shape.attributes.get(LABEL, "")
+    corners = _points(shape.where, drawn, scale)
+    return DrawnRoom(shape.where, name, label, storey_of(shape.where, shape.storey), corners)
+
+
+def _stroke(shape: SvgShape, kind: OpeningKind, scale: float) -> Stroke:
+    points = _points(shape.where, outline_of(shape), scale)
+    return Stroke(shape.where, kind, storey_of(shape.where, shape.storey), (points[0], points[-1]))
+
+
+def _scale(root: Element) -> float:
+    """Metres per unit as the root says it: in an attribute, or by the size of its page."""
+    if (said := root.get("data-metres-per-unit")) is not None:
+        try:
+            return float(said)
+        except ValueError:
+            raise SpecError(f"data-metres-per-unit is {said[:40]!r}; valid: a number above 0") from None
+    width = root.get("width", "")
+    if not _PAGE.fullmatch(width):
+        raise SpecError(
+            "does not say its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>, "
+            "for example 0.01 where a unit is a centimetre"
+        )
+    box = re.findall(r"[-+.\deE]+", root.get("viewBox", ""))
+    page_px = length_px("<svg>", "width", width)
+    try:
+        units = float(box[2]) if len(box) == 4 else page_px
+        return page_px * _PX_M / units
+    except (ValueError, ZeroDivisionError):
+        raise SpecError(f"has the viewBox {root.get('viewBox', '')[:60]!r}; valid: x, y, width and height above 0") from None
+
+
+def _check_true_to_scale(drawing: Drawing, scale: float) -> None:
+    x, y = zip(*(corner for room in drawing.rooms for corner in room.corners), strict=True)
+    width, height = max(x) - min(x), max(y) - min(y)
+    if max(width, height) < _LEAST_PLAN_M:
+        raise SpecError(
+            f"is {width:.2g} x {height:.2g} m on its page, too small for a house, so it is drawn to a scale; "
+            f"give --metres-per-unit (in Python metres_per_unit), {100 * scale:.4g} for 1:100"
+        )
+
+
+def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
+    """The label or the kind that a shape or group says itself; a shape only one that fits it."""
+    attributes, tag = thing.attributes, thing.tag
+    if "data-kind" in attributes:
+        return None, kind_of(thing.where, attributes["data-kind"])
+    if "data-label" in attributes:
+        return label_of(thing.where, attributes["data-label"]), None
+    for text in thing.names:
+        kind = find_kind(text)
+        if kind is not None and tag not in ("rect", "polygon"):
+            return None, kind
+        label = find_label(text)
+        if label is not None and tag != "line":
+            return label, None
+    return None, None
+
+
+def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
+    """The shapes that mean something, by what they say themselves or else by what the groups around them say.
+
+    The kind of a group goes to every stroke in it; its label only to the one shape in it that may be the room.
+    """
+    found: list[tuple[_Meaning, Named | None]] = []
+    for shape in shapes:
+        label, kind = _meaning(shape)
+        if label is not None or kind is not None:
+            found.append(((shape, label, kind), None))
+        elif inherited := _inherited(shape):
+            group, label, kind = inherited
+            found.append(((shape, label, kind), group if label is not None else None))
+    heirs = Counter(id(group) for _, group in found if group is not None)
+    return [meaning for meaning, group in found if group is None or heirs[id(group)] == 1]
+
+
+def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] | None:
+    """The meaning that the innermost group with one gives to a shape, if it fits the shape."""
+    for group in shape.groups:
+        label, kind = _meaning(group)
+        if label is not None or kind is not None:
+            # A layer of doors has arcs besides, which show how they swing.
+            fits = shape.tag in ROOM_TAGS if kind is None else shape.tag in OPENING_TAGS and not is_curved(shape.attributes)
+            return (group, label, kind) if fits else None
+    return None
+
+
+def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
+    """Corners in metres, y up."""
+    corners = drawn.corners * scale
+    if not np.isfinite(corners).all() or np.abs([corners.real, corners.imag]).max() > _FAR_M:
+        raise SpecError(f"{where}: has a corner at no place on Earth")
+    return tuple((x, -y) for x, y in zip(corners.real.tolist(), corners.imag.tolist(), strict=True))
+
+
+def _notes(passed_over: Sequence[SvgShape]) -> Iterator[str]:
+    """On shapes that came to nothing: what they may have been meant as, and which they are."""
+    spoken: list[tuple[str, str]] = []
+    misfits: dict[tuple[str, str], str] = {}
+    for shape in passed_over:
+        for word in map(words, shape.names):
+            if find_kind(word) or find_label(word):
+                misfits.setdefault(
+                    (shape.tag, word), f"{shape.where}: {word!r} is {_fitting(word)}, not a {shape.tag}; passed over"
+                )
+            elif word:
+                spoken.append((shape.where, word))
+    yield from guesses(spoken, (*ROOM_LABELS, *KINDS))
+    yield from misfits.values()
+    if passed_over:
+        yield f"passed over, because they say neither a label nor a kind: {some(passed_over, _placed)}"
+
+
+def _placed(shape: SvgShape) -> str:
+    """A shape with its first corner in the units of the drawing."""
+    try:
+        corner = outline_of(shape).corners[0]
+    except SpecError:
+        return shape.where
+    return f"{shape.where} at ({corner.real:.6g}, {corner.imag:.6g})"
+
+
+def _fitting(word: str) -> str:
+    thing, tags = ("an opening", OPENING_TAGS) if find_kind(word) else ("a room", ROOM_TAGS)
+    return f"{thing}: a {', '.join(tags[:-1])} or {tags[-1]}"

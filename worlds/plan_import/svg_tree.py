@@ -1,0 +1,149 @@
+"""The elements of an SVG: read without entities, and walked; groups, transforms, storeys and `<use>` are resolved."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+import numpy as np
+from jaxtyping import Float64
+
+from worlds.errors import SpecError
+from worlds.plan_import.svg_shapes import TAGS, Outline, length_px, outline, transform
+
+LABEL = "inkscape:label"
+_LINE = " line"
+"""Where the line of an element is kept among its attributes; no attribute's name has a space."""
+_NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
+_HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
+_STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d)", re.IGNORECASE)
+_NOT_SHOWN = re.compile(r"(?:^|;)\s*display\s*:\s*none")
+_MAX_DEPTH, _MAX_ELEMENTS = 100, 100_000
+_TOO_MUCH = f"has elements nested deeper than {_MAX_DEPTH} or more than {_MAX_ELEMENTS}"
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """An element by what it is called."""
+
+    tag: str
+    attributes: Mapping[str, str]
+
+    @property
+    def where(self) -> str:
+        """Its place in the file, for messages."""
+        name = self.attributes.get(LABEL) or self.attributes.get("id") or self.attributes.get("class", "")
+        return f"<{self.tag}>" + (f" {name[:60]!r}" if name else "") + f" on line {self.attributes[_LINE]}"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that may say what it is: its classes, its label in Inkscape, its id."""
+        classes = self.attributes.get("class", "")
+        return (classes, *classes.split(), self.attributes.get(LABEL, ""), self.attributes.get("id", ""))
+
+
+@dataclass(frozen=True, eq=False)
+class SvgShape(Named):
+    """A shape that is shown."""
+
+    T_svg_shape: Float64[np.ndarray, "3 3"]
+    """From its coordinates to those of the drawing."""
+    storey: object
+    groups: tuple[Named, ...]
+    """Around it, the innermost first."""
+
+
+def outline_of(shape: SvgShape) -> Outline:
+    """The corners of a shape in the units of the drawing. Raises `SpecError`."""
+    return outline(shape.where, shape.tag, shape.attributes, shape.T_svg_shape)
+
+
+def read_tree(text: str) -> Element:
+    """The root of an SVG. Raises `SpecError` for other files, and for what is too large or has a document type."""
+    builder, parser, depth, elements = TreeBuilder(), expat.ParserCreate(), 0, 0
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth, elements
+        depth, elements, tag = depth + 1, elements + 1, name.rpartition(":")[2]
+        if elements == 1 and tag != "svg":
+            raise SpecError(f"is not SVG: its outermost element is <{tag[:40]}>")
+        if depth > _MAX_DEPTH or elements > _MAX_ELEMENTS:
+            raise SpecError(_TOO_MUCH)
+        builder.start(tag, {**attributes, _LINE: str(parser.CurrentLineNumber)})
+
+    def end(name: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(name.rpartition(":")[2])
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    # Without a document type there are no entities but XML's own five: nothing can expand, nothing outside is read.
+    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = _refuse
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise SpecError(f"is not SVG: {expat.ErrorString(error.code)} at line {error.lineno}") from None
+    return builder.close()
+
+
+def _refuse(*_: object) -> None:
+    raise SpecError("has a document type definition (<!DOCTYPE ...>), which could hide anything; remove it")
+
+
+def shown_shapes(root: Element) -> Iterator[SvgShape]:
+    """Every shape that is shown, in the order of the drawing. Raises `SpecError`."""
+    return _Walk({identifier: element for element in root.iter() if (identifier := element.get("id"))}).below(
+        root, _Around()
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Around:
+    """Properties that an element hands down to those in it."""
+
+    T_svg_here: Float64[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+    storey: object = 0
+    groups: tuple[Named, ...] = ()
+
+
+@dataclass
+class _Walk:
+    by_id: Mapping[str, Element]
+    visited: int = 0
+
+    def below(self, element: Element, around: _Around) -> Iterator[SvgShape]:
+        for child in element:
+            if child.tag not in _HIDDEN:
+                yield from self.at(child, child.attrib, around)
+
+    def at(self, element: Element, attributes: Mapping[str, str], around: _Around) -> Iterator[SvgShape]:
+        """The shapes of an element that has these attributes: those of a `<use>` come before its own."""
+        self.visited += 1
+        if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
+            raise SpecError(_TOO_MUCH)
+        if attributes.get("display") == "none" or _NOT_SHOWN.search(attributes.get("style", "")):
+            return
+        this = Named(str(element.tag), attributes)
+        matrix = around.T_svg_here @ transform(this.where, attributes.get("transform", ""))
+        storey = attributes.get("data-storey", _storey_of_group(this) or around.storey)
+        if element.tag in TAGS:
+            yield SvgShape(this.tag, attributes, matrix, storey, around.groups)
+            return
+        inside = _Around(matrix, storey, (this, *around.groups))
+        if element.tag != "use":
+            yield from self.below(element, inside)
+        elif (
+            used := self.by_id.get(attributes.get("href", attributes.get("xlink:href", "")).removeprefix("#"))
+        ) is not None:
+            x, y = (length_px(this.where, name, attributes.get(name, "0")) for name in ("x", "y"))
+            moved = _Around(matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]), storey, inside.groups)
+            names = {key: value for key, value in attributes.items() if key in (*_NAMES, _LINE)}
+            yield from self.at(used, {**used.attrib, **names}, moved)
+
+
+def _storey_of_group(element: Named) -> str | None:
+    """The number in a group's name, as in "storey-1" or "Floor 1"."""
+    names = (element.attributes.get(LABEL, ""), element.attributes.get("id", ""))
+    numbers = (match[1] for name in names if (match := _STOREY.fullmatch(name.strip())))
+    return next(numbers, None) if element.tag == "g" else None

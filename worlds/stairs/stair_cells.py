@@ -1,0 +1,142 @@
+"""The cells that stairs stand in: which storeys they join, which opening leads where, and on which side the climb begins."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+from worlds.errors import HouseError
+from worlds.labels import STAIRS
+from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.stairs.flights import StairsKind
+
+Leads = Literal["up", "down"]
+Bounds = tuple[float, float, float, float]
+_TOLERANCE_M = 1e-6
+_SAME_HALF_M = 0.2
+"""Openings whose middles are less far apart say nothing about which half of the cell is whose."""
+_INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+"""From the sides of low and high x, low and high y."""
+
+
+def bounds(room: RoomSpec) -> Bounds:
+    """Of a room's polygon: x0, y0, x1, y1 [m]."""
+    x, y = zip(*room.polygon_m, strict=True)
+    return min(x), min(y), max(x), max(y)
+
+
+def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
+    """Whether two rooms are stairs that stand on each other."""
+    return other.label == room.label == STAIRS and all(
+        abs(a - b) <= _TOLERANCE_M for a, b in zip(bounds(room), bounds(other), strict=True)
+    )
+
+
+def flights(spec: HouseSpec) -> Iterator[tuple[int, int]]:
+    """Storey and place in `rooms` of all stairs that go on in the storey above."""
+    for level, (lower, upper) in enumerate(pairwise(spec.storeys)):
+        above = [room for room in upper.rooms if room.label == STAIRS]
+        for place, room in enumerate(lower.rooms):
+            if room.label == STAIRS and any(is_same_cell(room, other) for other in above):
+                yield level, place
+
+
+def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
+    """The one that leads to the flight up, or to the one from below."""
+    found = [opening for place, opening in _ways_in(spec.storeys[level], room) if _leads(spec, level, room, place) == leads]
+    if len(found) == 1:
+        return found[0]
+    flight = "up from" if leads == "up" else "down from"
+    raise HouseError(
+        f"stairs {room.id!r} have {len(found) or 'no'} openings to the flight {flight} storeys[{level}]; "
+        f'exactly one of their openings there must have "leads": "{leads}"'
+    )
+
+
+def _ways_in(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
+    for i, opening in enumerate(storey.openings):
+        if room.id in opening.rooms and opening.kind in PASSABLE:
+            yield i, opening
+
+
+def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
+    """Where an opening of stairs leads; on the ends of a stack it need not say."""
+    opening = spec.storeys[level].openings[place]
+    goes = {
+        "up": level + 1 < len(spec.storeys) and any(is_same_cell(room, other) for other in spec.storeys[level + 1].rooms),
+        "down": level > 0 and any(is_same_cell(room, other) for other in spec.storeys[level - 1].rooms),
+    }
+    where = f"storeys[{level}].openings[{place}] ({opening.rooms[0]} - {opening.rooms[1]})"
+    if opening.leads is None:
+        if goes["up"] and goes["down"]:
+            raise HouseError(f'{where}: stairs go up and down from here; write "leads": "up" or "leads": "down"')
+        return "up" if goes["up"] else "down"
+    if not goes[opening.leads]:
+        raise HouseError(f"{where}: leads {opening.leads}, but stairs {room.id!r} do not go {opening.leads} from here")
+    return opening.leads
+
+
+@dataclass(frozen=True)
+class CellFrame:
+    """The cell's own coordinates: u inwards from the side of the foot, v across."""
+
+    kind: StairsKind
+    origin: tuple[float, float]
+    u_axis: tuple[float, float]
+    v_axis: tuple[float, float]
+    length: float
+    width: float
+    """Along u and v, between wall centre lines [m]."""
+
+    def world(self, u: float, v: float) -> tuple[float, float]:
+        """(x, y) of a place in the cell."""
+        (ux, uy), (vx, vy), (x, y) = self.u_axis, self.v_axis, self.origin
+        return x + u * ux + v * vx, y + u * uy + v * vy
+
+    def plan(self, x: float, y: float) -> tuple[float, float]:
+        """(u, v) of a place in the world."""
+        dx, dy = x - self.origin[0], y - self.origin[1]
+        return dx * self.u_axis[0] + dy * self.u_axis[1], dx * self.v_axis[0] + dy * self.v_axis[1]
+
+
+def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
+    """Where the flights between two openings lie, and their kind; `foot` is on storeys[`level`]. Raises `HouseError`."""
+    x0, y0, x1, y1 = bounds(room)
+    u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
+    v = (-u[1], u[0])
+    facing, turning = _dot(u, from_head), _dot(v, from_head)
+    (fx, fy), (hx, hy) = _middle(foot), _middle(head)
+    apart = _dot(v, (hx - fx, hy - fy))
+    if facing > 0 and abs(apart) < _SAME_HALF_M:
+        raise HouseError(
+            f"stairs {room.id!r}: the way up from storeys[{level}] and the way down from storeys[{level + 1}] lie in the "
+            "same half of the same side; in U-shaped stairs each flight has a half of its own"
+        )
+    kind: StairsKind = "U" if facing > 0 else "straight" if facing < 0 else "L"
+    if (apart if kind == "U" else -turning) < 0:
+        v = (-v[0], -v[1])
+    length, width = (x1 - x0, y1 - y0) if u[0] else (y1 - y0, x1 - x0)
+    corner = (x0 if u[0] + v[0] > 0 else x1, y0 if u[1] + v[1] > 0 else y1)
+    return CellFrame(kind, corner, u, v, length, width)
+
+
+def _dot(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def _middle(opening: OpeningSpec) -> tuple[float, float]:
+    (xa, ya), (xb, yb) = opening.start_m, opening.end_m
+    return (xa + xb) / 2, (ya + yb) / 2
+
+
+def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
+    """Unit vector into the cell from the side that the opening is in."""
+    x0, y0, x1, y1 = bounds(room)
+    x, y = _middle(opening)
+    gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
+    if min(gaps) > _TOLERANCE_M:
+        raise HouseError(
+            f"storeys[{level}]: the opening {opening.rooms[0]!r} - {opening.rooms[1]!r} at ({x:.2f}, {y:.2f}) m is in no "
+            f"side of the stairs {room.id!r}"
+        )
+    return _INWARD[gaps.index(min(gaps))]

@@ -1,0 +1,73 @@
+"""One picture for all furniture: a grid of patches, one per material and colour."""
+
+import zlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int, UInt8
+
+from worlds.parts import Colour
+from worlds.seeds import house_rng
+from worlds.spec import HouseSpec
+from worlds.visuals.materials import texture
+
+Paint = tuple[str, Colour, int | None]
+"""A material, its colour, and the seed of the piece that alone has it."""
+
+SHOWN_WHOLE = frozenset({"picture", "screen", "scribble"})
+"""What shows one thing: every piece has its own, and each face shows all of it. Other materials are cut from the roll."""
+
+_PATCH_PX = 128
+_COLUMNS = 16
+_MAX_PATCHES = _COLUMNS * 120
+_MARGIN = 1.0 / _PATCH_PX
+
+
+def paint_of(material: str, colour: Colour, piece_seed: int) -> Paint:
+    """The paint of a part of a piece with `piece_seed`."""
+    return material, colour, piece_seed if material in SHOWN_WHOLE else None
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """Patches of a square metre each; what is on a patch depends on its paint and on the house's seed alone."""
+
+    image: UInt8[np.ndarray, "h w 3"]
+    patch_of: Mapping[Paint, int]
+
+    @staticmethod
+    def of(paints: Iterable[Paint], spec: HouseSpec) -> "Atlas":
+        """The atlas of all `paints`. More than fit share the patches of earlier ones."""
+        distinct = list(dict.fromkeys(paints))
+        rows = -(-min(max(len(distinct), 1), _MAX_PATCHES) // _COLUMNS)
+        image = np.zeros((rows * _PATCH_PX, _COLUMNS * _PATCH_PX, 3), np.uint8)
+        for place, paint in enumerate(distinct[:_MAX_PATCHES]):
+            row, column = (_PATCH_PX * i for i in divmod(place, _COLUMNS))
+            image[row : row + _PATCH_PX, column : column + _PATCH_PX] = _patch(paint, spec)
+        return Atlas(image, {paint: i % _MAX_PATCHES for i, paint in enumerate(distinct)})
+
+    def place(
+        self,
+        uv_m: Float64[np.ndarray, "q 4 2"],
+        patches: Int[np.ndarray, "q"],
+        whole: Bool[np.ndarray, "q"],
+        cut: Float64[np.ndarray, "q 2"],
+    ) -> Float64[np.ndarray, "q 4 2"]:
+        """Texture coordinates of quads, v upwards: all of the patch where `whole`, else a metric cut at `cut` in [0, 1]."""
+        room = 1.0 - 2 * _MARGIN
+        extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)
+        scale = np.where(whole[:, None, None], room / extent, np.minimum(1.0, room / extent))
+        offset = _MARGIN + cut[:, None] * (room - extent * scale)
+        rows = len(self.image) // _PATCH_PX
+        row, column = np.divmod(patches, _COLUMNS)
+        corner = np.stack([column, rows - 1 - row], axis=-1)[:, None]
+        return np.asarray((corner + offset + uv_m * scale) / [_COLUMNS, rows])
+
+
+def _patch(paint: Paint, spec: HouseSpec) -> UInt8[np.ndarray, "h w 3"]:
+    material, colour, own = paint
+    levels = [round(255 * channel) for channel in colour]
+    rng = house_rng(spec, zlib.crc32(material.encode()), *levels, *([] if own is None else [own]))
+    pattern = "bare" if spec.appearance.texture == "poor" else material
+    return texture(pattern, colour, rng, (_PATCH_PX, _PATCH_PX), (1.0, 1.0))

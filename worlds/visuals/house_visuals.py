@@ -1,0 +1,95 @@
+"""All that is seen of a house, as textured quads: what renderers and exporters draw."""
+
+import itertools
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, UInt8
+
+from worlds.house import House
+from worlds.visuals.atlas import SHOWN_WHOLE, Atlas, paint_of
+from worlds.visuals.meshes import Solid, normals, solids_mesh
+from worlds.visuals.surface_textures import sheets
+from worlds.visuals.surfaces import surfaces
+
+STAIRS_OBJECT = "stairs"
+ATLAS = "(atlas)"
+"""The image of all furniture; not a possible id."""
+
+
+@dataclass(frozen=True, eq=False)
+class Visual:
+    """Quads that show one thing, visible from the side where their corners run counter-clockwise."""
+
+    name: str
+    """Unique in the house."""
+    shows: str
+    """The id of furniture, a door leaf or a window, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    image: str
+    corners: Float64[np.ndarray, "q 4 3"]
+    """In W [m]."""
+    uv: Float64[np.ndarray, "q 4 2"]
+    """In widths and heights of the image, v upwards; beyond 1 the image repeats."""
+    normals: Float64[np.ndarray, "q 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Visuals:
+    """A house to look at."""
+
+    images: Mapping[str, UInt8[np.ndarray, "h w 3"]]
+    """RGB, by name."""
+    parts: tuple[Visual, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Object:
+    name: str
+    shows: str
+    solid: Solid
+    seed: int
+
+
+def visuals(house: House) -> Visuals:
+    """The shell room by room, then furniture, flights of stairs, door leaves and windows."""
+    images, parts = {}, []
+    for sheet in sheets(house, surfaces(house)):
+        name = f"{sheet.room}/{sheet.kind}"
+        images[name] = sheet.image
+        parts.append(Visual(name, name, name, sheet.corners, sheet.uv, normals(sheet.corners)))
+    objects = [thing for thing in _objects(house) if thing.solid.parts]
+    if objects:
+        images[ATLAS], drawn = _drawn(house, objects)
+        parts += drawn
+    return Visuals(images, tuple(parts))
+
+
+def _objects(house: House) -> Iterator[_Object]:
+    for piece in house.furniture:
+        yield _Object(piece.id, piece.id, Solid(piece.parts, piece.position, piece.yaw), piece.seed)
+    for flight in house.stairs:
+        yield _Object(f"{STAIRS_OBJECT}/{flight.storey}/{flight.room}", STAIRS_OBJECT, Solid(flight.parts), flight.storey)
+    for leaf in house.leaves:
+        yield _Object(leaf.id, leaf.id, Solid(leaf.parts, leaf.position, leaf.yaw), zlib.crc32(leaf.id.encode()))
+    for window in house.windows:
+        yield _Object(window.id, window.id, Solid(window.parts, window.position, window.yaw), window.style)
+
+
+def _drawn(house: House, objects: Sequence[_Object]) -> tuple[UInt8[np.ndarray, "h w 3"], Iterator[Visual]]:
+    mesh = solids_mesh([thing.solid for thing in objects])
+    paints = [paint_of(part.material, part.colour, thing.seed) for thing in objects for part in thing.solid.parts]
+    atlas = Atlas.of(paints, house.spec)
+    patches = np.array([atlas.patch_of[paint] for paint in paints])[mesh.part]
+    whole = np.array([material in SHOWN_WHOLE for material, _, _ in paints])[mesh.part]
+    starts = np.searchsorted(mesh.solid, np.arange(len(objects) + 1))
+    cut = np.concatenate(
+        [np.random.default_rng(thing.seed).random((n, 2)) for thing, n in zip(objects, np.diff(starts), strict=True)]
+    )
+    uv, facing = atlas.place(mesh.uv, patches, whole, cut), normals(mesh.corners)
+    quads = [slice(a, b) for a, b in itertools.pairwise(starts)]
+    return atlas.image, (
+        Visual(thing.name, thing.shows, ATLAS, mesh.corners[q], uv[q], facing[q])
+        for thing, q in zip(objects, quads, strict=True)
+    )

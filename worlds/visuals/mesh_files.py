@@ -1,0 +1,51 @@
+"""Houses for other tools: a GLB of textured triangles, one node per room's surface and per object."""
+
+from io import BytesIO
+
+import numpy as np
+import trimesh
+from jaxtyping import UInt8
+from PIL import Image
+from trimesh.visual.material import PBRMaterial
+from trimesh.visual.texture import TextureVisuals
+
+from worlds.house import House
+from worlds.visuals.house_visuals import Visual, visuals
+from worlds.visuals.meshes import triangles
+
+_JPEG_QUALITY = 88
+_Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+
+
+def to_trimesh(house: House) -> trimesh.Scene:
+    """The house as a scene in W [m, z up]; nodes have the names of `worlds.visuals.house_visuals.Visual`."""
+    seen, scene = visuals(house), trimesh.Scene()
+    materials = {name: _material(name, image) for name, image in seen.images.items()}
+    for visual in seen.parts:
+        scene.add_geometry(_triangles(visual, materials[visual.image]), node_name=visual.name)
+    return scene
+
+
+def to_glb(house: House) -> bytes:
+    """The house as a binary glTF file, with y up as that format has it: x stays, z is up, y is -z."""
+    scene = to_trimesh(house)
+    scene.apply_transform(_Y_UP)  # type: ignore[no-untyped-call]
+    return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]
+
+
+def _triangles(visual: Visual, material: PBRMaterial) -> trimesh.Trimesh:
+    return trimesh.Trimesh(
+        visual.corners.reshape(-1, 3),
+        triangles(len(visual.corners)),
+        vertex_normals=np.repeat(visual.normals, 4, axis=0),
+        visual=TextureVisuals(uv=visual.uv.reshape(-1, 2), material=material),  # type: ignore[no-untyped-call]
+        process=False,
+    )
+
+
+def _material(name: str, image: UInt8[np.ndarray, "h w 3"]) -> PBRMaterial:
+    # Noise is a poor customer for PNG: JPEG makes the file several times smaller.
+    encoded = BytesIO()
+    Image.fromarray(image).save(encoded, "JPEG", quality=_JPEG_QUALITY)
+    picture = Image.open(encoded)
+    return PBRMaterial(name=name, baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)  # type: ignore[no-untyped-call]

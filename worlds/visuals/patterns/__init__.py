@@ -1,0 +1,1 @@
+"""The patterns that `worlds.visuals.materials` colours: functions (surface, generator) -> shade."""

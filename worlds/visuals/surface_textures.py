@@ -1,0 +1,78 @@
+"""The sheets that rooms are papered with: what each floor, wall and ceiling is made of and its picture."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, UInt8
+from numpy.random import Generator
+
+from worlds.furniture.finishes import Covering, Finish, finish_of
+from worlds.house import House
+from worlds.seeds import house_rng, room_rng
+from worlds.visuals.materials import texture, tileable
+from worlds.visuals.surfaces import OUTSIDE, Surface, SurfaceKind
+
+_KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
+_PX_PER_M: Mapping[SurfaceKind, float] = {"wall": 90.0, "floor": 80.0, "ceiling": 40.0}
+_MAX_PX = 4096
+PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
+"""Of repeating textures, both ways [m]. Each divides a metre: a whole room looks the same from a metre further on."""
+_OUTSIDE_LOOKS = "garden"
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The faces of one kind in one room, and what covers them."""
+
+    room: str
+    kind: SurfaceKind
+    covering: Covering
+    image: UInt8[np.ndarray, "h w 3"]
+    corners: Float64[np.ndarray, "q 4 3"]
+    """In W [m]."""
+    uv: Float64[np.ndarray, "q 4 2"]
+    """In widths and heights of the image, v upwards; beyond 1 the image repeats."""
+
+
+def finishes(house: House) -> dict[str, Finish]:
+    """What each room, and the outside, is made of; decided by the room's seed alone."""
+    return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
+
+
+def sheets(house: House, faces: Sequence[Surface]) -> Iterator[Sheet]:
+    """The sheets of all `faces` of the shell of `house`."""
+    groups: dict[tuple[str, SurfaceKind], list[Surface]] = defaultdict(list)
+    for face in faces:
+        groups[face.room, face.kind].append(face)
+    finish = finishes(house)
+    generators = {room: dict(zip(_KINDS, _rng(house, room).spawn(len(_KINDS)), strict=True)) for room in finish}
+    for (room, kind), group in groups.items():
+        pattern, colour = covering = getattr(finish[room], kind)
+        uv = np.array([face.uv for face in group])
+        rng, looks, scale = generators[room][kind], house.spec.appearance.texture, _PX_PER_M[kind]
+        if looks == "repeating":
+            metres = np.full(2, PERIOD_M[kind])
+            image = tileable(pattern, colour, rng, round(PERIOD_M[kind] * scale), PERIOD_M[kind])
+        else:
+            metres = uv.max(axis=(0, 1))
+            image = _painted("bare" if looks == "poor" else pattern, covering, rng, metres, scale)
+        yield Sheet(room, kind, covering, image, np.array([face.corners for face in group]), uv / metres)
+
+
+def _painted(
+    pattern: str, covering: Covering, rng: Generator, metres: Float64[np.ndarray, "2"], px_per_m: float
+) -> UInt8[np.ndarray, "h w 3"]:
+    width, height = np.clip(np.ceil(metres * px_per_m), 16, _MAX_PX).astype(int)
+    return texture(pattern, covering[1], rng, (int(height), int(width)), (float(metres[0]), float(metres[1])))
+
+
+def _labels(house: House) -> dict[str, str]:
+    return {room.id: room.label for room in house.rooms} | {OUTSIDE: _OUTSIDE_LOOKS}
+
+
+def _rng(house: House, room: str) -> Generator:
+    if room == OUTSIDE:
+        return house_rng(house.spec)
+    return room_rng(house.spec, next(r for storey in house.spec.storeys for r in storey.rooms if r.id == room), "finish")

@@ -1,0 +1,224 @@
+"""The visible faces of a house's shell: walls, floors, ceilings, reveals, as quads with metric texture coordinates."""
+
+import itertools
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float64, Int
+from shapely.geometry import Polygon
+
+from worlds.house import House
+from worlds.visuals.shell_grid import NOTHING, ShellGrid, shell_grid
+from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
+
+SurfaceKind = Literal["wall", "floor", "ceiling"]
+OUTSIDE = "(outside)"
+"""Not a possible room id."""
+_KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
+_HALF = WALL_THICKNESS_M / 2
+_TOLERANCE_M = 1e-6
+_Point = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A planar quad, visible from the side from which its corners run counter-clockwise."""
+
+    room: str
+    """Id of the room that it bounds, or `OUTSIDE`."""
+    kind: SurfaceKind
+    corners: Float64[np.ndarray, "4 3"]
+    """In W [m]."""
+    uv: Float64[np.ndarray, "4 2"]
+    """Place on the (room, kind)'s own unrolled sheet [m]; no two faces share a place."""
+
+
+def surfaces(house: House) -> list[Surface]:
+    """All faces of the shell; the walls of a room are unrolled onto one sheet, each with its openings left out.
+
+    What is solid is closed on every side that is in a room or outside of all, but for the top of the roof.
+    """
+    grid = shell_grid(house)
+    planes: dict[_Plane, list[_Outline]] = defaultdict(list)
+    for plane, outline in itertools.chain(_upright(grid, 0), _upright(grid, 1), _spandrels(house)):
+        planes[plane].append(outline)
+    unrolling = _Unrolling(house)
+    faces = [face for plane in sorted(planes) for face in unrolling.panels(plane, planes[plane])]
+    return [*faces, *_level(house, grid, unrolling), *_undersides(house, unrolling)]
+
+
+_Plane = tuple[int, int, int, float]
+"""Room (as an index, their number outside), axis across it, the way it faces (1 or -1), place on that axis [m]."""
+_Outline = tuple[_Point, _Point, _Point, _Point]
+"""(place along the plane, z) of a quad's corners, counter-clockwise where the place grows to the right [m]."""
+
+
+class _Unrolling:
+    """Lays the faces of each room's walls side by side."""
+
+    def __init__(self, house: House) -> None:
+        self._names = [*(room.id for room in house.rooms), OUTSIDE]
+        self._floors = [*(room.floor_m for room in house.rooms), house.storeys[0].floor_m]
+        self._cursor = [0.0] * len(self._names)
+
+    def panels(self, plane: _Plane, outlines: Sequence[_Outline]) -> Iterator[Surface]:
+        """Faces in one upright plane; what hangs together stays together."""
+        room, axis, facing, at = plane
+        to_right = (facing > 0) == (axis == 0)
+        for low, high, group in _runs(outlines):
+            start = self._advance(room, high - low)
+            for outline in group:
+                ring = outline if to_right else (outline[1], outline[0], outline[3], outline[2])
+                corners = [(at, a, z) if axis == 0 else (a, at, z) for a, z in ring]
+                uv = [(start + (a - low if to_right else high - a), z - self._floors[room]) for a, z in ring]
+                yield Surface(self._names[room], "wall", np.array(corners), np.array(uv))
+
+    def strip(self, room: int, corners: Sequence[tuple[float, float, float]], length: float, width: float) -> Surface:
+        """A face whose first edge is as long as `length` [m], in a place of its own."""
+        u = self._advance(room, length)
+        uv = np.array([(u, 0.0), (u + length, 0.0), (u + length, width), (u, width)])
+        return Surface(self._names[room], "wall", np.array(corners), uv)
+
+    def flat(self, room: int, kind: SurfaceKind, corners: Sequence[tuple[float, float, float]], origin: _Point) -> Surface:
+        """A piece of floor or ceiling; its sheet is the plan, from `origin` on."""
+        points = np.array(corners)
+        return Surface(self._names[room], kind, points, points[:, :2] - origin)
+
+    def _advance(self, room: int, length: float) -> float:
+        start = self._cursor[room]
+        self._cursor[room] += length
+        return start
+
+
+def _runs(outlines: Sequence[_Outline]) -> Iterator[tuple[float, float, list[_Outline]]]:
+    """Stretches of a plane without a break: from, to, the outlines in it."""
+    group: list[_Outline] = []
+    low = high = 0.0
+    for outline in sorted(outlines, key=lambda o: (o[0][0], o[0][1])):
+        if group and outline[0][0] > high + _TOLERANCE_M:
+            yield low, high, group
+            group = []
+        low, high = (low, max(high, outline[1][0])) if group else (outline[0][0], outline[1][0])
+        group.append(outline)
+    if group:
+        yield low, high, group
+
+
+def _upright(grid: ShellGrid, axis: int) -> Iterator[tuple[_Plane, _Outline]]:
+    # The curve of an arch closes the wall along its own axis; across, the spandrels are drawn as what they are.
+    solid, free = grid.solid | (grid.arch == 1 + axis), ~grid.solid & (grid.arch == 0)
+    solid, free, room = (np.moveaxis(cells, axis, 0) for cells in (solid, free, grid.reveal))
+    across, along, z = grid.planes[axis], grid.planes[1 - axis], grid.planes[2]
+    for facing, inner, outer in ((1, slice(None, -1), slice(1, None)), (-1, slice(1, None), slice(None, -1))):
+        labels = np.where(solid[inner] & free[outer], room[outer], NOTHING)
+        for plane, a0, a1, b0, b1, label in _rectangles(labels):
+            ends, heights = (float(along[a0]), float(along[a1])), (float(z[b0]), float(z[b1]))
+            yield (label, axis, facing, float(across[plane + 1])), _rectangle(ends, heights)
+
+
+def _rectangle(x: _Point, y: _Point) -> _Outline:
+    return (x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])
+
+
+def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, int, int, int, int]]:
+    """Cover the equal labels of each layer by rectangles: (layer, a0, a1, b0, b1, label); `NOTHING` stays bare."""
+    edge = np.full((labels.shape[0], 1, labels.shape[2]), NOTHING, labels.dtype)
+    padded = np.concatenate([edge, labels, edge], axis=1).swapaxes(1, 2)
+    changes = padded[:, :, 1:] != padded[:, :, :-1]
+    starts, ends = (np.argwhere(changes & (side != NOTHING)) for side in (padded[:, :, 1:], padded[:, :, :-1]))
+    values = labels.swapaxes(1, 2)[tuple(starts.T)].tolist()
+    growing: dict[tuple[int, int, int, int], tuple[int, int]] = {}
+    for (layer, b, a0), a1, label in zip(starts.tolist(), ends[:, 2].tolist(), values, strict=True):
+        run = (layer, a0, a1, label)
+        first, last = growing.get(run, (b, b))
+        if last < b:
+            yield layer, a0, a1, first, last, label
+            first = b
+        growing[run] = first, b + 1
+    for (layer, a0, a1, label), (first, last) in growing.items():
+        yield layer, a0, a1, first, last, label
+
+
+def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Surface]:
+    """Floors and ceilings, roofs of lower storeys, and what is level in walls: caps, sills and undersides of lintels."""
+    x, y, z = grid.planes
+    origins = [*(room.polygon.bounds[:2] for room in house.rooms), (float(x[0]), float(y[0]))]
+    for facing in (1, -1):
+        for plane, a0, a1, b0, b1, label in _rectangles(_level_labels(house, grid, facing)):
+            room, kind = divmod(label, len(_KINDS))
+            plan = _rectangle((float(x[a0]), float(x[a1])), (float(y[b0]), float(y[b1])))
+            width, depth = x[a1] - x[a0], y[b1] - y[b0]
+            corners = [(*point, float(z[plane + 1])) for point in plan][::facing]
+            if _KINDS[kind] != "wall":
+                yield unrolling.flat(room, _KINDS[kind], corners, origins[room])
+            elif width >= depth:
+                yield unrolling.strip(room, corners, float(width), float(depth))
+            else:
+                yield unrolling.strip(room, [*corners[1:], corners[0]], float(depth), float(width))
+
+
+def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray, "p a b"]:
+    """Per plane across z and cell of the plan: the room, times the kinds, plus the kind of the face; else `NOTHING`."""
+    solid, free = grid.solid | (grid.arch > 0), ~grid.solid & (grid.arch == 0)
+    if facing < 0:
+        solid = grid.solid
+    inner, outer = (slice(None, -1), slice(1, None)) if facing > 0 else (slice(1, None), slice(None, -1))
+    owner, z, outside = grid.owner[:, :, outer], grid.planes[2][1:-1], len(house.rooms)
+    heights = [r.floor_m if facing > 0 else np.inf if r.outdoor else r.ceiling_m for r in house.rooms]
+    own = np.abs(np.array([*heights, np.inf, np.inf])[owner] - z) < _TOLERANCE_M
+    kind = np.where(own, 1 if facing > 0 else 2, 0)
+    seen = solid[:, :, inner] & free[:, :, outer] & (owner != NOTHING)
+    if facing > 0:
+        roof = (owner == outside) & grid.slab[inner]
+        kind[roof] = 1
+        seen &= ~(roof & (z >= z[-1] - _TOLERANCE_M))
+    room = np.where(kind == 0, grid.reveal[:, :, outer], owner).astype(int)
+    return np.moveaxis(np.where(seen, len(_KINDS) * room + kind, NOTHING), 2, 0)
+
+
+def _arches(house: House) -> Iterator[tuple[Boundary, list[_Point], float]]:
+    """Each arch: the boundary it is in, its curve in W and how high the wall reaches above it, up to the crown [m]."""
+    for level, pieces in enumerate(house.boundaries):
+        floor = house.storeys[level].floor_m
+        for boundary, opening in pieces:
+            if opening is not None and opening.kind == "arch":
+                top = min(opening.height_m, house.wall_height(level, boundary))
+                yield boundary, [(a, floor + z) for a, z in arch_curve(boundary, opening, top)], floor + top
+
+
+def _room_on(house: House, boundary: Boundary, side: int) -> int:
+    name = boundary.rooms[side]
+    return len(house.rooms) if name is None else house.rooms.index(house.room_by_id[name])
+
+
+def _spandrels(house: House) -> Iterator[tuple[_Plane, _Outline]]:
+    for boundary, curve, top in _arches(house):
+        for side, facing in ((0, -1), (1, 1)):
+            plane = _room_on(house, boundary, side), 1 - boundary.axis, facing, round(boundary.at + facing * _HALF, 6)
+            for (a0, z0), (a1, z1) in itertools.pairwise(curve):
+                if min(z0, z1) < top:
+                    yield plane, ((a0, z0), (a1, z1), (a1, top), (a0, top))
+
+
+def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
+    """The thickness of the wall as seen under the curve of an arch."""
+    for boundary, curve, _ in _arches(house):
+        room = _room_on(house, boundary, 0 if boundary.rooms[0] is not None else 1)
+        near, far = (boundary.at + s * _HALF for s in ((1, -1) if boundary.axis == 0 else (-1, 1)))
+        for (a0, z0), (a1, z1) in itertools.pairwise(curve):
+            ring = [(a0, near, z0), (a1, near, z1), (a1, far, z1), (a0, far, z0)]
+            corners = ring if boundary.axis == 0 else [(c, a, z) for a, c, z in ring]
+            yield unrolling.strip(room, corners, float(np.hypot(a1 - a0, z1 - z0)), WALL_THICKNESS_M)
+
+
+def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
+    """A rectilinear polygon as rectangles (x0, y0, x1, y1) [m] that tile it."""
+    ring = np.array(polygon.exterior.coords)
+    xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
+    if len(xs) == len(ys) == 2:
+        return [(float(xs[0]), float(ys[0]), float(xs[1]), float(ys[1]))]
+    cells = [(x0, y0, x1, y1) for x0, x1 in itertools.pairwise(xs) for y0, y1 in itertools.pairwise(ys)]
+    return [tuple(map(float, c)) for c in cells if polygon.contains(Polygon.from_bounds(*c).centroid)]  # type: ignore[misc]
