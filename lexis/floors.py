@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from lexis.maths.runs import Run, runs_of
+from lexis.maths.stretches import Stretch, stretches_of
 
 NO_FLOOR = -1
 """Floor of a keyframe on stairs."""
@@ -22,7 +22,7 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
     up. Stretches then share a floor when their sums lie within a storey's gap of each other.
     """
     floors = np.full(len(stairs), NO_FLOOR)
-    stretches = [run for run in runs_of(stairs) if not stairs[run.start]]
+    stretches = [run for run in stretches_of(stairs) if not stairs[run.start]]
     if not stretches:
         return floors
     heights = _climbed(stretches, height)
@@ -34,7 +34,7 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
     return floors
 
 
-def _climbed(stretches: list[Run], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
+def _climbed(stretches: list[Stretch], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
     """Height of every stretch above the first one by the stairs between them alone [m]."""
     steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]
     return np.concatenate([[0.0], np.cumsum(steps)])

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.config import LabelConfig
-from lexis.maths.runs import Run, runs_of
+from lexis.maths.stretches import Stretch, stretches_of
 
 LANDING_M = 2.5
 """Longest path between the first and the last keyframe on a half landing between two flights [m]."""
@@ -38,13 +38,13 @@ def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Boo
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
     """Short level stretches between two flights of one direction, at a height where no floor is."""
-    level = [run for run in runs_of(climbs) if climbs[run.start] == 0]
+    level = [run for run in stretches_of(climbs) if climbs[run.start] == 0]
     floors = [float(np.median(height[run.slice])) for run in level if path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M]
     joining = [run.slice for run in level if _joins_flights(run, climbs, path)]
     return [s for s in joining if all(abs(np.median(height[s]) - floor) > FLOOR_TOLERANCE_M for floor in floors)]
 
 
-def _joins_flights(run: Run, climbs: PerKeyframe, path: PerKeyframe) -> bool:
+def _joins_flights(run: Stretch, climbs: PerKeyframe, path: PerKeyframe) -> bool:
     inside = run.start > 0 and run.stop < len(climbs)
     return bool(inside and climbs[run.start - 1] == climbs[run.stop] and path[run.stop - 1] - path[run.start] <= LANDING_M)
 

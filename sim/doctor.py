@@ -28,7 +28,7 @@ _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, 
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnosis:
     """One thing that was looked at."""
 
     subject: str
@@ -37,15 +37,15 @@ class Finding:
     """What is there, or what to change."""
 
 
-def examine() -> list[Finding]:
+def examine() -> list[Diagnosis]:
     """Look at the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
     drawing = probe("off-screen OpenGL", "draw")
     return [
-        Finding("python", True, f"{platform.python_version()}, {platform.machine()}"),
-        Finding("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
+        Diagnosis("python", True, f"{platform.python_version()}, {platform.machine()}"),
+        Diagnosis("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
-        Finding("OpenBLAS kernels", True, _openblas_kernels() or "not found: numpy uses another library"),
+        Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found: numpy uses another library"),
         drawing,
         probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # a run does both in one process
     ]
@@ -71,24 +71,24 @@ def _openblas_kernels() -> str | None:
     return None
 
 
-def _package(name: str) -> Finding:
+def _package(name: str) -> Diagnosis:
     try:
-        return Finding(name, True, version(name))
+        return Diagnosis(name, True, version(name))
     except PackageNotFoundError:
-        return Finding(name, False, f"missing; install it: pip install {name}")
+        return Diagnosis(name, False, f"missing; install it: pip install {name}")
 
 
-def probe(subject: str, *steps: str) -> Finding:
+def probe(subject: str, *steps: str) -> Diagnosis:
     """Take steps of `sim.doctor_probes` in a child process, which a broken driver or library may crash or hang."""
     command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P ignores a folder `sim` in the working directory
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        return Finding(subject, False, f"no answer after {PROBE_TIMEOUT_S:g} s; {_BROKEN}")
+        return Diagnosis(subject, False, f"no answer after {PROBE_TIMEOUT_S:g} s; {_BROKEN}")
     if done.returncode < 0:
-        return Finding(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {_BROKEN}")
+        return Diagnosis(subject, False, f"crashed with {signal.Signals(-done.returncode).name}; {_BROKEN}")
     said = (done.stderr if done.returncode else done.stdout).strip().splitlines()
-    return Finding(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
+    return Diagnosis(subject, done.returncode == 0, said[-1] if said else f"ended with {done.returncode}")
 
 
 def available_bytes() -> int | None:
@@ -105,9 +105,9 @@ def available_bytes() -> int | None:
     return min(found, default=None)
 
 
-def _memory(available: int | None) -> Finding:
+def _memory(available: int | None) -> Diagnosis:
     if available is None:
-        return Finding("memory", True, "unknown on this system")
+        return Diagnosis("memory", True, "unknown on this system")
     fine, detail = available >= NEEDED_BYTES, f"{available / _GIB:.1f} GiB free"
     needed = f"; a run needs {NEEDED_BYTES / _GIB:.1f} GiB: free some, or give the container more"
-    return Finding("memory", fine, detail if fine else detail + needed)
+    return Diagnosis("memory", fine, detail if fine else detail + needed)

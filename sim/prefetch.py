@@ -1,4 +1,4 @@
-"""`ahead`: items made by a thread of their own, some before they are asked for.
+"""`prefetched`: items made by a thread of their own, some before they are asked for.
 
 The thread ends by itself: after the last item, when nobody wants more, or with the main thread. Nobody ever waits for it.
 That matters where an iterator is garbage: it is then closed by whichever thread collects, at any moment, perhaps while that
@@ -15,13 +15,13 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-THREAD = "ahead"
+THREAD = "prefetched"
 """Name of the threads."""
 _POLL_S = 0.25
 """How often a thread that waits looks whether the main thread still lives [s]."""
 
 
-def ahead(make: Callable[[], Generator[T, None, None]], depth: int) -> Generator[T, None, None]:
+def prefetched(make: Callable[[], Generator[T, None, None]], depth: int) -> Generator[T, None, None]:
     """What `make` yields, up to `depth` items ahead. That generator runs, and is closed, in one thread of its own.
 
     Raises what it raises. Close it where it may be left early, for the thread goes on until then.

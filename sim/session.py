@@ -9,16 +9,16 @@ import numpy as np
 from lexis.maths.quaternions import pose_rows, poses_of
 from lexis.types import Camera, Image, Observation, Percept
 from lexis.verification import Verifier, verify
-from sim.changing_world import Painter, Staging
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.odometry.simulation import Odometry
-from sim.prefetch import ahead
+from sim.prefetch import prefetched
 from sim.render.lens import Distortion, rendered_camera
 from sim.render.scene import Scene
 from sim.tours.tour import Tour
 from sim.truth import Truth
+from sim.world_states import FrameRenderer, WorldStates
 from worlds.house import House
 from worlds.truth import NOWHERE, floor_at, room_at
 
@@ -53,7 +53,7 @@ class Session:
         truths = _truths(house, tour)
         self._distortion = distortion
         rendered = rendered_camera(camera, distortion) if distortion else camera
-        self._staging = Staging(house, tour, rendered, self.faults, seed)
+        self._staging = WorldStates(house, tour, rendered, self.faults, seed)
         self._sensor = sensor
         if sensor is None:
             self._staging.compile()
@@ -78,7 +78,7 @@ class Session:
     def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
         # As quaternions, which is how odometry comes: a recording of the run then gives the same poses, bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
-        with closing(ahead(self._images, _AHEAD)) as images:
+        with closing(prefetched(self._images, _AHEAD)) as images:
             for i, image in enumerate(images):
                 stamp = float(self.tour.stamps[i])
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
@@ -98,7 +98,7 @@ class Session:
             start = time.perf_counter()
 
     def _rendered(self) -> Generator[Image, None, None]:
-        with closing(Painter(self._staging, self.camera, self._distortion)) as painter:
+        with closing(FrameRenderer(self._staging, self.camera, self._distortion)) as painter:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
                 image = painter.rgb(frame, T_W_B)

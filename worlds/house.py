@@ -16,7 +16,7 @@ from worlds.furniture.catalogue import kind_of
 from worlds.furniture.kinds import Size
 from worlds.furniture.placing.furnish import furnish, is_solid
 from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.doors import Leaf, hang_leaves
+from worlds.openings.doors import DoorLeaf, hang_leaves
 from worlds.openings.windows import Window, hang_windows, sample_windows
 from worlds.parts import Part
 from worlds.placed import Placed
@@ -95,7 +95,7 @@ class House:
     walls: tuple[Wall, ...]
     stairs: tuple[Stairs, ...]
     furniture: tuple[Furniture, ...]
-    leaves: tuple[Leaf, ...] = ()
+    leaves: tuple[DoorLeaf, ...] = ()
     """Of doors, as they stand."""
     windows: tuple[Window, ...] = ()
 
@@ -258,7 +258,7 @@ def _hung(
         yield from hang_windows(spec, level, own, walls, heights.floor_m)
 
 
-def _leaves(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[Leaf]:
+def _leaves(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[DoorLeaf]:
     style = spec.seed if spec.appearance.seed is None else spec.appearance.seed
     for level, (heights, pieces) in enumerate(zip(storeys, stretches, strict=True)):
         yield from hang_leaves(level, pieces, spec.storeys[level].openings, heights.floor_m, style)

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from worlds.errors import WorldsError
-from worlds.floor_plans.building_kinds import KINDS, Kind
-from worlds.floor_plans.floor_plan import SLAB_M, Style, lay_out
+from worlds.floor_plans.building_kinds import KINDS, BuildingKind
+from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.programmes import Habits, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
 from worlds.spec import HouseSpec, StoreySpec
-from worlds.spec_errors import near
+from worlds.valid_names import did_you_mean
 
 MAX_ROOMS_ASKED = 40
 MIN_ROOMS_ASKED = 2
@@ -39,7 +39,7 @@ def sample_house(
     Raises `WorldsError` for an unknown preset and for what cannot be.
     """
     if preset not in PRESETS:
-        raise WorldsError(f"unknown preset {preset!r}{near(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
+        raise WorldsError(f"unknown preset {preset!r}{did_you_mean(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
     rngs = _generators(seed)
     kind = _random_kind(rngs[0]) if preset == "random" else KINDS[preset]
     programmes, style = draw_programmes(kind, *_counts(kind, rooms, storeys, rngs[0]), rngs[0])
@@ -60,7 +60,9 @@ def sample_from_rooms(
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
-        raise WorldsError(f"no room can be a {unknown[0]!r}{near(unknown[0], possible)}; valid: {', '.join(possible)}")
+        raise WorldsError(
+            f"no room can be a {unknown[0]!r}{did_you_mean(unknown[0], possible)}; valid: {', '.join(possible)}"
+        )
     if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
     spine = next((label for label in labels if label in _CIRCULATION), None)
@@ -76,7 +78,7 @@ def sample_from_rooms(
     habits = Habits(open_plan=0.5, twins=0.3)
     programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
     programmes = tuple(replace(p, spine=spine or "corridor") for p in programmes)
-    return _finished(f"rooms-{seed}", seed, programmes, Style(), rngs, openness, clutter)
+    return _finished(f"rooms-{seed}", seed, programmes, PlanStyle(), rngs, openness, clutter)
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, ...]:
@@ -86,7 +88,7 @@ def _generators(seed: int) -> tuple[np.random.Generator, ...]:
     return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
 
 
-def _random_kind(rng: np.random.Generator) -> Kind:
+def _random_kind(rng: np.random.Generator) -> BuildingKind:
     """Any kind, or none: rooms of all sorts."""
     names = ("home", "apartment", "office", "clinic", "school", None, None)
     name = names[int(rng.integers(len(names)))]
@@ -98,7 +100,7 @@ def _random_kind(rng: np.random.Generator) -> Kind:
     return replace(kind, rooms=(most, most), storeys=storeys, halls=(*kind.halls, None))
 
 
-def _counts(kind: Kind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
+def _counts(kind: BuildingKind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
     """How many rooms and storeys a building has. Raises `WorldsError` for what cannot be."""
     usual, levels = int(rng.integers(kind.rooms[0], kind.rooms[1] + 1)), int(rng.choice(kind.storeys))
     if rooms is not None and not MIN_ROOMS_ASKED <= rooms <= MAX_ROOMS_ASKED:
@@ -126,7 +128,7 @@ def _finished(
     name: str,
     seed: int,
     programmes: Sequence[StoreyProgramme],
-    style: Style,
+    style: PlanStyle,
     rngs: Sequence[np.random.Generator],
     openness: float | None,
     clutter: float,

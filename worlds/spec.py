@@ -19,7 +19,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.reading import read_text
-from worlds.spec_errors import MAX_MISTAKES, explain, listed, near, read_json, refusal
+from worlds.spec_errors import MAX_MISTAKES, explain, read_json, refusal
+from worlds.valid_names import did_you_mean, listed
 
 MAX_ROOMS = 200
 MIN_WALL_M = 0.005
@@ -68,7 +69,7 @@ class RoomSpec(_Data):
     def _known_label(cls, label: str) -> str:
         if label not in ROOM_LABELS:
             known = ", ".join(ROOM_LABELS)
-            raise ValueError(f"unknown label {label[:64]!r}{near(label[:64], ROOM_LABELS)}; valid: {known}")
+            raise ValueError(f"unknown label {label[:64]!r}{did_you_mean(label[:64], ROOM_LABELS)}; valid: {known}")
         return label
 
     @field_validator("polygon_m")
@@ -277,7 +278,7 @@ def _unknown_rooms(level: int, storey: StoreySpec) -> Iterator[str]:
     unknown = ((place, i, missing) for place, i, named in _room_names(storey) for missing in sorted({*named} - known))
     for collection, i, missing in islice(unknown, MAX_MISTAKES + 1):
         yield (
-            f"storeys[{level}].{collection}[{i}] names room {missing!r}{near(missing, rooms)}; "
+            f"storeys[{level}].{collection}[{i}] names room {missing!r}{did_you_mean(missing, rooms)}; "
             f"its storey's rooms are {listed(rooms)}"
         )
 

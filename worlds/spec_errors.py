@@ -3,19 +3,19 @@
 A mistake is explained from the JSON Schema of the format, so what a message calls valid is what the schema says.
 """
 
-import difflib
 import json
 import math
 import re
 import textwrap
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from worlds.errors import SpecError
+from worlds.valid_names import did_you_mean
 
 MAX_JSON_BYTES = 16_000_000
 MAX_VALUES = 2_000_000
@@ -92,7 +92,9 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
             return [*lines, f"and {len(problems) - i} more malformed fields"]
         *parent, field = problem["loc"] or ("",)
         # A misspelt field is missing under its right name too; the wrong name says more.
-        if problem["type"] != "missing" or not any(near(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]):
+        if problem["type"] != "missing" or not any(
+            did_you_mean(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]
+        ):
             lines |= dict.fromkeys(_explained(problem, data, schema))
     return list(lines)
 
@@ -107,7 +109,7 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         valid = list(_node(path[:-1], schema).get("properties", {}))
-        unknown = f"{_place(path[:-1], data)}no field {_shown(path[-1])}{near(str(path[-1]), valid)}"
+        unknown = f"{_place(path[:-1], data)}no field {_shown(path[-1])}{did_you_mean(str(path[-1]), valid)}"
         return [f"{unknown}; valid: {', '.join(valid)}"]
     if kind == "value_error":
         return [_place(path, data) + str(mistake) for mistake in problem["ctx"]["error"].args[:MAX_MISTAKES]]
@@ -132,17 +134,6 @@ def refusal(source: str, mistakes: Sequence[str]) -> SpecError:
     for other in others:
         error.add_note(other)
     return error
-
-
-def near(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
-    """A guess at what was meant, as part of a sentence; `likeness` is 1 for equal words only."""
-    guess = difflib.get_close_matches(word, list(valid), n=1, cutoff=likeness)
-    return f" (did you mean {guess[0]!r}?)" if guess else ""
-
-
-def listed(names: Sequence[str], most: int = 30) -> str:
-    """Names in a line, not too many."""
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def _place(path: _PATH, data: object) -> str:

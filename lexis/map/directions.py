@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int
 from lexis.floors import NO_FLOOR
 from lexis.map.room_names import instance_names
 from lexis.maths.paths import arc_length
-from lexis.maths.runs import runs_of
+from lexis.maths.stretches import stretches_of
 from lexis.planner import Plan
 from lexis.types import LexisMap
 
@@ -71,7 +71,7 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
     rooms = map.room_of[list(plan.keyframes)]
     known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
     rooms = _from_start_to_goal(rooms[known], plan)
-    entered = [Step(float(path[run.start]), f"enter {place(map, int(rooms[run.start]))}") for run in runs_of(rooms)[1:]]
+    entered = [Step(float(path[run.start]), f"enter {place(map, int(rooms[run.start]))}") for run in stretches_of(rooms)[1:]]
     arrived = Step(float(path[-1]), f"arrive in {place(map, plan.goal.id)}")
     return [Step(0.0, f"start in {place(map, plan.start.id)}"), *entered, arrived]
 
@@ -79,7 +79,7 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
     """Rooms along a path, where keyframes of a neighbour at its ends count as the plan's own rooms; see `innermost`."""
     rooms = rooms.copy()
-    runs = runs_of(rooms)
+    runs = stretches_of(rooms)
     starts = np.flatnonzero(rooms == plan.start.id)
     rooms[: starts[0] if len(starts) else runs[0].stop] = plan.start.id
     goals = np.flatnonzero(rooms == plan.goal.id)
@@ -91,7 +91,7 @@ def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[S
     """Every stretch on stairs that climbs, with the floor that it leads to where the path goes on there."""
     floors, heights = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), 2, 3]
     steps = []
-    for run in runs_of(np.equal(floors, NO_FLOOR)):
+    for run in stretches_of(np.equal(floors, NO_FLOOR)):
         before, after = max(run.start - 1, 0), min(run.stop, len(floors) - 1)
         climb = heights[after] - heights[before]
         if floors[run.start] == NO_FLOOR and abs(climb) >= MIN_CLIMB_M:

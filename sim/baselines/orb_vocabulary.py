@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from sim.baselines.orb_words import FEATURES, WORDS, OrbWords
-from sim.training.array_cache import house_origin, kept, origin
+from sim.training.array_cache import cached_arrays, house_origin, origin
 from sim.training.frames import frames_of_house, frames_origin
 from sim.training.houses import TRAINING_SEEDS, HouseDraw, draw_houses
-from sim.training.views import LEXIS_VIEWS
+from sim.training.viewpoints import LEXIS_VIEWS
 
 _HOUSES, _SEED = 8, 8
 _VIEWS = replace(LEXIS_VIEWS, most=30)
@@ -26,7 +26,7 @@ def orb_vocabulary(work: Path | None = None) -> OrbWords:
     if work is None:
         return _learned(draws)
     origins = (origin(frames_origin(_VIEWS), _SEED, WORDS, FEATURES), *map(house_origin, draws))
-    return OrbWords(**kept(work / _FILE, origins, lambda: vars(_learned(draws))))
+    return OrbWords(**cached_arrays(work / _FILE, origins, lambda: vars(_learned(draws))))
 
 
 def _learned(draws: Sequence[HouseDraw]) -> OrbWords:

@@ -30,7 +30,7 @@ DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Row:
+class PlanningRow:
     """How the plans of a house fared."""
 
     seed: int
@@ -46,7 +46,7 @@ class Row:
 
 def drive_houses(
     config: RunConfig, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
-) -> Iterator[Row]:
+) -> Iterator[PlanningRow]:
     """One run per seed, all else as in `config`; every driver drives all its plans.
 
     For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the drives by LEXIS's estimate that
@@ -65,11 +65,11 @@ def drive_houses(
                 _draw(finished, trials, pictures)
 
 
-def _row(seed: int, driver: str, trials: Sequence[Trial], seconds: float) -> Row:
+def _row(seed: int, driver: str, trials: Sequence[Trial], seconds: float) -> PlanningRow:
     success = np.array([trial.success for trial in trials], bool)
     shortest, travelled = np.array([(t.shortest_m, t.travelled_m) for t in trials], float).reshape(-1, 2).T
     touched = sum(trial.collisions for trial in trials)
-    return Row(seed, driver, len(trials), success_rate(success), spl(success, shortest, travelled), touched, seconds)
+    return PlanningRow(seed, driver, len(trials), success_rate(success), spl(success, shortest, travelled), touched, seconds)
 
 
 def _make_folder(folder: Path) -> None:

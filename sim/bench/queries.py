@@ -40,7 +40,7 @@ class Answered(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Row:
+class QueriesRow:
     """Figures of some questions; None where nothing was asked."""
 
     questions: int
@@ -94,11 +94,11 @@ def true_rooms(house: House, lexis_map: LexisMap, T_W_B: Float64[np.ndarray, "n 
     return np.array([np.bincount(owner[list(room.keyframes)] + 1)[1:].argmax() for room in lexis_map.rooms], int)
 
 
-def row_of(answered: Sequence[Answered]) -> Row:
+def row_of(answered: Sequence[Answered]) -> QueriesRow:
     """Figures of these questions."""
     asked = [one for one in answered if one.has_answer]
     vain = [one for one in answered if not one.has_answer]
-    return Row(
+    return QueriesRow(
         len(asked),
         _share([one.right for one in asked]),
         _share([one.succeeded for one in asked]),

@@ -13,7 +13,7 @@ from sim.harness.loops import edge_truth
 
 
 @dataclass(frozen=True)
-class Row:
+class SegmentationRow:
     """The figures of one house."""
 
     baseline: float
@@ -34,7 +34,9 @@ class Row:
     """Share that reach their room; None where none was asked for."""
 
 
-def run_houses(config: RunConfig, seeds: Sequence[int], openness: float | None = None) -> Iterator[tuple[int, Row]]:
+def run_houses(
+    config: RunConfig, seeds: Sequence[int], openness: float | None = None
+) -> Iterator[tuple[int, SegmentationRow]]:
     """One run per seed, all else as in `config`; for `openness` see `sim.bench.houses.configs`."""
     encoder = load_encoder(config.encoder)
     for own in configs(config, seeds, openness):
@@ -43,7 +45,7 @@ def run_houses(config: RunConfig, seeds: Sequence[int], openness: float | None =
         is_true = edge_truth(finished)
         yield (
             own.seed,
-            Row(
+            SegmentationRow(
                 result["labels"]["accuracy_baseline"],
                 result["labels"]["accuracy"],
                 result["rooms"]["pq"],

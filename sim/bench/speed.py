@@ -30,7 +30,7 @@ _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, default
 
 
 @dataclass(frozen=True)
-class Figure:
+class SpeedFigure:
     """A measured figure over repetitions, in the unit of its section."""
 
     name: str
@@ -47,7 +47,7 @@ class Section:
 
     title: str
     unit: str
-    figures: tuple[Figure, ...]
+    figures: tuple[SpeedFigure, ...]
 
 
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
@@ -120,7 +120,7 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
     bars = {"RGB": 90.0} if size == (480, 360) else {_ALL_THREE: 60.0}
     per_second = {n: 1 / np.array(t) for n, t in (times | {n: t for n, t in slow.items() if n != "RGB"}).items()}
     rates = tuple(
-        Figure(n, float(np.median(r)), float(r.min()), len(r), f">= {bars[n]:g}" if n in bars else "")
+        SpeedFigure(n, float(np.median(r)), float(r.min()), len(r), f">= {bars[n]:g}" if n in bars else "")
         for n, r in per_second.items()
     )
     title = f"frames at {name}: {len(house.rooms)} rooms, {geoms} geoms unless merged; defaults: shadows and MSAA"
@@ -129,7 +129,9 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
     ratios = (
         _ratio("faster than plain", times[_PLAIN], times["RGB"], _RATIO_BARS[size]),
         _ratio("faster than defaults", by_default, fast_few, 12.0),
-        Figure(f"pixels within {_GREY_LEVELS} grey levels", float(np.median(equal)), min(equal), len(equal), ">= 0.999"),
+        SpeedFigure(
+            f"pixels within {_GREY_LEVELS} grey levels", float(np.median(equal)), min(equal), len(equal), ">= 0.999"
+        ),
     )
     yield Section(f"merged against plain at {name}", "1", ratios)
 
@@ -166,26 +168,26 @@ def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Pose
     return times
 
 
-def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> Figure:
+def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> SpeedFigure:
     """The ratio of the medians, and the least of single views."""
     single = np.array(slow) / np.array(fast)
-    return Figure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
+    return SpeedFigure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
 
 
 def _equal_share(image: np.ndarray, other: np.ndarray) -> float:
     return float(np.mean(np.abs(image.astype(int) - other).max(axis=-1) <= _GREY_LEVELS))
 
 
-def _memory(seed: int) -> Figure:
+def _memory(seed: int) -> SpeedFigure:
     megabytes = measure_memory(seed) / 1e6
-    return Figure("peak resident, apart from torch", megabytes, megabytes, 1, "<= 1200")
+    return SpeedFigure("peak resident, apart from torch", megabytes, megabytes, 1, "<= 1200")
 
 
-def _most(name: str, values: Sequence[float], bar: str = "") -> Figure:
-    return Figure(name, float(np.median(values)), max(values), len(values), bar)
+def _most(name: str, values: Sequence[float], bar: str = "") -> SpeedFigure:
+    return SpeedFigure(name, float(np.median(values)), max(values), len(values), bar)
 
 
-def _timing(name: str, work: Callable[[int], object], items: Iterable[int], bar: str = "") -> Figure:
+def _timing(name: str, work: Callable[[int], object], items: Iterable[int], bar: str = "") -> SpeedFigure:
     milliseconds = [1e3 * _seconds(work, item) for item in items]
     return _most(name, milliseconds, bar)
 

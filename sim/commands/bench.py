@@ -62,12 +62,12 @@ def _houses(arguments: argparse.Namespace) -> str:
 
 
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.segmentation import Row, mean_and_spread, run_houses
+    from sim.bench.segmentation import SegmentationRow, mean_and_spread, run_houses
     from sim.harness import RunConfig
     from sim.report.figures import shown
 
     title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}, {arguments.fidelity}")
-    table = Table("seed", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
+    table = Table("seed", *(field.name.replace("_", " ") for field in fields(SegmentationRow)), title=title)
     last = arguments.seed + arguments.houses - 1
     rows = []
     config = RunConfig(
@@ -145,12 +145,12 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.queries import SETS, Answered, Row, ask_houses, row_of
+    from sim.bench.queries import SETS, Answered, QueriesRow, ask_houses, row_of
     from sim.harness import RunConfig
     from sim.report.figures import shown
 
     title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
-    table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(Row)), title=title)
+    table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(QueriesRow)), title=title)
     failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
     everything: dict[str, list[Answered]] = {name: [] for name in SETS}
     config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)

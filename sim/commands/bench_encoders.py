@@ -17,7 +17,7 @@ from sim.report.figures import MISSING, shown
 from worlds.presets import PRESETS
 
 if TYPE_CHECKING:
-    from sim.bench.encoders.measure import Measured
+    from sim.bench.encoders.measure import EncoderFigures
     from sim.bench.encoders.table import Accuracy, TableRow
 
 _WAYS = ("cpu", "cpu bf16", "gpu", "gpu fp16")
@@ -108,7 +108,7 @@ def _check(arguments: argparse.Namespace) -> None:
         import_matplotlib()
 
 
-def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> Iterator[Table]:
+def _of_preset(title: str, houses: Sequence["EncoderFigures"], worst: int | None) -> Iterator[Table]:
     yield _houses(title, houses)
     yield _questions(houses)
     yield _bands(houses)
@@ -117,7 +117,7 @@ def _of_preset(title: str, houses: Sequence["Measured"], worst: int | None) -> I
         yield _worst_names(houses, worst)
 
 
-def _houses(title: str, houses: Sequence["Measured"]) -> Table:
+def _houses(title: str, houses: Sequence["EncoderFigures"]) -> Table:
     from sim.bench.encoders.measure import EncoderRow, overall_calibration_error
     from sim.bench.encoders.retrieval import share
     from sim.bench.segmentation import mean_and_spread
@@ -136,7 +136,7 @@ def _houses(title: str, houses: Sequence["Measured"]) -> Table:
     return table
 
 
-def _questions(houses: Sequence["Measured"]) -> Table:
+def _questions(houses: Sequence["EncoderFigures"]) -> Table:
     from sim.bench.encoders.questions import TOPICS, WORDINGS, share_right
 
     title = "questions that rank the right room first: mean over houses (questions in all)"
@@ -152,7 +152,7 @@ def _questions(houses: Sequence["Measured"]) -> Table:
     return table
 
 
-def _bands(houses: Sequence["Measured"]) -> Table:
+def _bands(houses: Sequence["EncoderFigures"]) -> Table:
     from sim.bench.encoders.ceiling import by_own_room
 
     columns = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
@@ -166,7 +166,7 @@ def _bands(houses: Sequence["Measured"]) -> Table:
     return table
 
 
-def _worst(houses: Sequence["Measured"], count: int) -> Table:
+def _worst(houses: Sequence["EncoderFigures"], count: int) -> Table:
     from sim.bench.encoders.questions import failures
 
     title = "questions that fail most"
@@ -179,7 +179,7 @@ def _worst(houses: Sequence["Measured"], count: int) -> Table:
     return table
 
 
-def _worst_names(houses: Sequence["Measured"], count: int) -> Table:
+def _worst_names(houses: Sequence["EncoderFigures"], count: int) -> Table:
     from sim.bench.encoders.measure import worst_names
 
     title = "held-out names that cost most, where all other rooms keep theirs"

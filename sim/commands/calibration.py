@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lexis.encoder.open_clip_encoder import OpenClipEncoder
     from sim.training.houses import HouseDraw
     from sim.training.query_calibration import CalibrationFigures
-    from sim.training.query_questions import Asked
+    from sim.training.query_questions import QuestionBatch
 
 TEST_PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
 
@@ -79,7 +79,7 @@ def _said(figures: "CalibrationFigures") -> str:
     )
 
 
-def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[Asked]":
+def _asked(houses: "Sequence[HouseDraw]", encoder: "OpenClipEncoder", seed: int) -> "list[QuestionBatch]":
     from sim.training.query_calibration import asked_in
 
     console = Console(stderr=True)

@@ -15,7 +15,7 @@ from sim.commands.house_action import FILE, describe
 from worlds.house import build_house
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
-from worlds.spec_errors import near
+from worlds.valid_names import did_you_mean
 from worlds.validation import spec_problems
 
 
@@ -49,7 +49,7 @@ def _prove(arguments: argparse.Namespace) -> int:
 def _presets(text: str) -> list[str]:
     presets = [name.strip() for name in text.split(",")]
     if unknown := [name for name in presets if name not in PRESETS]:
-        guess = near(unknown[0], PRESETS)
+        guess = did_you_mean(unknown[0], PRESETS)
         raise argparse.ArgumentTypeError(f"unknown preset {unknown[0]!r}{guess}; valid: {', '.join(PRESETS)}")
     return presets
 

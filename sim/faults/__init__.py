@@ -11,10 +11,10 @@ import numpy as np
 
 from sim.faults.catalogue import FAULTS, parse_fault, written
 from sim.faults.fault import Fault, StreamFault
-from sim.faults.world import Stage, WorldFault
+from sim.faults.world import WorldFault, WorldState
 from sim.truth import Stream
 
-__all__ = ["FAULTS", "Fault", "Stage", "StreamFault", "WorldFault", "corrupted", "fault_rng", "parse_fault", "written"]
+__all__ = ["FAULTS", "Fault", "StreamFault", "WorldFault", "WorldState", "corrupted", "fault_rng", "parse_fault", "written"]
 
 _STREAM = 2
 """Of faults among the streams that a run's seed spawns; 0 is the tour's, 1 the odometry's."""

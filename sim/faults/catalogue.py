@@ -11,7 +11,7 @@ from sim.faults.images import Blur, Exposure, LightsOff, Noise, Smear
 from sim.faults.poses import Kidnap, OdometryFreeze, OdometryJump, OdometryNaN
 from sim.faults.stamps import StampJitter, StampJump, StampOffset
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
-from worlds.spec_errors import near
+from worlds.valid_names import did_you_mean
 
 FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
     {
@@ -34,14 +34,14 @@ def parse_fault(text: str) -> Fault:
     """
     name, _, rest = text.partition(":")
     if (kind := FAULTS.get(name)) is None:
-        raise SimError(f"unknown fault {name!r}{near(name, FAULTS)}; valid: {', '.join(FAULTS)}")
+        raise SimError(f"unknown fault {name!r}{did_you_mean(name, FAULTS)}; valid: {', '.join(FAULTS)}")
     known = {each.name: each for each in settings(kind)}
     first, values = next(iter(known)), {}
     for place, item in enumerate(rest.split(",") if rest else ()):
         key, equals, value = item.rpartition("=")
         key = key if equals or place else first
         if key not in known:
-            guess = near(key, known)
+            guess = did_you_mean(key, known)
             raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}{guess}; valid: {', '.join(known)}")
         if key in values:
             raise SimError(f"fault {text!r}: {key} is said twice; valid: once")

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 
 from sim.render.actor import Actor
 from worlds.house import House
-from worlds.openings.doors import Leaf, hang_leaves
+from worlds.openings.doors import DoorLeaf, hang_leaves
 from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
@@ -23,14 +23,14 @@ _REACH_M = 3.0
 class ClosingDoors(Actor):
     """Leaves that stand open only while the body is near them."""
 
-    leaves: Sequence[Leaf]
+    leaves: Sequence[DoorLeaf]
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
         """All leaves as they stand for a body at this pose."""
         return [_solid(_turned(leaf, _openness(leaf, T_W_B[:3, 3]))) for leaf in self.leaves]
 
 
-def _openness(leaf: Leaf, body: Float64[np.ndarray, "3"]) -> float:
+def _openness(leaf: DoorLeaf, body: Float64[np.ndarray, "3"]) -> float:
     """0 is shut, 1 wide open."""
     centre = _centre(leaf, 0.0)
     if not 0.0 <= body[2] - leaf.position[2] <= _REACH_M:
@@ -39,21 +39,21 @@ def _openness(leaf: Leaf, body: Float64[np.ndarray, "3"]) -> float:
     return min(max((_SHUT_BEYOND_M - distance) / (_SHUT_BEYOND_M - _OPEN_WITHIN_M), 0.0), 1.0)
 
 
-def _turned(leaf: Leaf, openness: float) -> Leaf:
+def _turned(leaf: DoorLeaf, openness: float) -> DoorLeaf:
     turn = math.copysign(openness * max(abs(leaf.turn), math.pi / 2), leaf.turn)
     return replace(leaf, turn=turn, position=(*_centre(leaf, turn), leaf.position[2]))
 
 
-def _centre(leaf: Leaf, turn: float) -> tuple[float, float]:
+def _centre(leaf: DoorLeaf, turn: float) -> tuple[float, float]:
     (x, y), half, yaw = leaf.hinge, leaf.size[0] / 2, leaf.shut_yaw + turn
     return x + half * math.cos(yaw), y + half * math.sin(yaw)
 
 
-def _solid(leaf: Leaf) -> Solid:
+def _solid(leaf: DoorLeaf) -> Solid:
     return Solid(leaf.parts, leaf.position, leaf.yaw)
 
 
-def all_leaves(house: House) -> Iterator[Leaf]:
+def all_leaves(house: House) -> Iterator[DoorLeaf]:
     """A leaf for every door way of a house: its own, or a new one that swings into the first of its rooms."""
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):

@@ -15,7 +15,7 @@ from worlds.house import House
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class WorldState:
     """What there is to see: what stands, and what moves."""
 
     house: House
@@ -37,7 +37,7 @@ class WorldFault(Fault):
         return start, start + self.for_s
 
     @abstractmethod
-    def change(self, stage: Stage, tour: Tour, rng: np.random.Generator) -> Stage:
+    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """The stage while the fault lasts."""
 
 
@@ -53,7 +53,7 @@ class MovedFurniture(WorldFault):
     turn_rad: float = setting(0.5, 0.0, np.pi)
     """Largest turn [rad]."""
 
-    def change(self, stage: Stage, tour: Tour, rng: np.random.Generator) -> Stage:
+    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """The stage with furniture in other places."""
         later = tour.T_W_B[tour.stamps >= self.span_s(tour)[0], :3, 3]
         pieces = with_furniture_moved(stage.house, later, self.share, self.within_m, self.turn_rad, rng)
@@ -68,12 +68,12 @@ class ClosedDoors(WorldFault):
     share: float = setting(1.0, 0.0, 1.0)
     """Of all doors."""
 
-    def change(self, stage: Stage, tour: Tour, rng: np.random.Generator) -> Stage:
+    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """The stage with doors that close."""
         leaves = tuple(leaf for leaf in all_leaves(stage.house) if rng.random() < self.share)
         closing = {leaf.id for leaf in leaves}
         standing = tuple(leaf for leaf in stage.house.leaves if leaf.id not in closing)
-        return Stage(replace(stage.house, leaves=standing), (*stage.actors, ClosingDoors(leaves)))
+        return WorldState(replace(stage.house, leaves=standing), (*stage.actors, ClosingDoors(leaves)))
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Pedestrian(WorldFault):
     for_s: float = setting(20.0, 0.0, kw_only=True)
     """How long the person is there [s]."""
 
-    def change(self, stage: Stage, tour: Tour, rng: np.random.Generator) -> Stage:
+    def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """The stage with a person."""
         start, _ = self.span_s(tour)
         person = Person(tour, start, self.ahead_s, self.pace, draw_person(rng))

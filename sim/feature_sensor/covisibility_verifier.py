@@ -27,7 +27,7 @@ PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "t
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class MeasuredEdges:
     """Real edges: how wrong each is, and what it says of itself."""
 
     error: Float64[np.ndarray, "n 6"]
@@ -46,8 +46,8 @@ class LoopModel:
     """Share of chance that all candidates of one query have in common, in [0, 1)."""
     false_rate: float
     """Of candidates without a true edge, those that get a false one."""
-    true_edges: Measured
-    false_edges: Measured
+    true_edges: MeasuredEdges
+    false_edges: MeasuredEdges
     """May be empty: then `false_rate` is 0."""
 
     def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float32, Int
 
-from sim.feature_sensor.ray_origins import Eyes, RayGrid
+from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
@@ -26,7 +26,7 @@ class Crossings:
     """And at which it leaves it."""
 
 
-class Plan:
+class BlockPlan:
     """Blocks seen from above."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
@@ -35,7 +35,7 @@ class Plan:
         self._corners = _corners(blocks)
         self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)
 
-    def cross(self, eyes: Eyes) -> Crossings:
+    def cross(self, eyes: UprightCameras) -> Crossings:
         """What the columns of cameras cross, up to the first tall block."""
         camera, block, first, count = self._spanned(eyes)
         pair = np.repeat(np.arange(len(camera)), count)
@@ -52,7 +52,7 @@ class Plan:
         kept = kept[np.argsort(ray[kept], kind="stable")]
         return Crossings(camera[kept], column[kept], block[kept], np.maximum(near[kept], np.float32(0.0)), far[kept])
 
-    def _spanned(self, eyes: Eyes) -> tuple[Int[np.ndarray, "p"], ...]:
+    def _spanned(self, eyes: UprightCameras) -> tuple[Int[np.ndarray, "p"], ...]:
         """(camera, block, first column, number of columns) of every block that may be in the image."""
         offset = self._corners[None] - eyes.place[:, None, None]
         depth = np.einsum("kbcj,kj->kbc", offset, eyes.ahead)

@@ -14,7 +14,7 @@ from jaxtyping import Float, Float32, Float64
 
 from lexis.types import Poses
 from sim.feature_sensor.surroundings import OBJECTS
-from sim.feature_sensor.visible_shares import Views
+from sim.feature_sensor.visible_shares import VisibleShares
 
 FIELDS = ((0.3, 0.2), (1.0, 0.6), (3.0, 1.5))
 """Correlation lengths of the smooth fields: in place [m], and in the direction of view [rad]."""
@@ -35,24 +35,26 @@ class EmbeddingModel:
     kernels: Float64[np.ndarray, "kernels"]
     """Share of the error's variance that each of `KERNELS` has; they sum to 1."""
 
-    def expected(self, views: Views) -> Float32[np.ndarray, "n d"]:
+    def expected(self, views: VisibleShares) -> Float32[np.ndarray, "n d"]:
         """The mean embedding of views."""
         return np.asarray(views.described() @ self.weights + self.offset)
 
-    def draw(self, views: Views, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
+    def draw(self, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
         """Embeddings of views from poses of the body, unit norm. A function of pose, house and seed alone."""
         rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 
 
-def error_scores(model: EmbeddingModel, views: Views, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n k"]:
+def error_scores(
+    model: EmbeddingModel, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]
+) -> Float32[np.ndarray, "n k"]:
     """The field's value at every view, of unit variance in each of `k` independent dimensions."""
     rng, k = np.random.default_rng(seed), len(model.errors)
     parts = [bases @ rng.standard_normal((bases.shape[1], k), np.float32) for bases in _bases(views, T_W_B, rng)]
     return np.asarray(sum(np.float32(np.sqrt(share)) * part for share, part in zip(model.kernels, parts, strict=True)))
 
 
-def _bases(views: Views, T_W_B: Poses, rng: np.random.Generator) -> Iterator[Float32[np.ndarray, "n m"]]:
+def _bases(views: VisibleShares, T_W_B: Poses, rng: np.random.Generator) -> Iterator[Float32[np.ndarray, "n m"]]:
     """Of every kernel, rows whose inner products are its values."""
     yield np.ones((len(T_W_B), 1), np.float32)
     yield _units(views.of_rooms()).astype(np.float32)
@@ -64,7 +66,7 @@ def _bases(views: Views, T_W_B: Poses, rng: np.random.Generator) -> Iterator[Flo
         yield (np.sqrt(2 / _WAVES) * waves).astype(np.float32)
 
 
-def kernel_values(views: Views, T_W_B: Poses) -> Iterator[Float64[np.ndarray, "n n"]]:
+def kernel_values(views: VisibleShares, T_W_B: Poses) -> Iterator[Float64[np.ndarray, "n n"]]:
     """The values of every kernel between all views."""
     yield np.ones((len(T_W_B), len(T_W_B)))
     for rows in (_units(views.of_rooms()), _units(_objects(views))):
@@ -75,7 +77,7 @@ def kernel_values(views: Views, T_W_B: Poses) -> Iterator[Float64[np.ndarray, "n
         yield np.exp(-0.5 * squared)
 
 
-def _objects(views: Views) -> Float[np.ndarray, "n things"]:
+def _objects(views: VisibleShares) -> Float[np.ndarray, "n things"]:
     return np.where(views.around.kind < len(OBJECTS), views.shares, np.float32(0.0))
 
 

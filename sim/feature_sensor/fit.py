@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lexis.perception import Encoder
-from sim.feature_sensor.covisibility_verifier import LoopModel, Measured
+from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
 from sim.feature_sensor.fit_embedding import fit_embedding
 from sim.feature_sensor.fit_loops import fit_loops, joined, try_verification
 from sim.feature_sensor.fit_samples import choices, sample
@@ -46,8 +46,8 @@ def _compact(model: LoopModel) -> LoopModel:
     )
 
 
-def _thinned(edges: Measured) -> Measured:
+def _thinned(edges: MeasuredEdges) -> MeasuredEdges:
     """Evenly chosen ones, no more than are kept."""
     count = len(edges.inliers)
     chosen = np.unique(np.linspace(0, count - 1, min(count, _KEPT)).astype(int)) if count else np.zeros(0, int)
-    return Measured(edges.error[chosen], edges.covariance[chosen], edges.inliers[chosen])
+    return MeasuredEdges(edges.error[chosen], edges.covariance[chosen], edges.inliers[chosen])

@@ -14,7 +14,7 @@ from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopEdge
 from lexis.verification import Locator
-from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, Measured, Sight, fit_logistic, predictors
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, Sight, fit_logistic, predictors
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
@@ -50,8 +50,8 @@ class Trials:
     is_true: Bool[np.ndarray, "n"]
     """It was confirmed, and truly."""
     is_false: Bool[np.ndarray, "n"]
-    true_edges: Measured
-    false_edges: Measured
+    true_edges: MeasuredEdges
+    false_edges: MeasuredEdges
 
 
 def fit_loops(trials: Trials) -> LoopModel:
@@ -128,8 +128,10 @@ def _are_true(edges: Sequence[LoopEdge], truth: Float64[np.ndarray, "n 4 4"]) ->
     return true_edges(query, match, measured, truth)
 
 
-def _measured(edges: Sequence[LoopEdge], errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]) -> Measured:
-    return Measured(
+def _measured(
+    edges: Sequence[LoopEdge], errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]
+) -> MeasuredEdges:
+    return MeasuredEdges(
         np.array([errors[i] for i in rows]).reshape(-1, 6),
         np.array([edges[i].covariance for i in rows]).reshape(-1, 6, 6),
         np.array([edges[i].inliers for i in rows], int),
@@ -149,8 +151,8 @@ def joined(parts: Sequence[Trials]) -> Trials:
     )
 
 
-def _pooled(parts: Sequence[Measured]) -> Measured:
-    return Measured(
+def _pooled(parts: Sequence[MeasuredEdges]) -> MeasuredEdges:
+    return MeasuredEdges(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("error", "covariance", "inliers"))
     )
 

@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64, Int
 from lexis.perception import Encoder
 from lexis.types import Camera
 from sim.feature_sensor.surroundings import Surroundings, survey
-from sim.feature_sensor.visible_shares import Views, look
+from sim.feature_sensor.visible_shares import VisibleShares, look
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
 from sim.tours.tour import Tour, TourConfig, plan_tour
@@ -24,7 +24,7 @@ class Sample:
 
     around: Surroundings
     T_W_B: Float64[np.ndarray, "n 4 4"]
-    views: Views
+    views: VisibleShares
     embeddings: Float32[np.ndarray, "n d"]
     """Of the rendered images."""
 

@@ -12,7 +12,7 @@ from lexis.files.replace import replaced_file
 from lexis.inputs import usable_covariances
 from lexis.perception import Encoder
 from sim.errors import SimError
-from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, Measured
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.visible_shares import SIZE
 
@@ -107,13 +107,13 @@ def _flat(model: FeatureModel) -> dict[str, np.ndarray]:
     arrays |= {f"loops.{name}": np.asarray(getattr(model.loops, name)) for name in ("weights", "query_share", "false_rate")}
     for name in ("true_edges", "false_edges"):
         edges = getattr(model.loops, name)
-        arrays |= {f"loops.{name}.{f.name}": getattr(edges, f.name) for f in fields(Measured)}
+        arrays |= {f"loops.{name}.{f.name}": getattr(edges, f.name) for f in fields(MeasuredEdges)}
     return {name: array.astype(np.float32) if array.dtype == float else array for name, array in arrays.items()}
 
 
 def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
     edges = {
-        name: Measured(
+        name: MeasuredEdges(
             arrays[f"loops.{name}.error"].astype(float),
             arrays[f"loops.{name}.covariance"].astype(float),
             arrays[f"loops.{name}.inliers"].astype(int),

@@ -12,7 +12,7 @@ from jaxtyping import Float32
 from lexis.errors import EncoderError
 from lexis.types import Image, Poses
 from sim.feature_sensor.surroundings import OBJECTS
-from sim.feature_sensor.visible_shares import Views
+from sim.feature_sensor.visible_shares import VisibleShares
 from sim.fidelity import ORACLE
 from worlds.labels import ROOM_LABELS
 
@@ -45,7 +45,7 @@ class Oracle:
         return np.eye(_SIZE, dtype=np.float32)[[ROOM_LABELS.index(name) for name in names]]
 
 
-def true_embeddings(views: Views, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
+def true_embeddings(views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
     """What the oracle's percepts hold: the shares of labels and of objects, unit norm."""
     rows = np.zeros((len(T_W_B), _SIZE), np.float32)
     np.add.at(rows.T, views.around.labels, views.of_rooms().T.astype(np.float32))

@@ -33,7 +33,7 @@ class RayGrid:
 
 
 @dataclass(frozen=True, eq=False)
-class Eyes:
+class UprightCameras:
     """Upright cameras."""
 
     place: Float32[np.ndarray, "k 2"]
@@ -52,7 +52,7 @@ class Eyes:
         return _right_of(self.ahead)
 
 
-def eyes_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> Eyes:
+def cameras_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> UprightCameras:
     """The cameras at `T_W_C`. Roll is left out, pitch shifts the rows."""
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
@@ -62,7 +62,7 @@ def eyes_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> Eyes:
     slope = rise[:, None] - grid.y
     slope[slope == 0.0] = 1e-6
     place = T_W_C[:, :3, 3].astype(np.float32)
-    return Eyes(place[:, :2], place[:, 2], ahead, lines, slope, storeys)
+    return UprightCameras(place[:, :2], place[:, 2], ahead, lines, slope, storeys)
 
 
 def _right_of(ahead: Float32[np.ndarray, "k 2"]) -> Float32[np.ndarray, "k 2"]:

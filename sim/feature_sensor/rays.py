@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float32, Int
 
 from lexis.types import Poses
-from sim.feature_sensor.crossings import FAR_M, NEAR_M, Crossings, Plan
-from sim.feature_sensor.ray_origins import Eyes, RayGrid, eyes_at
+from sim.feature_sensor.crossings import FAR_M, NEAR_M, BlockPlan, Crossings
+from sim.feature_sensor.ray_origins import RayGrid, UprightCameras, cameras_at
 from sim.feature_sensor.surroundings import SURFACES, Surroundings
 from worlds.labels import STAIRS
 from worlds.truth import NOWHERE, floor_at, room_at
@@ -51,7 +51,7 @@ def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
         members = np.flatnonzero(rooms == room)
         for start in range(0, len(members), _CHUNK):
             rows = members[start : start + _CHUNK]
-            hits.depth[rows], hits.thing[rows] = caster.cast(eyes_at(T_W_C[rows], storeys[rows], grid))
+            hits.depth[rows], hits.thing[rows] = caster.cast(cameras_at(T_W_C[rows], storeys[rows], grid))
     return hits
 
 
@@ -66,18 +66,18 @@ class _Caster:
         self._blocks = around.blocks[(z[:, 0] < high - _TOLERANCE_M) & (z[:, 1] > low + _TOLERANCE_M)]
         low_enough = self._blocks.z[:, 0] < low + _TOLERANCE_M
         tall = low_enough & (self._blocks.z[:, 1] > min(high, low + _TALL_M) - _TOLERANCE_M)
-        self._plan = Plan(self._blocks, tall, grid)
+        self._plan = BlockPlan(self._blocks, tall, grid)
         # On stairs, the storey that the camera is on has floor and ceiling; elsewhere it is the room.
         levels = [(s.floor_m, s.ceiling_m) if own.label == STAIRS else (low, high) for s in house.storeys]
         self._levels = np.array(levels, np.float32)
         self._open_above = np.array([each.outdoor for each in house.rooms] + [True])
 
-    def cast(self, eyes: Eyes) -> tuple[Depths, Rows]:
+    def cast(self, eyes: UprightCameras) -> tuple[Depths, Rows]:
         """Depths and things."""
         depth, block = self._nearest(eyes, self._plan.cross(eyes))
         return self._with_levels(eyes, depth, block)
 
-    def _nearest(self, eyes: Eyes, crossed: Crossings) -> tuple[Depths, Rows]:
+    def _nearest(self, eyes: UprightCameras, crossed: Crossings) -> tuple[Depths, Rows]:
         """Depth of the first block on every ray, and which it is (-1: none)."""
         depth = np.full((len(eyes.place), *self._shape), np.inf, np.float32)
         block = np.full(depth.shape, -1)
@@ -96,7 +96,7 @@ class _Caster:
         block[rows] = np.where(met, crossed.block[starts[:, None] + (packed & _RANK)], -1)
         return depth, block
 
-    def _entered(self, eyes: Eyes, crossed: Crossings) -> Float32[np.ndarray, "h rows"]:
+    def _entered(self, eyes: UprightCameras, crossed: Crossings) -> Float32[np.ndarray, "h rows"]:
         """Depth at which every ray of a column enters a block that the column crosses; `FAR_M` where it passes by."""
         camera = crossed.camera
         rise = self._blocks.z[crossed.block] - eyes.height[camera, None]
@@ -105,7 +105,7 @@ class _Caster:
         met = (enter <= np.minimum(level.max(axis=1), crossed.far[:, None])) & (enter > NEAR_M)
         return np.where(met, enter, FAR_M)
 
-    def _with_levels(self, eyes: Eyes, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
+    def _with_levels(self, eyes: UprightCameras, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
         """Floors and ceilings where nothing is before them; then things instead of blocks."""
         floor, ceiling = self._levels[eyes.storey].T
         down = eyes.slope < 0.0

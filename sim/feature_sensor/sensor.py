@@ -12,7 +12,7 @@ from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import true_embeddings
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import Surroundings, survey
-from sim.feature_sensor.visible_shares import COLUMNS, ROWS, Views, look
+from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
 
 _STREAM = 4
@@ -58,7 +58,7 @@ class FeatureSensor:
         grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
         return CovisibilityVerifier(self._model.loops, sight_of, grid, self._seed[0])
 
-    def _embeddings(self, views: Views, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
+    def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
         if self._oracle:
             return true_embeddings(views, T_W_B)
         return self._model.embedding.draw(views, T_W_B, self._seed)

@@ -30,7 +30,7 @@ SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 
 
 @dataclass(frozen=True, eq=False)
-class Views:
+class VisibleShares:
     """What cameras see."""
 
     around: Surroundings
@@ -77,10 +77,10 @@ class Views:
         return np.asarray(_COLOUR_WEIGHT * means.reshape(len(seen), 3 * len(SURFACES)))
 
 
-def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> Views:
+def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
     """What a camera sees from poses of the body."""
     hits = cast(around, T_W_B @ camera.T_B_C, RayGrid.of(camera.intrinsics, COLUMNS, ROWS))
-    return Views(around, hits, shares_of(hits.thing, len(around.names)))
+    return VisibleShares(around, hits, shares_of(hits.thing, len(around.names)))
 
 
 def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n {things}"]:

@@ -18,7 +18,7 @@ from sim.render.rig import Rig, make_rig
 from sim.tours.tour import TourConfig
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
-from worlds.spec_errors import near
+from worlds.valid_names import did_you_mean
 
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
 """Faults that the feature sensor knows nothing of: it has no pixels, and sees nothing that moves by itself."""
@@ -70,7 +70,9 @@ class RunConfig:
         """Raise SimError for an unknown odometry preset or a negative seed."""
         if self.odometry not in ODOMETRY_PRESETS:
             valid = ", ".join(ODOMETRY_PRESETS)
-            raise SimError(f"unknown odometry {self.odometry!r}{near(self.odometry, ODOMETRY_PRESETS)}; valid: {valid}")
+            raise SimError(
+                f"unknown odometry {self.odometry!r}{did_you_mean(self.odometry, ODOMETRY_PRESETS)}; valid: {valid}"
+            )
         self.drift()
         self._check_fidelity()
         if not 0 <= self.seed < 2**63:

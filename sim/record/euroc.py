@@ -16,7 +16,7 @@ from lexis.types import Camera
 from sim.odometry.imu import ImuConfig
 from sim.record.images import SUFFIXES, encoded
 from sim.record.settings import write_settings
-from sim.record.take import Frame, Take
+from sim.record.take import RecordedFrame, Take
 
 IMAGE_COLUMNS = ("#timestamp [ns]", "filename")
 IMU_COLUMNS = (
@@ -35,7 +35,7 @@ STATE_COLUMNS = (
 ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for row in range(6) for column in range(6)))
 
 
-def write_euroc(folder: Path, take: Take, frames: Iterable[Frame], images: str) -> None:
+def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
     """Write a take. Beside `mav0` lie a list of stamps for ORB-SLAM3, and settings of other systems. Raises OSError."""
     sensors = folder / SENSORS
     sensors.mkdir()
@@ -46,7 +46,7 @@ def write_euroc(folder: Path, take: Take, frames: Iterable[Frame], images: str) 
     _write_frames(folder, take, frames, SUFFIXES[images])
 
 
-def _write_frames(folder: Path, take: Take, frames: Iterable[Frame], suffix: str) -> None:
+def _write_frames(folder: Path, take: Take, frames: Iterable[RecordedFrame], suffix: str) -> None:
     """Images and odometry, which pass but once."""
     sensors = folder / SENSORS
     stamps: list[int] = []

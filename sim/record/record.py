@@ -16,11 +16,11 @@ from sim.odometry.imu import ImuConfig
 from sim.record.euroc import write_euroc
 from sim.record.rooms import ROOMS, FrameRooms
 from sim.record.ros2 import write_bag
-from sim.record.take import Frame, Take, prepare
+from sim.record.take import RecordedFrame, Take, prepare
 from sim.record.tum_rgbd import write_tum_rgbd
 from sim.render.lens import Distortion
 
-Write: TypeAlias = Callable[[Path, Take, Iterable[Frame], str], None]
+Write: TypeAlias = Callable[[Path, Take, Iterable[RecordedFrame], str], None]
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,9 @@ def _check_space(folder: Path, take: Take, form: Format, images: str) -> None:
         )
 
 
-def _reported(frames: Iterable[Frame], total: int, progress: Callable[[float], None] | None) -> Iterator[Frame]:
+def _reported(
+    frames: Iterable[RecordedFrame], total: int, progress: Callable[[float], None] | None
+) -> Iterator[RecordedFrame]:
     for done, frame in enumerate(frames, 1):
         yield frame
         if progress is not None:

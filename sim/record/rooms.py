@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.record.take import Frame
+from sim.record.take import RecordedFrame
 from worlds.house import House, Room
 
 ROOMS = "rooms.json"
@@ -27,7 +27,7 @@ class FrameRooms:
         self._storeys: list[int] = []
         self._faults: dict[int, list[str]] = {}
 
-    def note(self, frames: Iterable[Frame]) -> Iterable[Frame]:
+    def note(self, frames: Iterable[RecordedFrame]) -> Iterable[RecordedFrame]:
         """The frames, each noted."""
         for frame in frames:
             if frame.truth.faults:

@@ -20,7 +20,7 @@ from sim.errors import SimError
 from sim.record.images import SUFFIXES, encoded
 from sim.record.messages import Messages
 from sim.record.settings import write_settings
-from sim.record.take import Frame, Take
+from sim.record.take import RecordedFrame, Take
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
@@ -29,7 +29,7 @@ _VERSION: Literal[8] = 8
 """Of the bag's metadata: read by every ROS 2 that is supported."""
 
 
-def write_bag(folder: Path, take: Take, frames: Iterable[Frame], images: str, storage: str = "sqlite3") -> None:
+def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str, storage: str = "sqlite3") -> None:
     """Write a take as the bag `bag`, stored by sqlite3 or mcap. Raises SimError without `rosbags`, or room on the disk."""
     messages = Messages.load()
     write_settings(folder / "settings", take)
@@ -118,7 +118,7 @@ class _Odometry:
         self._last = seen
 
 
-def _write_images(bag: _Bag, take: Take, frame: Frame, images: str) -> None:
+def _write_images(bag: _Bag, take: Take, frame: RecordedFrame, images: str) -> None:
     for name, image in frame.images.items():
         camera = take.cameras[name]
         info = bag.messages.camera_info(frame.stamp_ns, name, camera, take.cameras["cam0"], take.distortion)

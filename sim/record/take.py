@@ -16,7 +16,6 @@ from jaxtyping import Float32, Float64, Int64
 
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
-from sim.changing_world import Painter, Staging
 from sim.errors import SimError
 from sim.harness.config import RunConfig
 from sim.harness.walk import Walk, walk
@@ -25,6 +24,7 @@ from sim.render.lens import Distortion, rendered_camera
 from sim.render.rig import FREE_M, STEREO_BASELINE_M
 from sim.session import Session
 from sim.truth import Truth
+from sim.world_states import FrameRenderer, WorldStates
 
 EPOCH_NS = 10**18
 """Stamp of the first frame, in 2001: stamps have 19 digits, as tools that cut them into seconds and nanoseconds expect."""
@@ -35,7 +35,7 @@ _MARGIN_S = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class RecordedFrame:
     """All that is recorded at one instant."""
 
     stamp_ns: int
@@ -91,7 +91,7 @@ class Take:
         moving = (self.imu.stamps > 0.0) & (self.imu.stamps < self.walk.tour.motion.duration_s)
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
-    def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[Frame, None, None]:
+    def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
         """The frames as they arrive, with images of cam0 and of the other `cameras` named, and its depth if asked for.
 
         Faults of images are those of cam0 alone, whose images LEXIS sees; faults of the world are seen by all.
@@ -104,14 +104,16 @@ class Take:
         session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed, distortion=bent)
         # A staging of its own: the session renders in another thread.
         rendered = rendered_camera(camera, bent) if bent else camera
-        staging = Staging(walked.house, walked.tour, rendered, faults, seed)
+        staging = WorldStates(walked.house, walked.tour, rendered, faults, seed)
         with ExitStack() as stack:
-            painters = {name: stack.enter_context(closing(Painter(staging, self.cameras[name], bent))) for name in cameras}
-            ranging = stack.enter_context(closing(Painter(staging, camera, bent))) if depth else None
+            painters = {
+                name: stack.enter_context(closing(FrameRenderer(staging, self.cameras[name], bent))) for name in cameras
+            }
+            ranging = stack.enter_context(closing(FrameRenderer(staging, camera, bent))) if depth else None
             pairs = stack.enter_context(closing(iter(session)))
             for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
-                frame = Frame(
+                frame = RecordedFrame(
                     stamp_ns(observation.stamp),
                     observation,
                     truth,
@@ -120,7 +122,7 @@ class Take:
                 )
                 yield from self._at_rest(frame) if k == 0 else [frame]
 
-    def _at_rest(self, first: Frame) -> Iterator[Frame]:
+    def _at_rest(self, first: RecordedFrame) -> Iterator[RecordedFrame]:
         """The first frame as often as the rest lasts, then once more; nothing moves, so the odometry makes no error."""
         still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
         for k in range(-self.rest_frames, 1):

@@ -15,7 +15,7 @@ from lexis.datasets.tum_rgbd import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, co
 from lexis.maths.quaternions import pose_rows
 from sim.record.images import SUFFIXES, encoded, encoded_depth
 from sim.record.settings import write_rgbd_settings
-from sim.record.take import Frame, Take
+from sim.record.take import RecordedFrame, Take
 
 ASSOCIATIONS = "associations.txt"
 """Images beside their depth, as the benchmark's `associate.py` writes them; ORB-SLAM3 reads it, and no comments in it."""
@@ -28,7 +28,7 @@ _HEADERS = {
 }
 
 
-def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[Frame], images: str) -> None:
+def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
     """Write a take. Raises OSError."""
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
     write_camera(folder / CAMERA, camera, take.distortion.coefficients)

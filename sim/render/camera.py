@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Int32, UInt8
 
 from lexis.types import Camera, Intrinsics, Pose
-from sim.render.raster import Frame, Raster
+from sim.render.raster import Raster, RenderedFrame
 from sim.render.scene import Scene
 from worlds.visuals.meshes import Solid
 
@@ -54,7 +54,7 @@ class CameraRenderer:
         """Index into `Scene.object_of_geom` per pixel, -1 for sky. For tests and training; it never reaches LEXIS."""
         return self._raster.geom_ids(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
-    def frame(self, T_W_B: Pose) -> Frame:
+    def frame(self, T_W_B: Pose) -> RenderedFrame:
         """All three of a pose, at less than their single costs."""
         return self._raster.frame(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float32, Float64, Int32
 
 from lexis.types import Intrinsics, Pose
 from sim.errors import SimError
-from sim.render.raster import NO_GEOM, Frame, Raster
+from sim.render.raster import NO_GEOM, Raster, RenderedFrame
 
 _RIM_PX = 2
 """That each face is wider than 90 degrees, so that its neighbours in bilinear interpolation are its own."""
@@ -76,7 +76,7 @@ class FisheyeRenderer:
         self._maps = [_Map.of(along[i], face == i, self._face) for i in range(len(_FACES)) if (face == i).any()]
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 
-    def frame(self, T_W_B: Pose) -> Frame:
+    def frame(self, T_W_B: Pose) -> RenderedFrame:
         """Picture, distance along each pixel's ray [m], and geom ids; black, 0 and `NO_GEOM` beyond the field of view.
 
         Distances are exact on planes, whose inverse depth is linear in a pinhole's image; where the neighbours of a pixel
@@ -90,7 +90,7 @@ class FisheyeRenderer:
             seen, mask = self._raster.frame(T_W_C @ T_C_F, self._face), face_map.mask
             rgb[mask] = cv2.remap(seen.rgb, face_map.u, face_map.v, cv2.INTER_LINEAR)[mask]
             depth[mask], ids[mask] = face_map.distances(seen), face_map.nearest(seen.geom_ids)
-        return Frame(rgb, depth, ids)
+        return RenderedFrame(rgb, depth, ids)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ class _Map:
     def nearest(self, image: Int32[np.ndarray, "h w"]) -> Int32[np.ndarray, "k"]:
         return np.asarray(image[np.rint(self.v[self.mask]).astype(int), np.rint(self.u[self.mask]).astype(int)])
 
-    def distances(self, seen: Frame) -> Float64[np.ndarray, "k"]:
+    def distances(self, seen: RenderedFrame) -> Float64[np.ndarray, "k"]:
         u, v = self.u[self.mask].astype(float), self.v[self.mask].astype(float)
         i, j = np.floor(v).astype(int), np.floor(u).astype(int)
         a, b = v - i, u - j

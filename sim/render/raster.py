@@ -27,7 +27,7 @@ NO_GEOM = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class RenderedFrame:
     """All that a camera sees from one pose."""
 
     rgb: UInt8[np.ndarray, "h w 3"]
@@ -88,12 +88,12 @@ class Raster:
         # All geoms are drawn, so that a geom's place among the drawn is its id; MuJoCo counts them from 1.
         return np.asarray(red + (green << 8) + (blue << 16) - 1)
 
-    def frame(self, T_W_C: Pose, intrinsics: Intrinsics) -> Frame:
+    def frame(self, T_W_C: Pose, intrinsics: Intrinsics) -> RenderedFrame:
         """Picture and depth, drawn together, and ids."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         buffer = np.empty((intrinsics.height, intrinsics.width), np.float32)
         self._draw_merged(T_W_C, intrinsics, image, buffer)
-        return Frame(np.ascontiguousarray(image[::-1]), self._metres(buffer), self.geom_ids(T_W_C, intrinsics))
+        return RenderedFrame(np.ascontiguousarray(image[::-1]), self._metres(buffer), self.geom_ids(T_W_C, intrinsics))
 
     def close(self) -> None:
         """Release the GL context; more than once does no harm, and to no other raster."""

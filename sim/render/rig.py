@@ -12,11 +12,11 @@ from lexis.types import Camera, Pose
 from sim.errors import SimError
 from sim.render.camera import fovy_deg, wide_camera
 from sim.render.fisheye import Fisheye, FisheyeRenderer
-from sim.render.raster import Frame, Raster
+from sim.render.raster import Raster, RenderedFrame
 from sim.render.scene import Scene, build_scene
 from worlds.house import House
 from worlds.parts import Vector
-from worlds.spec_errors import near
+from worlds.valid_names import did_you_mean
 
 STEREO_BASELINE_M = 0.11
 """As of the paper's Alphasense and of EuRoC's camera."""
@@ -74,7 +74,7 @@ def build_rig_scene(house: House, rig: Rig) -> Scene:
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
     """A preset of `RIGS` with pinholes of that size [px] and horizontal field of view. Raises `SimError` if unknown."""
     if name not in RIGS:
-        raise SimError(f"unknown rig {name!r}{near(name, RIGS)}; valid: {', '.join(RIGS)}")
+        raise SimError(f"unknown rig {name!r}{did_you_mean(name, RIGS)}; valid: {', '.join(RIGS)}")
     return RIGS[name](wide_camera(width, height, hfov_deg))
 
 
@@ -135,7 +135,7 @@ class RigRenderer:
         images = {name: self._raster.rgb(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
 
-    def frames(self, T_W_B: Pose) -> dict[str, Frame]:
+    def frames(self, T_W_B: Pose) -> dict[str, RenderedFrame]:
         """Pictures, depths and ids by camera. A fisheye's depths run along the rays, a pinhole's along its axis."""
         frames = {name: self._raster.frame(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return frames | {name: eye.frame(T_W_B) for name, eye in self._fisheyes.items()}

@@ -12,7 +12,7 @@ from sim.errors import SimError
 from sim.tours.config import TourConfig
 from sim.tours.lanes import lanes_through
 from sim.tours.order import drawn_in, first_lap, short_cycle, thinned, walked
-from sim.tours.paths import Ways
+from sim.tours.paths import KnownPaths
 from sim.tours.stops import COMFORT_M, Stops
 from worlds.house import House
 from worlds.labels import STAIRS
@@ -54,14 +54,14 @@ class Planner:
     walkable: Walkable
     config: TourConfig
     stops: Stops
-    ways: Ways
+    ways: KnownPaths
     seed: int
     """Of all draws, so that planning again for another length draws the same."""
 
     @staticmethod
     def of(house: House, walkable: Walkable, config: TourConfig, rng: np.random.Generator) -> "Planner":
         """Raises `SimError` where the house has no two places to stop at."""
-        ways = Ways(walkable, config.prefer_clearance_m, straight=config.kind == "lawn-mower")
+        ways = KnownPaths(walkable, config.prefer_clearance_m, straight=config.kind == "lawn-mower")
         return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
 
     def nodes(self, length_m: float | None) -> list[int]:

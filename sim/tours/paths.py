@@ -1,4 +1,4 @@
-"""`Ways`: the lines between places that a tour goes to, each looked for once."""
+"""`KnownPaths`: the lines between places that a tour goes to, each looked for once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from worlds.walkable import Walkable, polyline_length
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class KnownPaths:
     """Ways between nodes of the walkable graph."""
 
     walkable: Walkable

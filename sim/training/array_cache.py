@@ -19,7 +19,7 @@ _ORIGINS = "origins"
 _FILE = FileKind("a file of an earlier run; delete it to have it made again", 10**12, SimError, unusable="cannot be read")
 
 
-def kept(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
+def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
     """The arrays in a file, made and written first where there is none. Raises as `loaded` does."""
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -16,7 +16,7 @@ from sim.errors import SimError
 from sim.training.align import AlignedTower
 from sim.training.dense import TRUNK, DenseTower
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG
-from sim.training.views import IMAGE_SIZE
+from sim.training.viewpoints import IMAGE_SIZE
 
 _TRUNK = "visual.trunk."
 _PROJECTION = "visual.head.proj.weight"

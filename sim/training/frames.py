@@ -15,10 +15,10 @@ from sim.render.camera import fovy_deg, wide_camera
 from sim.render.raster import NO_GEOM, Raster
 from sim.render.scene import LIGHTS, Scene, build_scene
 from sim.tours.tour import TourConfig
-from sim.training.array_cache import Arrays, house_origin, kept, loaded, origin
+from sim.training.array_cache import Arrays, cached_arrays, house_origin, loaded, origin
 from sim.training.houses import HouseDraw
 from sim.training.variants import HELD_OUT_COLOURS, repainted
-from sim.training.views import TRAINING_VIEWS, Views, poses_along_tour
+from sim.training.viewpoints import TRAINING_VIEWS, ViewpointConfig, poses_along_tour
 from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import House, build_house
 from worlds.labels import ROOM_LABELS, STAIRS
@@ -102,20 +102,20 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
     yield from (Frames(**loaded(path, (taken,))) for path in paths)
 
 
-def frames_origin(views: Views) -> str:
+def frames_origin(views: ViewpointConfig) -> str:
     """A digest of how frames are taken and told, whatever house they are of."""
     told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
     looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
     return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)
 
 
-def frames_of_house(draw: HouseDraw, views: Views = TRAINING_VIEWS) -> Frames:
+def frames_of_house(draw: HouseDraw, views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
     """Frames along a tour through one house; none where there is no way."""
     house = repainted(build_house(draw.spec()), held_out=False)
     return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 
 
-def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: Views = TRAINING_VIEWS) -> Frames:
+def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
     """Frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
     camera, plain = wide_camera(*views.rendered), wide_camera(*_IDS_SIZE)
     scene = build_scene(house, views.rendered, fovy_deg(camera.intrinsics))
@@ -174,4 +174,4 @@ def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np
 
 def _kept(folder: Path, draw: HouseDraw) -> Frames:
     path, origins = folder / f"{draw.preset}-{draw.seed}.npz", (frames_origin(TRAINING_VIEWS), house_origin(draw))
-    return Frames(**kept(path, origins, lambda: frames_of_house(draw).arrays))
+    return Frames(**cached_arrays(path, origins, lambda: frames_of_house(draw).arrays))

@@ -15,7 +15,7 @@ from lexis.query.answers import FITS
 from lexis.query.calibration import Calibration, familiarity, load_calibration, save_calibration
 from sim.errors import SimError
 from sim.training.houses import TUNING_SEEDS, HouseDraw, draw_houses
-from sim.training.query_questions import DOUBTFUL, NO, YES, Asked, ask, embedded, room_views
+from sim.training.query_questions import DOUBTFUL, NO, YES, QuestionBatch, ask, embedded, room_views
 from sim.training.temperature import calibration_error
 from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
@@ -43,7 +43,7 @@ def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: in
 
 def asked_in(
     houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
-) -> list[Asked]:
+) -> list[QuestionBatch]:
     """Walk through every house and ask questions in trained words; houses that cannot be walked are left out."""
     asked = []
     for number, draw in enumerate(houses):
@@ -54,7 +54,7 @@ def asked_in(
     return asked
 
 
-def fit_calibration(encoder: TextEncoder, asked: Sequence[Asked]) -> Calibration:
+def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Calibration:
     """Logistic regression of the truth on similarity and familiarity, over the best room of every question.
 
     That room decides whether anything is found; `measure` tells how well the same holds for all rooms. Raises `SimError`
@@ -92,7 +92,7 @@ class CalibrationFigures:
     """Questions without an answer that get "unknown"."""
 
 
-def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Asked]) -> CalibrationFigures:
+def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[QuestionBatch]) -> CalibrationFigures:
     """Over all questions of all houses."""
     every, best, answered = [], [], []
     for asked in houses:
@@ -115,7 +115,7 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Ask
     )
 
 
-def _best_rooms(asked: Asked, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
+def _best_rooms(asked: QuestionBatch, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
     """Similarity, familiarity and truth of every question's best room, where there is no doubt about it."""
     known = familiarity(asked.embeddings, ROOM_LABELS, encoder)
     rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)

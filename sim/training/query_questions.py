@@ -25,7 +25,7 @@ from sim.training.phrases import (
     Table,
     framed,
 )
-from sim.training.views import LEXIS_VIEWS, evenly_along
+from sim.training.viewpoints import LEXIS_VIEWS, evenly_along
 from worlds.labels import ROOM_LABELS
 from worlds.truth import room_at
 
@@ -64,7 +64,7 @@ class RoomViews:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class QuestionBatch:
     """Questions, how well every room fits them, and the truth."""
 
     texts: tuple[str, ...]
@@ -95,7 +95,7 @@ def ask(
     encoder: TextEncoder,
     rng: np.random.Generator,
     held_out: bool = False,
-) -> Asked:
+) -> QuestionBatch:
     """Draw questions and ask them: in trained words, or in words that no caption ever held. `images`: `embedded(views)`."""
     drawn = [question for topic in TOPICS for question in _drawn(topic, views, rng, held_out)]
     texts = tuple(text for _, text, _ in drawn)
@@ -103,7 +103,7 @@ def ask(
     fits = (images @ questions.T).astype(float)
     of_rooms = np.array([best_views(fits[views.room == room]) for room in range(len(views.labels))])
     topics, truths = tuple(topic for topic, _, _ in drawn), np.stack([truth for _, _, truth in drawn], axis=1)
-    return Asked(texts, topics, questions, of_rooms, truths)
+    return QuestionBatch(texts, topics, questions, of_rooms, truths)
 
 
 def _drawn(

@@ -11,7 +11,7 @@ from lexis.map.folder import save_map
 from lexis.maths.quaternions import pose_rows
 from lexis.maths.se3 import exp
 from lexis.types import Camera, Intrinsics, Observation
-from sim.feature_sensor.covisibility_verifier import LoopModel, Measured
+from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.model import FeatureModel, save_features
 from sim.feature_sensor.visible_shares import SIZE
@@ -73,7 +73,7 @@ def write_map(folder):
 
 def write_features(path):
     """A feature model of two dimensions."""
-    edges = Measured(np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]))
+    edges = MeasuredEdges(np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]))
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, edges)
     weights, errors, kernels = (
         np.full((SIZE, 2), 0.1, np.float32),

@@ -91,7 +91,7 @@ def test_a_probe_that_hangs_is_found(probing, monkeypatch):
 )
 def test_a_probe_that_fails_says_why_in_one_line(probing, code, detail):
     probing(code)
-    assert doctor.probe("off-screen OpenGL", "draw") == doctor.Finding("off-screen OpenGL", False, detail)
+    assert doctor.probe("off-screen OpenGL", "draw") == doctor.Diagnosis("off-screen OpenGL", False, detail)
 
 
 @pytest.mark.parametrize(("fine", "steps"), [(True, "draw encode"), (False, "encode")])

@@ -10,7 +10,7 @@ from worlds.checks.collisions import outlines_over, overlaps
 from worlds.checks.plan_grid import PlanGrid
 from worlds.free_space import Obstacles
 from worlds.house import Furniture, House
-from worlds.openings.doors import Leaf
+from worlds.openings.doors import DoorLeaf
 from worlds.walls import Wall, opening_span
 
 FLAT_M = 0.03
@@ -137,6 +137,6 @@ def _wall_name(wall: Wall) -> str:
     return f"the wall between {a} and {b}"
 
 
-def _leaf_name(house: House, leaf: Leaf) -> str:
+def _leaf_name(house: House, leaf: DoorLeaf) -> str:
     opening = house.spec.storeys[leaf.storey].openings[leaf.opening]
     return f"the door leaf of storeys[{leaf.storey}].openings[{leaf.opening}] ({opening.rooms[0]} - {opening.rooms[1]})"

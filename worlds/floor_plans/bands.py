@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from worlds.floor_plans.bays import DOOR_FRONT, bay_width, share_out
-from worlds.floor_plans.programmes import Bay, Run, StoreyProgramme
+from worlds.floor_plans.programmes import Bay, BayRun, StoreyProgramme
 from worlds.floor_plans.rectangles import area_m2
-from worlds.floor_plans.storey_draft import Placed
+from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
 
 _SHORTEST_BELOW = 350
@@ -25,8 +25,8 @@ _STRETCH = 1.5
 class BandedStorey:
     """A storey's runs by band, and how far they reach [cm]."""
 
-    bands: dict[Band, list[Run]]
-    slot: Run | None = None
+    bands: dict[Band, list[BayRun]]
+    slot: BayRun | None = None
     lengths: dict[Band, int] = field(default_factory=dict)
     wrap: int = 0
     """How far the last room of the south band reaches beyond the spine and round its end [cm]."""
@@ -85,14 +85,14 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
         storey.wrap = wrap if storey.bands["south"] is south else 0
 
 
-def _kept(runs: Sequence[Run]) -> dict[int, Band]:
+def _kept(runs: Sequence[BayRun]) -> dict[int, Band]:
     """Something lies in the south of every storey: what would have a garden or a balcony."""
     garden = ("living room", "dining room", "kitchen")
     best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
     return {best: "south"}
 
 
-def _take_slot(runs: list[Run], shell: Shell) -> Run | None:
+def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
     """The run that fits the place behind the stairs, taken from `runs`."""
     slot = shell.slot()
     if slot is None or len(runs) < 3:
@@ -151,7 +151,7 @@ def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
     return widths
 
 
-def placed_bays(storey: BandedStorey, shell: Shell) -> list[Placed]:
+def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
     """The bays of a storey that has been measured, with their places."""
     out = []
     for band in storey.bands:
@@ -161,13 +161,13 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[Placed]:
         if len(bays) > 1 and filled[-1] != filled[-2] and bays[-1].twin == bays[-2].twin is not None:
             bays[-1] = bays[-1].apart(1)
         for bay, joint, width in zip(bays, joined, filled, strict=True):
-            out.append(Placed(band, bay, start, width, joint))
+            out.append(PlacedBay(band, bay, start, width, joint))
             start += width
         if band == "south" and storey.wrap and out:
             out[-1] = replace(out[-1], wrap=storey.wrap)
     return out
 
 
-def _joints(runs: Sequence[Run]) -> list[Run | None]:
+def _joints(runs: Sequence[BayRun]) -> list[BayRun | None]:
     """For every bay, the run that joins it to the bay before it."""
     return [run if i else None for run in runs for i in range(len(run.bays))]

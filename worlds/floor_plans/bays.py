@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from worlds.floor_plans.programmes import Bay, Run
+from worlds.floor_plans.programmes import Bay, BayRun
 from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.floor_plans.room_sizes import SIZES
 
@@ -26,7 +26,7 @@ def bay_width(bay: Bay, depth: int) -> int:
     return 5 * math.ceil(max(wished, least, carved + front) / 5)
 
 
-def run_width(run: Run, depth: int) -> int:
+def run_width(run: BayRun, depth: int) -> int:
     """Of all its bays [cm]."""
     return sum(bay_width(bay, depth) for bay in run.bays)
 

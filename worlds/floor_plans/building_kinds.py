@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, replace
 
-from worlds.floor_plans.floor_plan import Style
+from worlds.floor_plans.floor_plan import PlanStyle
 from worlds.floor_plans.programmes import Habits
 
 
 @dataclass(frozen=True)
-class Kind:
+class BuildingKind:
     """A family of buildings."""
 
     rooms: tuple[int, int]
@@ -18,7 +18,7 @@ class Kind:
     """Rooms in the order in which they are wanted."""
     more: tuple[str, ...]
     """What further rooms are drawn from."""
-    style: Style
+    style: PlanStyle
     habits: Habits
     halls: tuple[str | None, ...] = (None,)
     """Labels of the first stretch of the ground storey's corridor; None: it has none."""
@@ -32,50 +32,50 @@ class Kind:
     """How far rooms may change places in `first`."""
 
 
-_HOME_STYLE = Style(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))
-_OFFICE_STYLE = Style((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
-_CLINIC_STYLE = Style((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
+_HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))
+_OFFICE_STYLE = PlanStyle((1.6, 2.2), (3.8, 4.8), (2.6, 2.8, 3.0), one_sided_m=(8.0, 14.0))
+_CLINIC_STYLE = PlanStyle((2.2, 2.8), (4.0, 5.2), (2.8, 3.0, 3.2), ("U", "L"), (6.0, 10.0), 30.0, 0.8)
 
-KINDS: dict[str, Kind] = {
-    "home": Kind(
+KINDS: dict[str, BuildingKind] = {
+    "home": BuildingKind(
         (7, 8), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
         ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
          "children's room"),
         _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
         ("bedroom", "children's room", "bathroom", "office", "library"),
     ),
-    "apartment": Kind(
+    "apartment": BuildingKind(
         (4, 8), (1, 1, 1, 2, 3), ("living room", "kitchen", "bedroom", "bathroom", "dining room", "balcony", "bedroom"),
         ("children's room", "storage room", "toilet", "office", "laundry room", "bedroom", "bathroom", "pantry", "library"),
         _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=1, flat=(4, 6),
     ),
-    "office": Kind(
+    "office": BuildingKind(
         (7, 14), (1, 2, 2, 3), ("office", "office", "meeting room", "office", "kitchen", "open-plan office", "toilet"),
         ("office", "office", "office", "print room", "storage room", "meeting room", "library", "lobby", "open-plan office",
          "toilet", "balcony", "laboratory"),
         _OFFICE_STYLE, Habits(open_plan=0.3, twins=0.7), ("lobby", "entrance hall", None), repeats=0.5, shuffled=2,
     ),
-    "ori": Kind(
+    "ori": BuildingKind(
         (7, 7), (2,), ("kitchen", "office", "office", "office", "office", "meeting room", "print room"),
         ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9), (None, "lobby"),
     ),
-    "uh2-apt": Kind(
+    "uh2-apt": BuildingKind(
         (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom", "office", "storage room"),
-        Style((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
+        PlanStyle((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
         upstairs=("bedroom", "bathroom"),
     ),
-    "uh2-office": Kind(
+    "uh2-office": BuildingKind(
         (11, 13), (1,), ("open-plan office", "meeting room", "office", "office", "office", "open-plan office", "office"),
         ("office", "office", "meeting room"), replace(_OFFICE_STYLE, one_sided_m=(5.0, 6.0), wings=0.5, spine_m=(1.9, 2.4)),
         Habits(twins=0.6),
     ),
-    "clinic": Kind(
+    "clinic": BuildingKind(
         (10, 16), (1, 1, 2), ("office", "office", "laboratory", "toilet", "office", "storage room", "bathroom", "bedroom"),
         ("office", "bedroom", "office", "bathroom", "toilet", "storage room", "kitchen", "meeting room", "laundry room",
          "gym", "laboratory", "print room", "lobby"),
         _CLINIC_STYLE, Habits(twins=0.7), ("lobby", "lobby", "entrance hall"),
     ),
-    "school": Kind(
+    "school": BuildingKind(
         (9, 15), (1, 2, 2), ("classroom", "classroom", "office", "toilet", "library", "classroom", "gym", "storage room"),
         ("classroom", "classroom", "laboratory", "toilet", "office", "storage room", "kitchen", "dining room",
          "meeting room", "print room", "bathroom"),

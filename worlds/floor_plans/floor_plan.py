@@ -10,7 +10,7 @@ from worlds.floor_plans.bays import bay_width
 from worlds.floor_plans.layout import StoreyLayout
 from worlds.floor_plans.outdoors import add_outdoors
 from worlds.floor_plans.programmes import StoreyProgramme
-from worlds.floor_plans.rectangles import Symmetry
+from worlds.floor_plans.rectangles import SquareSymmetry
 from worlds.floor_plans.storey_draft import draft_storey
 from worlds.floor_plans.wings import BANDS, Band, Depths, Shell, StairsBay, stairs_bay
 from worlds.stairs.flights import StairsKind
@@ -21,7 +21,7 @@ _SHORTEST_BAND = 250
 
 
 @dataclass(frozen=True)
-class Style:
+class PlanStyle:
     """Measures of a kind of building; ranges to draw from."""
 
     spine_m: tuple[float, float] = (1.4, 2.0)
@@ -41,7 +41,7 @@ class Style:
     """Share of plans, where it can be, whose last room wraps round the end of the spine."""
 
 
-def lay_out(programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
+def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
     """Layouts of all storeys, lowest first, turned to a random orientation."""
     depths, room = _topology(programmes, style, rng)
     height = float(rng.choice(style.heights_m))
@@ -54,7 +54,7 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.
     roomy = min(520, round(1e4 * style.spine_m2 / shell.length))
     shell = replace(shell, depths=replace(shell.depths, spine=max(shell.depths.spine, roomy)))
     swap, flip_x, flip_y = (bool(k) for k in rng.integers(0, 2, 3))
-    turn = Symmetry(swap, flip_x, flip_y)
+    turn = SquareSymmetry(swap, flip_x, flip_y)
     cross_apart = bool(rng.random() < 0.5)
     layouts = []
     for level, (programme, storey) in enumerate(zip(programmes, storeys, strict=True)):
@@ -66,7 +66,7 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.
 
 
 def _topology(
-    programmes: Sequence[StoreyProgramme], style: Style, rng: np.random.Generator
+    programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator
 ) -> tuple[Depths, dict[Band, int]]:
     """Measures across, and how much length each band is to get."""
 
@@ -98,7 +98,7 @@ def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
 
 
 def _stairs(
-    depths: Depths, room: dict[Band, int], style: Style, storeys: int, height_m: float, rng: np.random.Generator
+    depths: Depths, room: dict[Band, int], style: PlanStyle, storeys: int, height_m: float, rng: np.random.Generator
 ) -> tuple[StairsBay | None, bool, Depths]:
     if storeys == 1:
         return None, False, depths

@@ -7,7 +7,7 @@ import numpy as np
 from worlds.floor_plans.bays import DOOR_FRONT
 from worlds.floor_plans.programmes import StoreyProgramme
 from worlds.floor_plans.rectangles import contact
-from worlds.floor_plans.storey_draft import Placed, StoreyDraft
+from worlds.floor_plans.storey_draft import PlacedBay, StoreyDraft
 from worlds.floor_plans.wings import Shell
 
 _OUTSIDE_FIRST = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
@@ -21,7 +21,7 @@ def add_outdoors(
     draft: StoreyDraft,
     programme: StoreyProgramme,
     shell: Shell,
-    placed: Sequence[Placed],
+    placed: Sequence[PlacedBay],
     hosts: Sequence[int],
     rng: np.random.Generator,
 ) -> None:
@@ -51,7 +51,7 @@ def add_outdoors(
         draft.link(_behind(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
 
 
-def _wish(pair: tuple[Placed, int], south_last: bool) -> tuple[bool, int]:
+def _wish(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
     """How little a bay asks for a place outside."""
     label = pair[0].bay.labels[0]
     rank = _OUTSIDE_FIRST.index(label) if label in _OUTSIDE_FIRST else len(_OUTSIDE_FIRST)

@@ -57,7 +57,7 @@ class Bay:
 
 
 @dataclass(frozen=True)
-class Run:
+class BayRun:
     """Bays that stay side by side; neighbours in it are joined."""
 
     bays: tuple[Bay, ...]
@@ -68,7 +68,7 @@ class Run:
 class StoreyProgramme:
     """What a storey holds."""
 
-    runs: tuple[Run, ...]
+    runs: tuple[BayRun, ...]
     spine: str = "corridor"
     """Label of what the bays stand along."""
     hall: str | None = None
@@ -89,7 +89,7 @@ class Habits:
     """Share of equal rooms that are built alike."""
 
 
-def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generator) -> tuple[Run, ...]:
+def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generator) -> tuple[BayRun, ...]:
     """Group the rooms of a storey into bays and runs, in random order."""
     left = [labels[i] for i in rng.permutation(len(labels))]
     chain = _take_chain(left, habits, rng)
@@ -105,7 +105,7 @@ def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generat
     return tuple(runs[i] for i in rng.permutation(len(runs)))
 
 
-def seeded(runs: Sequence[Run], rng: np.random.Generator) -> tuple[Run, ...]:
+def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ...]:
     """The same runs with a seed for every bay: storeys that have them are twins, their rooms alike in every way."""
     return tuple(
         replace(run, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in run.bays))
@@ -125,7 +125,7 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
     return round(float(rng.uniform(*usual)), 2)
 
 
-def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> Run | None:
+def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> BayRun | None:
     """One kitchen, dining and living room each, where there are at least two of them."""
     chain = [label for label in _OPEN_CHAIN if label in left]
     if len(chain) < 2:
@@ -136,7 +136,7 @@ def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> Ru
         chain.reverse()
     others: tuple[OpeningKind, ...] = ("cased", "arch", "half wall", "counter", "door")
     joint: OpeningKind = "open" if rng.random() < habits.open_plan else others[int(rng.integers(len(others)))]
-    return Run(tuple(_bay(label, rng) for label in chain), joint)
+    return BayRun(tuple(_bay(label, rng) for label in chain), joint)
 
 
 def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Bay]:
@@ -155,13 +155,13 @@ def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Ba
     return out
 
 
-def _rows(bays: Sequence[Bay]) -> list[Run]:
+def _rows(bays: Sequence[Bay]) -> list[BayRun]:
     """Twins stand side by side, at most `_ROW` of them: only in one band can they be alike to the centimetre."""
-    runs = [Run((bay,)) for bay in bays if bay.twin is None]
+    runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
         alike = [bay for bay in bays if bay.twin == twin]
         for i in range(0, len(alike), _ROW):
-            runs.append(Run(tuple(bay.apart(i) for bay in alike[i : i + _ROW])))
+            runs.append(BayRun(tuple(bay.apart(i) for bay in alike[i : i + _ROW])))
     return runs
 
 

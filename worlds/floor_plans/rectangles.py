@@ -30,7 +30,7 @@ class Edge:
 
 
 @dataclass(frozen=True)
-class Symmetry:
+class SquareSymmetry:
     """One of the eight symmetries of the square, about the origin."""
 
     swap: bool

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from worlds.floor_plans.building_kinds import Kind
-from worlds.floor_plans.floor_plan import Style
+from worlds.floor_plans.building_kinds import BuildingKind
+from worlds.floor_plans.floor_plan import PlanStyle
 from worlds.floor_plans.programmes import SMALL, Habits, StoreyProgramme, programme_runs, seeded
 from worlds.floor_plans.room_sizes import SIZES
 from worlds.labels import OUTDOOR_LABELS
@@ -19,8 +19,8 @@ _SEEDS = 2**31
 
 
 def draw_programmes(
-    kind: Kind, rooms: int, storeys: int, rng: np.random.Generator
-) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
     """What the storeys of a building hold, `rooms` rooms besides circulation in all, and how it is to be laid out.
 
     There are at least as many rooms as storeys.
@@ -90,7 +90,7 @@ def _fill_empty(storeys: list[list[str]]) -> None:
             own.append(richest.pop())
 
 
-def _labels(kind: Kind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
+def _labels(kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
     """The rooms of a building; indoor ones at least as many as storeys."""
     order = list(kind.first)
     if kind.shuffled:
@@ -110,7 +110,7 @@ def _labels(kind: Kind, rooms: int, storeys: int, rng: np.random.Generator) -> l
 
 
 def _repeating(
-    labels: Sequence[str], storeys: int, hall: str | None, kind: Kind, rng: np.random.Generator
+    labels: Sequence[str], storeys: int, hall: str | None, kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...] | None:
     """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it.
 
@@ -132,8 +132,8 @@ def _repeating(
 
 
 def _around_a_living_room(
-    labels: Sequence[str], kind: Kind, rng: np.random.Generator
-) -> tuple[tuple[StoreyProgramme, ...], Style]:
+    labels: Sequence[str], kind: BuildingKind, rng: np.random.Generator
+) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
     """A small home without a corridor: its rooms stand along the living room."""
     others = list(labels)
     others.remove("living room")

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from worlds.errors import WorldsError
 from worlds.floor_plans.bays import bay_rooms
 from worlds.floor_plans.layout import Link, StoreyLayout
-from worlds.floor_plans.programmes import Bay, Run, StoreyProgramme
-from worlds.floor_plans.rectangles import Corner, Rect, Symmetry, contact, metres, outline
+from worlds.floor_plans.programmes import Bay, BayRun, StoreyProgramme
+from worlds.floor_plans.rectangles import Corner, Rect, SquareSymmetry, contact, metres, outline
 from worlds.floor_plans.wings import Band, Shell
 from worlds.labels import STAIRS
 from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
@@ -22,14 +22,14 @@ _WAY = 100
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedBay:
     """A bay with its place in a band [cm]."""
 
     band: Band
     bay: Bay
     start: int
     width: int
-    joint: Run | None
+    joint: BayRun | None
     """The run that joins it to the bay before it."""
     wrap: int = 0
     """How far its host reaches beyond the spine and round its end [cm]."""
@@ -68,7 +68,7 @@ class StoreyDraft:
             raise WorldsError(f"no wall for the door of a {self.rooms[room].label!r}: it touches nothing that leads to it")
         return others[shared.index(max(shared))]
 
-    def layout(self, level: int, turn: Symmetry, height_m: float) -> StoreyLayout:
+    def layout(self, level: int, turn: SquareSymmetry, height_m: float) -> StoreyLayout:
         """The storey as a layout, turned."""
         count: dict[str, int] = {}
         ids, rooms = [], []
@@ -90,8 +90,8 @@ def draft_storey(
     storeys: int,
     programme: StoreyProgramme,
     shell: Shell,
-    placed: Sequence[Placed],
-    slot: Run | None,
+    placed: Sequence[PlacedBay],
+    slot: BayRun | None,
     cross_apart: bool,
 ) -> tuple[StoreyDraft, list[int]]:
     """All indoor rooms of a storey: the spine first, then stairs, then bays; and the numbers of the bays' hosts."""
@@ -108,7 +108,7 @@ def draft_storey(
 
 
 def _spine(
-    draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[Placed], cross_apart: bool
+    draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[PlacedBay], cross_apart: bool
 ) -> list[int]:
     c, x = shell.depths.spine, shell.passage_start
     reach = [shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)[2] for p in placed if p.band not in ("west", "east")]
@@ -143,7 +143,7 @@ def _stairs_end(shell: Shell) -> int:
     return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
 
 
-def _hall_end(hall: str, shell: Shell, placed: Sequence[Placed], end: int) -> int:
+def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) -> int:
     """Where the entrance hall may end so that every bay keeps enough of one of the two for its door; 0: nowhere."""
     fronts = []
     for p in placed:
@@ -176,7 +176,7 @@ def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, 
         draft.gaps.append((front, room, "down", down))
 
 
-def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[Placed], spine: Sequence[int]) -> list[int]:
+def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[PlacedBay], spine: Sequence[int]) -> list[int]:
     """The hosts' numbers."""
     hosts: list[int] = []
     for p in placed:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.openings.door_swings import hang_leaf, is_in_front
-from worlds.openings.gap import Gap, shared_walls
+from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.walls import opening_span
 
@@ -54,7 +54,7 @@ def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
     """The storey with the openings of the flights up; leaves that would stand before them hang elsewhere."""
     rooms = {room.id: room for room in top.rooms}
     openings = [*top.openings, *ups]
-    gaps = [Gap.of(opening, rooms) for opening in openings]
+    gaps = [OpeningDraft.of(opening, rooms) for opening in openings]
     feet = gaps[len(top.openings) :]
     for k, gap in enumerate(gaps):
         if any(is_in_front(gap, foot, _FRONT_M) for foot in feet):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from worlds.floor_plans.bays import run_width
-from worlds.floor_plans.programmes import Run
+from worlds.floor_plans.programmes import BayRun
 from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.stairs.flights import StairsKind, cell_needed
 
@@ -201,10 +201,12 @@ class Shell:
         return self.stairs_edge().rect(0, self.stairs.depth, self.stairs.front, self.depths.north)
 
 
-def distribute(runs: Sequence[Run], room: dict[Band, int], depths: Depths, kept: dict[int, Band]) -> dict[Band, list[Run]]:
+def distribute(
+    runs: Sequence[BayRun], room: dict[Band, int], depths: Depths, kept: dict[int, Band]
+) -> dict[Band, list[BayRun]]:
     """Give every run a band: the longest first, each to where most room is left [cm]; `kept` says where some belong."""
     left = dict(room)
-    bands: dict[Band, list[Run]] = {band: [] for band in room}
+    bands: dict[Band, list[BayRun]] = {band: [] for band in room}
     order = sorted(range(len(runs)), key=lambda i: -run_width(runs[i], 450))
     for i in order:
         run = runs[i]
@@ -218,7 +220,7 @@ def distribute(runs: Sequence[Run], room: dict[Band, int], depths: Depths, kept:
     return bands
 
 
-def _misfit(run: Run, depth: int) -> float:
+def _misfit(run: BayRun, depth: int) -> float:
     """How much wider a run is than its area wants, in a deep band, or than is good for its rooms, in a shallow one [cm]."""
     wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
     return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))

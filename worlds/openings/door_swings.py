@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.gap import Gap, Leaf, Rectangle
+from worlds.openings.opening_draft import LeafDraft, OpeningDraft, Rectangle
 from worlds.spec import RoomSpec
 
 LEAF_THICKNESS_M = 0.04
@@ -20,12 +20,12 @@ _CIRCULATION = frozenset({"corridor", "entrance hall", "lobby"})
 
 
 def hang_leaf(
-    door: Gap,
-    gaps: Sequence[Gap],
+    door: OpeningDraft,
+    gaps: Sequence[OpeningDraft],
     rooms: Mapping[str, RoomSpec],
     draws: tuple[float, float],
     obstacles: Sequence[Rectangle] = (),
-) -> Leaf | None:
+) -> LeafDraft | None:
     """A leaf for a door way, or None where there is no room for one to swing.
 
     It swings into the room that is not the corridor, hangs at the end nearer to a corner, and stands open. `gaps` are all
@@ -38,7 +38,7 @@ def hang_leaf(
             continue
         for at_low in sorted((True, False), key=lambda low: _to_corner(door, rooms[into], low)):
             low, high = _AJAR_RAD if ajar else (math.pi / 2, _widest(door, rooms[into], at_low))
-            leaf = Leaf(at_low, into, round(low + draws[1] * (high - low), 3))
+            leaf = LeafDraft(at_low, into, round(low + draws[1] * (high - low), 3))
             if _swings_freely(door, leaf, gaps, rooms, obstacles):
                 return leaf
     return None
@@ -55,7 +55,7 @@ def _extent(room: RoomSpec) -> float:
     return float((max(xs) - min(xs)) * (max(ys) - min(ys)))
 
 
-def _to_corner(door: Gap, room: RoomSpec, at_low: bool) -> float:
+def _to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
     """From an end of the door to the next wall across, away from the door [m]."""
     hinge, sign = (door.low, -1.0) if at_low else (door.high, 1.0)
     inside = door.at + _WALL_M * (1.0 if door.larger_side == room.id else -1.0)
@@ -76,25 +76,25 @@ def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]
     ]
 
 
-def _widest(door: Gap, room: RoomSpec, at_low: bool) -> float:
+def _widest(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
     """The angle at which the leaf comes near the wall behind it [rad]."""
     behind = _to_corner(door, room, at_low) - _WALL_M - LEAF_THICKNESS_M
     return min(_MOST_OPEN_RAD, math.pi / 2 + math.asin(min(1.0, max(0.0, behind / door.width))))
 
 
-def swing_box(door: Gap, leaf: Leaf) -> Rectangle:
+def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
     """The rectangle around all that the leaf sweeps up to where it stands, and at least to square, clear of its own wall."""
     behind = max(0.0, -math.cos(leaf.angle)) * door.width + LEAF_THICKNESS_M / 2
     return _box(door, leaf, -behind, door.width, door.width)
 
 
-def resting_box(door: Gap, leaf: Leaf) -> Rectangle:
+def resting_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
     """The rectangle around the leaf as it stands [m]."""
     tip, half = door.width * math.cos(leaf.angle), LEAF_THICKNESS_M / 2
     return _box(door, leaf, min(0.0, tip) - half, max(0.0, tip) + half, door.width * math.sin(leaf.angle))
 
 
-def _box(door: Gap, leaf: Leaf, start: float, stop: float, depth: float) -> Rectangle:
+def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: float) -> Rectangle:
     """From `start` to `stop` from the hinge towards the other end, and `depth` into the room."""
     along = (door.low + start, door.low + stop) if leaf.at_low else (door.high - stop, door.high - start)
     into_larger = door.larger_side == leaf.into
@@ -102,7 +102,7 @@ def _box(door: Gap, leaf: Leaf, start: float, stop: float, depth: float) -> Rect
     return (along[0], cross[0], along[1], cross[1]) if door.axis == 0 else (cross[0], along[0], cross[1], along[1])
 
 
-def is_in_front(door: Gap, other: Gap, depth_m: float) -> bool:
+def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool:
     """Whether the door's leaf stands within `depth_m` before another opening, or swings through that one's leaf."""
     if door.leaf is None or door.leaf.into not in other.rooms or other is door:
         return False
@@ -112,7 +112,11 @@ def is_in_front(door: Gap, other: Gap, depth_m: float) -> bool:
 
 
 def _swings_freely(
-    door: Gap, leaf: Leaf, gaps: Sequence[Gap], rooms: Mapping[str, RoomSpec], obstacles: Sequence[Rectangle]
+    door: OpeningDraft,
+    leaf: LeafDraft,
+    gaps: Sequence[OpeningDraft],
+    rooms: Mapping[str, RoomSpec],
+    obstacles: Sequence[Rectangle],
 ) -> bool:
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
     passing = _PASSING_M if room.label in _CIRCULATION else 0.0

@@ -28,7 +28,7 @@ _PAINTS: tuple[tuple[Colour, str], ...] = (
 
 
 @dataclass(frozen=True, eq=False)
-class Leaf(Placed):
+class DoorLeaf(Placed):
     """The leaf of a door as it stands; in its own frame it runs along x, the hinge at the left end."""
 
     id: str
@@ -89,7 +89,7 @@ def hang_leaves(
     openings: Sequence[OpeningSpec],
     floor_m: float,
     style: int,
-) -> Iterator[Leaf]:
+) -> Iterator[DoorLeaf]:
     """The leaves of a storey with these `openings`, whose boundaries with the openings in them are `pieces`."""
     wall_of = {id(opening): boundary for boundary, opening in pieces if opening is not None}
     for index, opening in enumerate(openings):
@@ -98,7 +98,9 @@ def hang_leaves(
             yield _hung(level, index, opening, opening.leaf, wall, floor_m, style)
 
 
-def _hung(level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Boundary, floor_m: float, style: int) -> Leaf:
+def _hung(
+    level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Boundary, floor_m: float, style: int
+) -> DoorLeaf:
     hinge, free = (opening.start_m, opening.end_m) if leaf.hinge == "start" else (opening.end_m, opening.start_m)
     width, along = opening.width_m, (free[0] - hinge[0], free[1] - hinge[1])
     across = 1.0 if wall.rooms[1] == leaf.into else -1.0
@@ -107,7 +109,7 @@ def _hung(level: int, index: int, opening: OpeningSpec, leaf: LeafSpec, wall: Bo
     turn = math.copysign(leaf.angle_rad, across * left)
     shut = math.atan2(along[1], along[0])
     x, y = hinge[0] + width / 2 * math.cos(shut + turn), hinge[1] + width / 2 * math.sin(shut + turn)
-    return Leaf(
+    return DoorLeaf(
         id=f"door/{level}/{index}",
         storey=level,
         opening=index,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from worlds.openings.arches import spandrel_area
-from worlds.openings.gap import Gap
+from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.partitions import Partition, gap_area
 from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_gap
 from worlds.spec import PASSABLE, OpeningKind
@@ -28,13 +28,13 @@ class Task:
     """What a form has to do with a partition."""
 
     part: Partition
-    old: tuple[Gap, ...]
+    old: tuple[OpeningDraft, ...]
     """The gaps in it so far."""
     area: float
     """Of the gaps to be [m²]."""
     draw: float
     """In [0, 1): where along the wall."""
-    blocked: tuple[Gap, ...] = ()
+    blocked: tuple[OpeningDraft, ...] = ()
     """Stretches of wall that furniture stands at; no door is put there."""
 
     @property
@@ -43,7 +43,7 @@ class Task:
         return max(self.part.walls, key=lambda wall: wall.length)
 
 
-Gaps = tuple[Gap, ...]
+Gaps = tuple[OpeningDraft, ...]
 
 
 def open_by(task: Task, style: str) -> Gaps:
@@ -61,7 +61,7 @@ def open_by(task: Task, style: str) -> Gaps:
     return closed(task) if task.area < least else best
 
 
-def area_of(gaps: Sequence[Gap], part: Partition) -> float:
+def area_of(gaps: Sequence[OpeningDraft], part: Partition) -> float:
     """What gaps take out of a partition for good [m²]."""
     return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
 
@@ -88,7 +88,7 @@ def closed(task: Task) -> Gaps:
 def _away(task: Task) -> Gaps:
     """A part of the wall away, floor to ceiling, from one end."""
     left = task.area / task.part.height_m
-    gaps: list[Gap] = []
+    gaps: list[OpeningDraft] = []
     for wall in sorted(task.part.walls, key=lambda wall: -wall.length):
         if wall.length < _MIN_STRETCH_M or (gaps and left < MIN_OPEN_M):
             break
@@ -150,7 +150,7 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
     return form
 
 
-def _open_gap(task: Task, wall: Boundary, low: float, high: float) -> Gap:
+def _open_gap(task: Task, wall: Boundary, low: float, high: float) -> OpeningDraft:
     return make_gap("open", (wall, wall.low, wall.high), low, high, task.part.height_m)
 
 
@@ -158,7 +158,7 @@ def _height(kind: OpeningKind, task: Task) -> float:
     return make_gap(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
 
 
-def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> Gap:
+def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
     """A gap of that width, to the centimetre where the span allows it."""
     start, stop = round(span[1], 6), round(span[2], 6)
     width = min(round(width, 2), round(stop - start, 6))

@@ -14,7 +14,7 @@ import numpy as np
 from worlds.errors import WorldsError
 from worlds.furniture.catalogue import kind_of
 from worlds.openings.door_swings import hang_leaf, is_in_front
-from worlds.openings.gap import Gap, Rectangle
+from worlds.openings.opening_draft import OpeningDraft, Rectangle
 from worlds.openings.opening_forms import STYLES, Gaps, Task, area_of, closed, fully_open, open_by
 from worlds.openings.partitions import Partition, gap_area, partitions
 from worlds.spec import FurnitureSpec, HouseSpec, StoreySpec
@@ -105,7 +105,9 @@ def _plans(spec: HouseSpec, seed: int) -> list[_Plan]:
     for part in partitions(spec):
         storey = spec.storeys[part.storey]
         rooms = {room.id: room for room in storey.rooms}
-        gaps = tuple(Gap.of(opening, rooms) for opening in storey.openings if frozenset(opening.rooms) == part.rooms)
+        gaps = tuple(
+            OpeningDraft.of(opening, rooms) for opening in storey.openings if frozenset(opening.rooms) == part.rooms
+        )
         rng = np.random.default_rng([seed, zlib.crc32("|".join(sorted(part.rooms)).encode())])
         draws = rng.random(5).tolist()
         style = list(STYLES)[int(draws[3] * len(STYLES))]
@@ -165,7 +167,7 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_Plan]) -> StoreySpec:
     pairs = {plan.part.rooms for plan in changed}
     kept = [opening for opening in storey.openings if frozenset(opening.rooms) not in pairs]
     new = [(gap, plan.draws) for plan in changed for gap in plan.gaps]
-    gaps = [Gap.of(opening, rooms) for opening in kept] + [gap for gap, _ in new]
+    gaps = [OpeningDraft.of(opening, rooms) for opening in kept] + [gap for gap, _ in new]
     draws = [(0.5, 0.5)] * len(kept) + [(ajar, angle) for _, (_, ajar, angle) in new]
     narrow = [gap for gap, _ in new if gap.width < _NARROW_M]
     obstacles = [_footprint(piece) for piece in _standing(storey)]
@@ -198,5 +200,5 @@ def _blocked(part: Partition, storey: StoreySpec) -> Gaps:
         for wall in part.walls:
             along, across = ((x0, x1), (y0, y1)) if wall.axis == 0 else ((y0, y1), (x0, x1))
             if across[0] < wall.at + _FRONT_M and across[1] > wall.at - _FRONT_M:
-                found.append(Gap((rooms[0], rooms[1]), "open", wall.axis, wall.at, *along))
+                found.append(OpeningDraft((rooms[0], rooms[1]), "open", wall.axis, wall.at, *along))
     return tuple(found)

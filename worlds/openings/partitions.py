@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 from worlds.openings.arches import spandrel_area
-from worlds.openings.gap import join_stretches
+from worlds.openings.opening_draft import join_stretches
 from worlds.spec import HouseSpec, OpeningSpec
 from worlds.walls import Boundary, boundaries
 

@@ -9,7 +9,7 @@ from numpy.random import Generator, default_rng
 from worlds.errors import WorldsError
 from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.openings.door_swings import hang_leaf
-from worlds.openings.gap import Gap, shared_walls
+from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 
@@ -37,13 +37,13 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
     link has draws of its own. Raises `WorldsError`, naming the rooms, where not even a door fits.
     """
     rooms = {room.id: room for room in layout.rooms}
-    gaps = [Gap.of(opening, rooms) for opening in layout.openings]
+    gaps = [OpeningDraft.of(opening, rooms) for opening in layout.openings]
     draws = rng.random((len(layout.links), _DRAWS)).tolist()
     for i, link in enumerate(layout.links):
         if link.seed is not None:
             draws[i] = default_rng(link.seed).random(_DRAWS).tolist()
     walkable_pairs = {frozenset(link.rooms) for link in layout.links if link.kind in PASSABLE}
-    placed: dict[int, list[Gap]] = {}
+    placed: dict[int, list[OpeningDraft]] = {}
     # What one walks through has the first choice of the wall.
     for i in sorted(range(len(layout.links)), key=lambda k: layout.links[k].kind not in PASSABLE):
         link = layout.links[i]
@@ -61,8 +61,8 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
 
 
 def _place(
-    link: Link, alone: bool, walls: Sequence[Boundary], gaps: Sequence[Gap], storey_m: float, draws: Sequence[float]
-) -> list[Gap]:
+    link: Link, alone: bool, walls: Sequence[Boundary], gaps: Sequence[OpeningDraft], storey_m: float, draws: Sequence[float]
+) -> list[OpeningDraft]:
     """The gaps of one link; `alone`: there is no way yet between the rooms and this kind is none."""
     if link.kind == "open":
         wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
@@ -83,7 +83,9 @@ def _place(
     return found
 
 
-def _somewhere(link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]) -> Gap:
+def _somewhere(
+    link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]
+) -> OpeningDraft:
     """A passable gap of the link's kind if it fits, of a door otherwise."""
     longest = max((high - low for _, low, high in spans), default=0.0) + 1e-9
     kind: OpeningKind = link.kind if longest >= _WIDTHS_M[link.kind][0] else "door"
@@ -92,7 +94,7 @@ def _somewhere(link: Link, walls: Sequence[Boundary], spans: Sequence[Span], sto
     return _fit(kind, spans, longest, storey_m, draws)
 
 
-def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> Gap:
+def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> OpeningDraft:
     """A gap as wide as drawn and as fits, more often near a corner than not."""
     least, most = _WIDTHS_M[kind]
     width = min(round(least + draws[0] * (most - least), 2), math.floor(longest * 100 + 1e-6) / 100)
@@ -116,16 +118,16 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
     return spans[-1]
 
 
-def make_gap(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> Gap:
+def make_gap(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
     """A gap in a wall with the usual heights of its kind, in a storey that is `storey_m` high."""
     wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)
     rooms = (str(wall.rooms[0]), str(wall.rooms[1]))
-    return Gap(rooms, kind, wall.axis, wall.at, low, high, min(crown, round(storey_m - 0.05, 3)))
+    return OpeningDraft(rooms, kind, wall.axis, wall.at, low, high, min(crown, round(storey_m - 0.05, 3)))
 
 
 def free_spans(
-    walls: Iterable[Boundary], gaps: Sequence[Gap], corner_m: float = CORNER_M, apart_m: float = APART_M
+    walls: Iterable[Boundary], gaps: Sequence[OpeningDraft], corner_m: float = CORNER_M, apart_m: float = APART_M
 ) -> list[Span]:
     """What is left of walls between corners and gaps, keeping the given distances [m] from both."""
     spans: list[Span] = []

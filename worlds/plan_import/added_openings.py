@@ -8,7 +8,7 @@ import numpy as np
 from worlds.errors import HouseError, SpecError
 from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.gap import Gap
+from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
@@ -85,7 +85,7 @@ def _links(storey: StoreySpec, present: Sequence[OpeningSpec], group: dict[str, 
     `group` is changed to what the doors make of it.
     """
     label = {room.id: room.label for room in storey.rooms}
-    gaps = [Gap.of(opening, {room.id: room for room in storey.rooms}) for opening in present]
+    gaps = [OpeningDraft.of(opening, {room.id: room for room in storey.rooms}) for opening in present]
     walls: dict[tuple[str, str], float] = {}
     for line, low, high in free_spans((line for line in boundaries(storey) if None not in line.rooms), gaps):
         a, b = sorted(map(str, line.rooms))

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ValidationError
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
-from worlds.spec_errors import explain, near, refusal
+from worlds.spec_errors import explain, refusal
+from worlds.valid_names import did_you_mean
 
 MAX_STROKES = 3200
 MAX_STOREYS = 8
@@ -61,7 +62,7 @@ class Stroke:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class DrawnPlan:
     """All that a file says, in metres, x right and y up."""
 
     rooms: tuple[DrawnRoom, ...]
@@ -90,7 +91,7 @@ def find_label(text: str) -> str | None:
 def label_of(where: str, text: str) -> str:
     """The room label that a text means. Raises `SpecError`."""
     if (label := find_label(text)) is None:
-        guess = near(words(text), ROOM_LABELS)
+        guess = did_you_mean(words(text), ROOM_LABELS)
         raise SpecError(f"{where}: unknown label {text[:60]!r}{guess}; valid: {', '.join(ROOM_LABELS)}")
     return label
 
@@ -104,7 +105,7 @@ def find_kind(text: str) -> OpeningKind | None:
 def kind_of(where: str, text: str) -> OpeningKind:
     """The kind of opening that a text means. Raises `SpecError`."""
     if (kind := find_kind(text)) is None:
-        guess = near(words(text), KINDS)
+        guess = did_you_mean(words(text), KINDS)
         raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}{guess}; valid: {', '.join(KINDS)}")
     return kind
 
@@ -115,7 +116,7 @@ def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tup
     for where, word in spoken:
         places.setdefault(word, where)
     valid = tuple(meaningful)
-    found = ((where, word[:60], near(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
+    found = ((where, word[:60], did_you_mean(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
     notes = (f"{where}: {word!r} means nothing{guess}; passed over" for where, word, guess in found if guess)
     return tuple(islice(notes, _MAX_NOTES))
 
@@ -144,9 +145,9 @@ def built(where: str, model: type[_Model], **fields: Any) -> _Model:
         raise refusal(where, mistakes) from None
 
 
-def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> Drawing:
+def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:
     """A drawing of bounded size. Raises `SpecError`."""
-    drawing = Drawing(tuple(rooms), tuple(strokes), **more)
+    drawing = DrawnPlan(tuple(rooms), tuple(strokes), **more)
     if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
         raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}{drawing.doubt}")
     if len(drawing.strokes) > MAX_STROKES:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from worlds.errors import SpecError
-from worlds.plan_import.drawn_plan import Drawing, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, some, storey_of
+from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, some, storey_of
 from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
@@ -23,7 +23,7 @@ _FARTHEST_M = 1e8
 _PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
-def read_geojson(text: str, metres_per_unit: float) -> Drawing:
+def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
     """What a FeatureCollection draws. Raises `SpecError`."""
     try:
         return _drawing(json.loads(text), metres_per_unit)
@@ -35,7 +35,7 @@ def read_geojson(text: str, metres_per_unit: float) -> Drawing:
         raise SpecError(f"is not GeoJSON: {str(error)[:80]}") from None
 
 
-def _drawing(data: object, metres_per_unit: float) -> Drawing:
+def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
     if not isinstance(data, dict) or not isinstance(data.get("features"), list):
         raise SpecError('is not GeoJSON; valid: a "FeatureCollection" with "features"')
     rooms: list[DrawnRoom] = []

@@ -16,12 +16,12 @@ from pathlib import Path
 from worlds.errors import SpecError, WorldsError, reworded
 from worlds.plan_import.added_openings import made_up
 from worlds.plan_import.drawn_openings import apart, on_walls
-from worlds.plan_import.drawn_plan import Drawing, DrawnRoom, Stroke, built
+from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, built
 from worlds.plan_import.geojson import read_geojson, to_geojson
 from worlds.plan_import.straighten import main_direction, straighten, turned
 from worlds.reading import read_text
 from worlds.spec import HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec
-from worlds.spec_errors import listed
+from worlds.valid_names import listed
 from worlds.validation import built_and_checked
 
 _SLAB_M = 0.3
@@ -85,7 +85,7 @@ def import_plan(
 class _Plan:
     """A drawing, and what is asked for besides."""
 
-    drawing: Drawing
+    drawing: DrawnPlan
     name: str
     seed: int
     only_drawn: bool
@@ -125,7 +125,7 @@ def _proved(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     return spec, notes
 
 
-def _read(path: Path, metres_per_unit: float | None) -> Drawing:
+def _read(path: Path, metres_per_unit: float | None) -> DrawnPlan:
     match path.suffix.lower():
         case ".svg":
             from worlds.plan_import.svg import read_svg  # its library takes a second to import
@@ -192,7 +192,7 @@ def _drawn_openings(
     return {level: apart(placed) for level, placed in openings.items()}
 
 
-def _storeys(drawing: Drawing, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
+def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
     heights, storeys = dict(drawing.heights_m), []
     for level in range(1 + max(room.storey for room in drawing.rooms)):
         here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)

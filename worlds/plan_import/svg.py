@@ -20,7 +20,7 @@ from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.plan_import.drawn_plan import (
     KINDS,
-    Drawing,
+    DrawnPlan,
     DrawnRoom,
     Stroke,
     checked,
@@ -47,7 +47,7 @@ _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
-def read_svg(text: str, metres_per_unit: float | None) -> Drawing:
+def read_svg(text: str, metres_per_unit: float | None) -> DrawnPlan:
     """Read the drawing in an SVG. Raises `SpecError`.
 
     Without `metres_per_unit` the root states the scale, by `data-metres-per-unit` or a page in mm.
@@ -105,7 +105,7 @@ def _scale(root: Element) -> float:
         raise SpecError(f"has the viewBox {root.get('viewBox', '')[:60]!r}; valid: x, y, width and height above 0") from None
 
 
-def _check_true_to_scale(drawing: Drawing, scale: float) -> None:
+def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:
     x, y = zip(*(corner for room in drawing.rooms for corner in room.corners), strict=True)
     width, height = max(x) - min(x), max(y) - min(y)
     if max(width, height) < _LEAST_PLAN_M:

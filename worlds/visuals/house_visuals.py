@@ -11,7 +11,7 @@ from jaxtyping import Float64, UInt8
 from worlds.house import House
 from worlds.visuals.atlas import SHOWN_WHOLE, Atlas, paint_of
 from worlds.visuals.meshes import Solid, normals, solids_mesh
-from worlds.visuals.surface_textures import sheets
+from worlds.visuals.surface_textures import surface_textures
 from worlds.visuals.surfaces import surfaces
 
 STAIRS_OBJECT = "stairs"
@@ -55,7 +55,7 @@ class _Object:
 def visuals(house: House) -> Visuals:
     """The shell room by room, then furniture, flights of stairs, door leaves and windows."""
     images, parts = {}, []
-    for sheet in sheets(house, surfaces(house)):
+    for sheet in surface_textures(house, surfaces(house)):
         name = f"{sheet.room}/{sheet.kind}"
         images[name] = sheet.image
         parts.append(Visual(name, name, name, sheet.corners, sheet.uv, normals(sheet.corners)))

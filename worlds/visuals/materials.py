@@ -16,9 +16,9 @@ from numpy.random import Generator
 from worlds.errors import WorldsError
 from worlds.parts import Colour
 from worlds.visuals.patterns import building, objects
-from worlds.visuals.patterns.surface import Planes, Shade, Surface
+from worlds.visuals.patterns.texture_area import Planes, Shade, TextureArea
 
-Pattern = Callable[[Surface, Generator], Shade | Planes]
+Pattern = Callable[[TextureArea, Generator], Shade | Planes]
 
 PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
@@ -71,7 +71,7 @@ def texture(
         raise WorldsError(
             f"cannot paint {height} x {width} px over {height_m} x {width_m} m; sizes must be positive and sane"
         )
-    shade = PATTERNS[pattern](Surface(height, width, height_m, width_m), rng)
+    shade = PATTERNS[pattern](TextureArea(height, width, height_m, width_m), rng)
     planes = shade if shade.ndim == 3 else (shade, shade, shade)
     # Saturating conversion plane by plane is several times faster than arithmetic on interleaved pixels.
     bright = [np.maximum(plane, 0.0) for plane in planes] if shade.ndim == 3 else [np.maximum(shade, 0.0)] * 3

@@ -23,7 +23,7 @@ _OUTSIDE_LOOKS = "garden"
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class SurfaceTexture:
     """The faces of one kind in one room, and what covers them."""
 
     room: str
@@ -41,7 +41,7 @@ def finishes(house: House) -> dict[str, Finish]:
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 
-def sheets(house: House, faces: Sequence[Surface]) -> Iterator[Sheet]:
+def surface_textures(house: House, faces: Sequence[Surface]) -> Iterator[SurfaceTexture]:
     """The sheets of all `faces` of the shell of `house`."""
     groups: dict[tuple[str, SurfaceKind], list[Surface]] = defaultdict(list)
     for face in faces:
@@ -58,7 +58,7 @@ def sheets(house: House, faces: Sequence[Surface]) -> Iterator[Sheet]:
         else:
             metres = uv.max(axis=(0, 1))
             image = _painted("bare" if looks == "poor" else pattern, covering, rng, metres, scale)
-        yield Sheet(room, kind, covering, image, np.array([face.corners for face in group]), uv / metres)
+        yield SurfaceTexture(room, kind, covering, image, np.array([face.corners for face in group]), uv / metres)
 
 
 def _painted(

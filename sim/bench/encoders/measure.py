@@ -11,7 +11,7 @@ from scipy.special import softmax
 
 from sim.baselines.orb_words import OrbWords
 from sim.bench.encoders.ceiling import Ceiling, own_room, own_room_prevails
-from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, Asked, ask, share_right
+from sim.bench.encoders.questions import HELD_OUT_WORDS, TOPICS, TRAINED, AnsweredQuestion, ask, share_right
 from sim.bench.encoders.retrieval import found_at_1, share
 from sim.bench.encoders.runs import EncoderRun
 from sim.bench.encoders.texts import EmbeddedTexts, ImageTextEncoder
@@ -61,7 +61,7 @@ class EncoderRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class EncoderFigures:
     """A house's figures, and its answers one by one."""
 
     seed: int
@@ -76,7 +76,7 @@ class Measured:
     """The share of the image that shows rooms of the camera's own label."""
     prevails: Bool[np.ndarray, "n"]
     """Whether no other label's rooms fill more of it."""
-    asked: Sequence[Asked]
+    asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
     """By label and held-out name: what accuracy loses where the rooms of that label alone go by that name."""
 
@@ -106,7 +106,7 @@ class Beside(NamedTuple):
 
 def measure(
     encoders: Sequence[ImageTextEncoder], runs: Iterable[EncoderRun], references: References
-) -> Iterator[list[Measured]]:
+) -> Iterator[list[EncoderFigures]]:
     """Run by run, the figures of every encoder."""
     texts = [EmbeddedTexts(encoder) for encoder in encoders]
     for run in runs:
@@ -114,7 +114,7 @@ def measure(
         yield [_measured(run, encoder, known, beside) for encoder, known in zip(encoders, texts, strict=True)]
 
 
-def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: Beside) -> Measured:
+def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: Beside) -> EncoderFigures:
     frames, images = run.frames, encoder.encode_images(run.frames.images)
     present, own = np.unique(frames.rooms, return_inverse=True)
     names = [ROOM_LABELS[i] for i in present]
@@ -153,10 +153,10 @@ def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, 
     )
     seen = own_room(frames), own_room_prevails(frames)
     losses = _held_out_losses(images, texts, names, own, similarities)
-    return Measured(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked, losses)
+    return EncoderFigures(run.draw.seed, row, confidence, right, beside.ceiling_right, found, *seen, asked, losses)
 
 
-def overall_calibration_error(houses: Sequence[Measured]) -> float:
+def overall_calibration_error(houses: Sequence[EncoderFigures]) -> float:
     """Expected calibration error over the frames of all houses."""
     confidence = np.concatenate([house.confidence for house in houses])
     return calibration_error(confidence, np.concatenate([house.right for house in houses]))
@@ -203,7 +203,7 @@ def _held_out_losses(
     return losses
 
 
-def worst_names(houses: Sequence[Measured]) -> list[tuple[str, str, float]]:
+def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]]:
     """(label, held-out name, loss of accuracy in a house that has such rooms, on average), the worst first."""
     losses: dict[tuple[str, str], list[float]] = defaultdict(list)
     for house in houses:

@@ -42,7 +42,7 @@ THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
 """Things that stand there; things that are said to stand there; what is done there."""
 
 
-class Question(NamedTuple):
+class RoomQuestion(NamedTuple):
     """A question with one right answer."""
 
     topic: str
@@ -55,10 +55,10 @@ class Question(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
+class AnsweredQuestion:
     """A question, and the label of the room that it ranks first."""
 
-    question: Question
+    question: RoomQuestion
     said: str
 
     @property
@@ -80,7 +80,7 @@ class Failure(NamedTuple):
     """The label that was ranked first most often of the wrong ones."""
 
 
-def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts) -> list[Asked]:
+def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts) -> list[AnsweredQuestion]:
     """All questions that the house answers; as `lexis query` does, rooms are ranked by their best views."""
     questions = list(questions_of(run))
     if not questions:
@@ -89,10 +89,10 @@ def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedText
     fits = images @ texts.texts([question.text for question in questions]).T
     best = np.array([best_views(fits[run.room == room]) for room in rooms]).argmax(axis=0)
     labels = [ROOM_LABELS[i] for i in _labels(run, rooms)]
-    return [Asked(question, labels[i]) for question, i in zip(questions, best, strict=True)]
+    return [AnsweredQuestion(question, labels[i]) for question, i in zip(questions, best, strict=True)]
 
 
-def questions_of(run: EncoderRun) -> Iterator[Question]:
+def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
     """Questions with one right answer in the house."""
     for kind, label in standing_in_one(run).items():
         names, held_out = OBJECT_NAMES.get(kind, (kind,)), HELD_OUT_OBJECTS.get(kind, ())
@@ -117,15 +117,15 @@ def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
     }
 
 
-def share_right(asked: Iterable[Asked], topic: str, wording: str) -> tuple[float | None, int]:
+def share_right(asked: Iterable[AnsweredQuestion], topic: str, wording: str) -> tuple[float | None, int]:
     """The share of such questions that are answered rightly, None without any, and how many there are."""
     right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
     return (float(np.mean(right)) if right else None), len(right)
 
 
-def failures(asked: Sequence[Asked]) -> list[Failure]:
+def failures(asked: Sequence[AnsweredQuestion]) -> list[Failure]:
     """What is asked for at least once in vain, by the number of wrong answers."""
-    groups: dict[tuple[str, str, str, str], list[Asked]] = {}
+    groups: dict[tuple[str, str, str, str], list[AnsweredQuestion]] = {}
     for one in asked:
         topic, wording, about, _, answer = one.question
         groups.setdefault((topic, wording, about, answer), []).append(one)
@@ -144,19 +144,19 @@ def _worded(
     held_out: Sequence[str],
     label: str,
     frames: tuple[Sequence[str], Sequence[str]],
-) -> Iterator[Question]:
+) -> Iterator[RoomQuestion]:
     trained_frames, held_out_frames = frames
     for wording, used, around in (
         (TRAINED, words, trained_frames),
         (HELD_OUT_WORDS, held_out, trained_frames),
         (HELD_OUT_FRAMES, words, held_out_frames),
     ):
-        yield from (Question(topic, wording, about, text, label) for text in framed(around, used))
+        yield from (RoomQuestion(topic, wording, about, text, label) for text in framed(around, used))
 
 
 def _of_label(
     topic: str, label: str, trained: Table, held_out: Table, frames: tuple[Sequence[str], Sequence[str]]
-) -> Iterator[Question]:
+) -> Iterator[RoomQuestion]:
     for phrase in trained[label]:
         yield from _worded(topic, phrase, (phrase,), (), label, frames)
     for phrase in held_out[label]:

@@ -13,11 +13,11 @@ from lexis.config import KeyframeConfig
 from lexis.types import Poses
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
-from sim.training.array_cache import Arrays, house_origin, kept, origin
+from sim.training.array_cache import Arrays, cached_arrays, house_origin, origin
 from sim.training.frames import Frames, frames_at, frames_origin
 from sim.training.houses import HELD_OUT_LOOKS, HouseDraw
 from sim.training.variants import repainted
-from sim.training.views import LEXIS_VIEWS, evenly_along
+from sim.training.viewpoints import LEXIS_VIEWS, evenly_along
 from worlds.house import House, build_house
 from worlds.truth import room_at
 
@@ -76,7 +76,7 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
         if folder is None:
             yield _rendered(draw)
         else:
-            yield _run(draw, kept(folder / f"{preset}-{seed}.npz", _origins(draw), partial(_rendered_arrays, draw)))
+            yield _run(draw, cached_arrays(folder / f"{preset}-{seed}.npz", _origins(draw), partial(_rendered_arrays, draw)))
 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
@@ -86,12 +86,12 @@ def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k
 
 def _rendered(draw: HouseDraw) -> EncoderRun:
     walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
-    kept = keyframes_along(walked.tour.T_W_B[:, :3, 3])
-    T_W_B = walked.tour.T_W_B[kept]
-    some = np.unique(np.linspace(0, len(kept) - 1, _LOOKED_AT).astype(int))
+    cached_arrays = keyframes_along(walked.tour.T_W_B[:, :3, 3])
+    T_W_B = walked.tour.T_W_B[cached_arrays]
+    some = np.unique(np.linspace(0, len(cached_arrays) - 1, _LOOKED_AT).astype(int))
     return EncoderRun(
         draw,
-        walked.tour.stamps[kept],
+        walked.tour.stamps[cached_arrays],
         room_at(walked.house, T_W_B[:, :3, 3]),
         frames_at(walked.house, T_W_B, LEXIS_VIEWS),
         some,

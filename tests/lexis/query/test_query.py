@@ -12,7 +12,7 @@ from lexis.errors import LexisError, MapError
 from lexis.query.answers import FITS, ask, best_views
 from lexis.query.calibration import Calibration, calibration_of
 from sim.bench.everyday_questions import TUNING
-from sim.bench.queries import Answered, Row, answering_rooms, ask_one, row_of, true_rooms
+from sim.bench.queries import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
 from sim.harness import RunConfig, run
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -146,5 +146,5 @@ def test_figures_of_questions_count_those_with_and_without_an_answer_apart():
 
     answered = [one(True, True, False), one(True, True, True), one(True, False, False), one(True, False, True)]
     row = row_of([*answered, one(False, False, True), one(False, False, False)])
-    assert row == Row(questions=4, ranked_first=0.5, answered=0.25, vain=2, refused=0.5)
+    assert row == QueriesRow(questions=4, ranked_first=0.5, answered=0.25, vain=2, refused=0.5)
     assert row_of(answered).refused is None

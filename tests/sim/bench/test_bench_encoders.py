@@ -17,10 +17,10 @@ from sim.bench.encoders.table import RANDOM, TRAINED, Accuracy, TableRow, draw_p
 from sim.bench.encoders.times import Timing, example_image, random_weights, timed
 from sim.cli import main
 from sim.errors import SimError
-from sim.training.array_cache import kept
+from sim.training.array_cache import cached_arrays
 from sim.training.frames import frames_origin
 from sim.training.phrases import HELD_OUT_NAMES, ROOM_ACTIVITIES, ROOM_NAMES
-from sim.training.views import LEXIS_VIEWS, TRAINING_VIEWS
+from sim.training.viewpoints import LEXIS_VIEWS, TRAINING_VIEWS
 from worlds.labels import ROOM_LABELS
 
 RUNS = [painted_run(900_004), painted_run(900_005)]
@@ -109,9 +109,9 @@ def test_the_ceiling_is_what_visible_things_tell(tmp_path):
         ceiling_of(tmp_path)
     rng = np.random.default_rng(0)
     frames = painted(np.repeat(ROOMS, 5), rng)
-    kept(tmp_path / "frames" / "a.npz", (frames_origin(TRAINING_VIEWS), "a house"), lambda: frames.arrays)
+    cached_arrays(tmp_path / "frames" / "a.npz", (frames_origin(TRAINING_VIEWS), "a house"), lambda: frames.arrays)
     assert (ceiling_of(tmp_path)(painted(ROOMS, rng)) == ROOMS).all()
-    kept(tmp_path / "frames" / "b.npz", (frames_origin(LEXIS_VIEWS), "a house"), lambda: frames.arrays)
+    cached_arrays(tmp_path / "frames" / "b.npz", (frames_origin(LEXIS_VIEWS), "a house"), lambda: frames.arrays)
     with pytest.raises(SimError, match=r"b\.npz: made of other"):
         ceiling_of(tmp_path)
 

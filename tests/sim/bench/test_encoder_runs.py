@@ -14,8 +14,8 @@ from sim.bench.encoders.questions import (
     HELD_OUT_WORDS,
     THING,
     TRAINED,
-    Asked,
-    Question,
+    AnsweredQuestion,
+    RoomQuestion,
     failures,
     questions_of,
     share_right,
@@ -83,7 +83,7 @@ def test_wordings_are_what_they_are_called():
 
 def test_failures_are_counted_with_what_was_said_instead():
     def asked(about, said, wording=TRAINED):
-        return Asked(Question(THING, wording, about, f"a {about}", "kitchen"), said)
+        return AnsweredQuestion(RoomQuestion(THING, wording, about, f"a {about}", "kitchen"), said)
 
     answers = [asked("stove", "kitchen"), asked("stove", "garden"), *[asked("sink", "office")] * 2, asked("oven", "kitchen")]
     assert share_right(answers, THING, TRAINED) == (pytest.approx(0.4), 5)

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
-from sim.bench.segmentation import Row
-from sim.bench.speed import Figure, Section
+from sim.bench.segmentation import SegmentationRow
+from sim.bench.speed import Section, SpeedFigure
 from sim.cli import main
 from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
@@ -160,13 +160,13 @@ def test_a_house_that_cannot_be_built_fails_its_check(tmp_path, capsys):
 
 
 def test_a_benchmark_shows_a_figure_that_a_house_does_not_have(monkeypatch, capsys):
-    row = Row(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
+    row = SegmentationRow(0.5, 0.5, 0.5, 1.0, 0.2, 0.1, 0, 0, loop_recall=None, plans=1.0)
     monkeypatch.setattr("sim.bench.segmentation.run_houses", lambda config, seeds, openness: ((seed, row) for seed in seeds))
     assert status_of(["bench", "segmentation", "--houses", "2"]) == 0
     assert "–" in capsys.readouterr().out
 
 
-SECTION = Section("scene", "ms", (Figure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))
+SECTION = Section("scene", "ms", (SpeedFigure("House to MjModel", 1.0, 2.0, 3, "<= 500"),))
 
 
 def test_units_of_the_speed_benchmark_are_shown(monkeypatch, capsys):

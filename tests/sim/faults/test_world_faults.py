@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely.geometry import LineString, Point
 
-from sim.faults import FAULTS, Stage, WorldFault, fault_rng
+from sim.faults import FAULTS, WorldFault, WorldState, fault_rng
 from sim.faults.closing_doors import ClosingDoors, all_leaves
 from sim.faults.images import Blur
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
@@ -69,7 +69,7 @@ def names(pairs):
 
 def test_moved_furniture_stands_clear_in_its_room(house, tour):
     fault = MovedFurniture(0.6)
-    after = fault.change(Stage(house), tour, fault_rng(5, 0)).house
+    after = fault.change(WorldState(house), tour, fault_rng(5, 0)).house
     moved = [piece.id for piece, old in zip(after.furniture, house.furniture, strict=True) if piece.position != old.position]
     assert len(moved) > 10
     later = tour.T_W_B[tour.stamps >= tour.stamps[-1] / 2, :3, 3]
@@ -124,7 +124,7 @@ def test_doors_are_shut_unless_the_body_is_near(house, tour):
 
 def test_a_person_walks_the_tour_ahead_of_the_camera(house, tour):
     fault = Pedestrian(at_s=30.0, pace=1.5, ahead_s=2.0)
-    (person,) = fault.change(Stage(house), tour, fault_rng(5, 0)).actors
+    (person,) = fault.change(WorldState(house), tour, fault_rng(5, 0)).actors
     for t in (30.0, 32.5, 40.0):
         expected = tour.pose_at(32.0 + 1.5 * (t - 30.0))
         for solid in person.solids_at(t, np.eye(4)):
@@ -155,7 +155,7 @@ def test_every_fault_of_the_world_is_tested():
 @pytest.mark.parametrize("fault", WORLD, ids=lambda fault: fault.name)
 def test_the_same_seed_changes_the_same(flat, flat_tour, fault):
     def things():
-        stage = fault.change(Stage(flat), flat_tour, fault_rng(5, 0))
+        stage = fault.change(WorldState(flat), flat_tour, fault_rng(5, 0))
         moving = [solid for actor in stage.actors for solid in actor.solids_at(flat_tour.stamps[-1] / 2, np.eye(4))]
         return [
             (*thing.position, thing.yaw, *(part.size for part in thing.parts)) for thing in (*stage.house.furniture, *moving)

@@ -14,7 +14,7 @@ from sim.feature_sensor.covisibility_verifier import (
     PREDICTORS,
     CovisibilityVerifier,
     LoopModel,
-    Measured,
+    MeasuredEdges,
     Sight,
     fit_logistic,
     predictors,
@@ -30,9 +30,9 @@ from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 CAMERA = wide_camera()
 GRID = RayGrid.of(CAMERA.intrinsics, COLUMNS, ROWS)
 ANYWHERE = VerificationConfig(gate_m=100.0, gate_rad=4.0, max_edges=1000)
-EMPTY = Measured(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
-SOME = Measured(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]))
-FAR = Measured(np.array([[0, 0, 1.0, 3.0, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([17]))
+EMPTY = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
+SOME = MeasuredEdges(np.array([[0.01, 0, 0, 0.02, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([40]))
+FAR = MeasuredEdges(np.array([[0, 0, 1.0, 3.0, 0, 0]]), np.eye(6)[None] * 1e-4, np.array([17]))
 
 
 def model(log_odds=0.0, query_share=0.0, false_rate=0.0):

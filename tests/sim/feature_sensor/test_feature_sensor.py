@@ -12,7 +12,7 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped, Frozen
 from sim.faults.images import Blur, Smear
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
-from sim.feature_sensor.covisibility_verifier import LoopModel, Measured
+from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, fingerprint, load_features, save_features
 from sim.feature_sensor.oracle import Oracle
@@ -49,8 +49,8 @@ def fitted():
     errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)
     offset = np.full(len(ROOM_LABELS), 1e-3, np.float32)
     embedding = EmbeddingModel(weights, offset, errors, np.full(len(KERNELS), 1 / len(KERNELS)))
-    edges = Measured(np.full((3, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 3, axis=0), np.array([20, 30, 40]))
-    nothing = Measured(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
+    edges = MeasuredEdges(np.full((3, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 3, axis=0), np.array([20, 30, 40]))
+    nothing = MeasuredEdges(np.zeros((0, 6)), np.zeros((0, 6, 6)), np.zeros(0, int))
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, nothing)
     return FeatureModel(fingerprint(LabelEncoder()), embedding, loops)
 
@@ -70,7 +70,7 @@ def config(file):
 @pytest.fixture(scope="module")
 def finished(config):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sim.changing_world.build_scene", lambda *_: pytest.fail("something was rendered"))
+        patch.setattr("sim.world_states.build_scene", lambda *_: pytest.fail("something was rendered"))
         return run(config, LabelEncoder())
 
 
@@ -140,7 +140,7 @@ def test_models_keep_what_they_are_in_files(fitted, file):
     for name in ("weights", "offset", "errors", "kernels"):
         np.testing.assert_allclose(getattr(read.embedding, name), getattr(fitted.embedding, name), atol=1e-3)
     for part in ("true_edges", "false_edges"):
-        for field in fields(Measured):
+        for field in fields(MeasuredEdges):
             np.testing.assert_allclose(
                 getattr(getattr(read.loops, part), field.name), getattr(getattr(fitted.loops, part), field.name), atol=1e-6
             )

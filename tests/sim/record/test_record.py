@@ -20,7 +20,6 @@ from lexis.errors import LexisError
 from lexis.map.folder import load_map
 from lexis.maths.projection import rays
 from lexis.maths.quaternions import poses_of
-from sim.changing_world import Painter
 from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
@@ -31,6 +30,7 @@ from sim.record.settings import write_settings
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
 from sim.render.lens import Distortion
 from sim.render.rig import displaced, make_rig
+from sim.world_states import FrameRenderer
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
@@ -390,8 +390,8 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
 def unlit(monkeypatch):
     """Frames are black, and cost nothing."""
     size = CONFIG.camera.intrinsics.height, CONFIG.camera.intrinsics.width
-    monkeypatch.setattr(Painter, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
-    monkeypatch.setattr(Painter, "depth", lambda *_: np.zeros(size, np.float32))
+    monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
+    monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
 
 
 def test_faults_are_recorded(tmp_path, unlit):

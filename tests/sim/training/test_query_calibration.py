@@ -16,7 +16,19 @@ from sim.training.frames import THINGS
 from sim.training.houses import TUNING_SEEDS, HouseDraw
 from sim.training.phrases import HOLDS_HELD_OUT
 from sim.training.query_calibration import fit_calibration, measure, tuning_houses, write_calibration
-from sim.training.query_questions import ACTIVITY, DOUBTFUL, NAME, NO, THING, TOPICS, YES, Asked, RoomViews, ask, room_views
+from sim.training.query_questions import (
+    ACTIVITY,
+    DOUBTFUL,
+    NAME,
+    NO,
+    THING,
+    TOPICS,
+    YES,
+    QuestionBatch,
+    RoomViews,
+    ask,
+    room_views,
+)
 from worlds.labels import ROOM_LABELS
 
 
@@ -78,7 +90,7 @@ def drawn(rng, calibration, questions=6_000):
         (similarities - calibration.base - calibration.slope * familiarity(embeddings, ROOM_LABELS, HashingEncoder()))
         / calibration.temperature
     )
-    return Asked(texts, (NAME,) * questions, embeddings, similarities, np.where(rng.random(p.shape) < p, YES, NO))
+    return QuestionBatch(texts, (NAME,) * questions, embeddings, similarities, np.where(rng.random(p.shape) < p, YES, NO))
 
 
 def test_what_truth_was_drawn_with_is_found_again(rng):

@@ -26,7 +26,7 @@ from sim.training.frames import BARE, THINGS, Frames, Views, frames_at, frames_i
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
-from sim.training.views import IMAGE_SIZE
+from sim.training.viewpoints import IMAGE_SIZE
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from shapely import unary_union
 from shapely.geometry import Polygon, box
 
-from worlds.floor_plans.rectangles import Symmetry, area_m2, contact, outline
+from worlds.floor_plans.rectangles import SquareSymmetry, area_m2, contact, outline
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.presets import PRESETS, sample_house
 from worlds.spec import PASSABLE
@@ -99,7 +99,7 @@ rectangles = st.builds(lambda corner, size: (*corner, corner[0] + size[0], corne
 @given(st.lists(rectangles, min_size=1, max_size=4), st.tuples(*[st.booleans()] * 3))
 def test_outlines_and_contacts_agree_with_shapely(rects, flips):
     disjoint = [r for i, r in enumerate(rects) if all(box(*r).intersection(box(*other)).area == 0 for other in rects[:i])]
-    turned = [Symmetry(*flips).rect(r) for r in disjoint]
+    turned = [SquareSymmetry(*flips).rect(r) for r in disjoint]
     assert area_m2(turned) == pytest.approx(sum(box(*r).area for r in disjoint) / 1e4)
     union = unary_union([box(*r) for r in turned])
     if union.geom_type == "Polygon" and not union.interiors:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from worlds.errors import WorldsError
 from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.house import build_house
-from worlds.openings.gap import Gap, shared_walls
+from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.openings.placement import APART_M, CORNER_M, place_openings
 from worlds.spec import PASSABLE, HouseSpec, RoomSpec, StoreySpec
 from worlds.walkable import Walkable
@@ -160,4 +160,4 @@ def test_a_gap_remembers_its_opening(make_layout, seed):
     layout = make_layout()
     rooms = {r.id: r for r in layout.rooms}
     for opening in place_openings(layout, np.random.default_rng(seed)):
-        assert Gap.of(opening, rooms).spec() == opening
+        assert OpeningDraft.of(opening, rooms).spec() == opening

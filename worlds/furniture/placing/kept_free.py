@@ -41,7 +41,7 @@ class WallRun:
 
 
 @dataclass(frozen=True)
-class Ways:
+class KeptFree:
     """Of one room, in its own coordinates."""
 
     runs: tuple[WallRun, ...]
@@ -55,7 +55,7 @@ class Ways:
     """Where the leaves of doors that stand open are."""
 
 
-def ways_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> Ways:
+def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> KeptFree:
     """Read a room's openings and windows; `room` is one of `storey`."""
     gaps: dict[Side, list[Interval]] = {side: [] for side in shape.sides}
     zones, spaces, entries, leaves = [], [], [], []
@@ -79,7 +79,7 @@ def ways_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Seque
         if window.room == room.id:
             spaces += _before(shape, window.start_m, window.end_m, window.sill_m, window.height_m)
     runs = tuple(WallRun(side, _remaining(side.length, cuts)) for side, cuts in gaps.items())
-    return Ways(runs, tuple(zones), tuple(spaces), tuple(entries), tuple(leaves))
+    return KeptFree(runs, tuple(zones), tuple(spaces), tuple(entries), tuple(leaves))
 
 
 def _on_sides(shape: RoomShape, start: Point, end: Point) -> Iterator[tuple[Side, Interval]]:

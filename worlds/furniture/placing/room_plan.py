@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from worlds.furniture.kinds import Around, Kind, Size
 from worlds.furniture.placing.free_floor import HALF_WALL_M, FreeFloor
-from worlds.furniture.placing.kept_free import Space, ways_of
+from worlds.furniture.placing.kept_free import Space, kept_free_of
 from worlds.furniture.placing.piece import Piece, Pose
 from worlds.furniture.placing.room_shape import EPS_M, Rectangle, RoomShape, grown
 from worlds.spec import RoomSpec, StoreySpec, WindowSpec
@@ -22,7 +22,7 @@ class RoomPlan:
         """`room` is one of `storey`; `windows` are the storey's."""
         self.label, self.height_m = room.label, storey.height_m
         self.shape = RoomShape.of(room)
-        ways = ways_of(self.shape, room, storey, windows)
+        ways = kept_free_of(self.shape, room, storey, windows)
         self.runs = ways.runs
         self.at_wall: dict[int | None, list[Piece]] = defaultdict(list)
         """What stands on the floor against each of the `runs`."""

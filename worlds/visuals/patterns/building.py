@@ -5,32 +5,32 @@ import numpy as np
 from jaxtyping import Float64, Int32
 from numpy.random import Generator
 
-from worlds.visuals.patterns.surface import Planes, Shade, Surface, courses
+from worlds.visuals.patterns.texture_area import Planes, Shade, TextureArea, courses
 
 _BLOSSOM_COLOURS = 6
 _PETALS = 5
 
 
-def bare(surface: Surface, rng: Generator) -> Shade:
+def bare(surface: TextureArea, rng: Generator) -> Shade:
     """Even paint that shows next to nothing: a slow change of shade across metres."""
     return 0.98 + 0.012 * surface.noise(rng, 3.0, octaves=1)
 
 
-def plain(surface: Surface, rng: Generator) -> Shade:
+def plain(surface: TextureArea, rng: Generator) -> Shade:
     """Paint: faint mottling, with here and there a scuff."""
     shade = 0.97 + 0.085 * surface.noise(rng, 0.24, octaves=4, gain=1.0)
     _marks(shade, surface, rng, per_m2=7.0, length_m=0.07, strength=0.3)
     return shade
 
 
-def plaster(surface: Surface, rng: Generator) -> Shade:
+def plaster(surface: TextureArea, rng: Generator) -> Shade:
     """Rough plaster: trowel strokes and blotches."""
     strokes = surface.noise(rng, 0.14, octaves=4, gain=1.0, stretch=1.8)
     blotches = surface.noise(rng, 0.5, octaves=4)
     return 1.0 + 0.05 * blotches + 0.1 * np.tanh(1.6 * strokes)
 
 
-def concrete(surface: Surface, rng: Generator) -> Shade:
+def concrete(surface: TextureArea, rng: Generator) -> Shade:
     """Cast concrete: clouds, pores and cracks."""
     shade = 1.0 + 0.09 * surface.noise(rng, 0.6, octaves=6, gain=0.75)
     for x, y in surface.scatter(rng, 14.0):
@@ -39,17 +39,17 @@ def concrete(surface: Surface, rng: Generator) -> Shade:
     return shade
 
 
-def wood(surface: Surface, rng: Generator) -> Planes:
+def wood(surface: TextureArea, rng: Generator) -> Planes:
     """Boards along the longer side, with grain and knots."""
     return _boards(surface, rng, width_m=0.14, length_m=1.6, tint=0.01, light=0.09, joint=0.66)
 
 
-def parquet(surface: Surface, rng: Generator) -> Planes:
+def parquet(surface: TextureArea, rng: Generator) -> Planes:
     """Short blocks with strongly different tints."""
     return _boards(surface, rng, width_m=0.1, length_m=0.55, tint=0.012, light=0.15, joint=0.6)
 
 
-def tile(surface: Surface, rng: Generator) -> Planes:
+def tile(surface: TextureArea, rng: Generator) -> Planes:
     """Square tiles in a grid, each glazed a little differently, with a few that are decorated."""
     side = rng.uniform(0.15, 0.3)
     joint = rng.choice([0.62, 1.25])
@@ -61,7 +61,7 @@ def tile(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def brick(surface: Surface, rng: Generator) -> Planes:
+def brick(surface: TextureArea, rng: Generator) -> Planes:
     """Stretcher bond with uneven bricks."""
     laid = courses(rng, surface, 0.085, 0.24, vary=0.12)
     planes = laid.spread(rng, light=0.15, tint=0.012, joint=1.3)
@@ -69,7 +69,7 @@ def brick(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def paving(surface: Surface, rng: Generator) -> Planes:
+def paving(surface: TextureArea, rng: Generator) -> Planes:
     """Slabs of uneven length, with gravel between them."""
     laid = courses(rng, surface, 0.4, 0.55, vary=0.35)
     planes = laid.spread(rng, light=0.12, tint=0.006, joint=0.55)
@@ -77,21 +77,21 @@ def paving(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def carpet(surface: Surface, rng: Generator) -> Shade:
+def carpet(surface: TextureArea, rng: Generator) -> Shade:
     """Pile: strong fine noise over soft blotches."""
     return 1.0 + 0.14 * surface.noise(rng, 0.08, octaves=4, gain=1.0) + 0.05 * surface.noise(rng, 0.5, octaves=2)
 
 
-def marble(surface: Surface, rng: Generator) -> Shade:
+def marble(surface: TextureArea, rng: Generator) -> Shade:
     """Veins where a noise field changes its sign."""
     veins = np.abs(surface.noise(rng, 0.45, octaves=6, gain=0.62))
     shade: Shade = 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
     return shade
 
 
-def wallpaper(surface: Surface, rng: Generator) -> Planes:
+def wallpaper(surface: TextureArea, rng: Generator) -> Planes:
     """Stripes of uneven width with hand-set blossoms of a few colours; no two alike."""
-    stripes = courses(rng, Surface(1, surface.width, 1.0, surface.width_m), 50.0, rng.uniform(0.08, 0.25), vary=0.35)
+    stripes = courses(rng, TextureArea(1, surface.width, 1.0, surface.width_m), 50.0, rng.uniform(0.08, 0.25), vary=0.35)
     planes = stripes.spread(rng, light=0.05, tint=0.02, joint=0.93)
     planes = planes * (1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4))
     blossoms = np.array(surface.scatter(rng, 9.0, most=150))
@@ -104,7 +104,7 @@ def wallpaper(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def grass(surface: Surface, rng: Generator) -> Planes:
+def grass(surface: TextureArea, rng: Generator) -> Planes:
     """Tufts, worn spots and daisies."""
     tufts = surface.noise(rng, 0.12, octaves=4, gain=0.9)
     worn = surface.noise(rng, 1.2, octaves=4)
@@ -116,7 +116,7 @@ def grass(surface: Surface, rng: Generator) -> Planes:
 
 
 def _boards(
-    surface: Surface, rng: Generator, width_m: float, length_m: float, tint: float, light: float, joint: float
+    surface: TextureArea, rng: Generator, width_m: float, length_m: float, tint: float, light: float, joint: float
 ) -> Planes:
     upright = surface.height_m > surface.width_m
     lying = surface.transposed if upright else surface
@@ -130,7 +130,7 @@ def _boards(
     return np.ascontiguousarray(planes.transpose(0, 2, 1)) if upright else planes
 
 
-def _marks(shade: Shade, surface: Surface, rng: Generator, per_m2: float, length_m: float, strength: float) -> None:
+def _marks(shade: Shade, surface: TextureArea, rng: Generator, per_m2: float, length_m: float, strength: float) -> None:
     for x, y in surface.scatter(rng, per_m2, most=80):
         dx, dy = rng.normal(0.0, length_m * surface.px_per_m, 2)
         cv2.line(shade, (int(x), int(y)), (int(x + dx), int(y + dy)), 1.0 - strength * rng.uniform(0.4, 1.0), 1, cv2.LINE_AA)

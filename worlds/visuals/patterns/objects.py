@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from numpy.random import Generator
 
-from worlds.visuals.patterns.surface import Planes, Shade, Surface, courses
+from worlds.visuals.patterns.texture_area import Planes, Shade, TextureArea, courses
 
 
-def fabric(surface: Surface, rng: Generator) -> Planes:
+def fabric(surface: TextureArea, rng: Generator) -> Planes:
     """Woven cloth: threads both ways and a few woven stripes."""
     threads = surface.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0)
     threads += surface.transposed.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0).T
@@ -20,14 +20,14 @@ def fabric(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def metal(surface: Surface, rng: Generator) -> Shade:
+def metal(surface: TextureArea, rng: Generator) -> Shade:
     """Brushed metal: fine lines, soft reflections, a few smudges."""
     brushed = surface.noise(rng, 0.02, octaves=2, stretch=20.0)
     reflections = surface.noise(rng, 0.4, octaves=2, stretch=0.6)
     return 1.0 + 0.05 * brushed + 0.1 * reflections + 0.04 * surface.noise(rng, 0.08, octaves=3)
 
 
-def ceramic(surface: Surface, rng: Generator) -> Shade:
+def ceramic(surface: TextureArea, rng: Generator) -> Shade:
     """Glaze: soft reflections and small flaws."""
     shade = 0.97 + 0.06 * surface.noise(rng, 0.25, octaves=4)
     for x, y in surface.scatter(rng, 12.0, most=40):
@@ -35,7 +35,7 @@ def ceramic(surface: Surface, rng: Generator) -> Shade:
     return shade
 
 
-def glass(surface: Surface, rng: Generator) -> Shade:
+def glass(surface: TextureArea, rng: Generator) -> Shade:
     """A pane: slanted reflections over a gradient."""
     slope = np.linspace(1.15, 0.9, surface.height, dtype=np.float32)[:, None]
     shade = slope + 0.03 * surface.noise(rng, 0.2, octaves=4)
@@ -49,14 +49,14 @@ def glass(surface: Surface, rng: Generator) -> Shade:
     return shade
 
 
-def leaves(surface: Surface, rng: Generator) -> Planes:
+def leaves(surface: TextureArea, rng: Generator) -> Planes:
     """Foliage: layers of leaves, the deep ones dark."""
     depth = np.round(2.2 * surface.noise(rng, 0.12, octaves=3, gain=0.9)) / 2.2
     edge = surface.noise(rng, 0.05, octaves=2)
     return np.stack([1.0 + 0.3 * depth + 0.12 * edge, 1.0 + 0.26 * depth + 0.08 * edge, 1.0 + 0.3 * depth])
 
 
-def books(surface: Surface, rng: Generator) -> Planes:
+def books(surface: TextureArea, rng: Generator) -> Planes:
     """Rows of spines of all colours, with titles."""
     shelf_m = surface.height_m / max(1, round(surface.height_m / 0.3))
     planes = courses(rng, surface, shelf_m, 0.045, vary=0.5).spread(rng, light=0.22, tint=0.3, joint=0.15)
@@ -70,7 +70,7 @@ def books(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def picture(surface: Surface, rng: Generator) -> Planes:
+def picture(surface: TextureArea, rng: Generator) -> Planes:
     """A painting or a poster: a landscape, a portrait or bold shapes, some with a title; the rest is brush work."""
     height, width = surface.height, surface.width
     image = np.empty((height, width, 3), np.float32)
@@ -84,7 +84,7 @@ def picture(surface: Surface, rng: Generator) -> Planes:
     return np.ascontiguousarray(image.transpose(2, 0, 1))
 
 
-def screen(surface: Surface, rng: Generator) -> Planes:
+def screen(surface: TextureArea, rng: Generator) -> Planes:
     """A lit display: windows, lines of text, a picture."""
     height, width = surface.height, surface.width
     planes = np.empty((3, height, width), np.float32)
@@ -97,7 +97,7 @@ def screen(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def keyboard(surface: Surface, rng: Generator) -> Planes:
+def keyboard(surface: TextureArea, rng: Generator) -> Planes:
     """Rows of keys or buttons."""
     row_m = min(surface.height_m / 2, max(0.02, 6.0 / surface.px_per_m))
     keys = courses(rng, surface, row_m, 1.1 * row_m, vary=0.3)
@@ -106,7 +106,7 @@ def keyboard(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def food(surface: Surface, rng: Generator) -> Planes:
+def food(surface: TextureArea, rng: Generator) -> Planes:
     """Shelves of tins, jars, bottles and packets of all heights, with lids and labels, before a dark back."""
     image = np.full((surface.height, surface.width, 3), 0.22, np.float32)
     shelves, scale = max(1, round(surface.height_m / 0.28)), surface.px_per_m
@@ -127,7 +127,7 @@ def food(surface: Surface, rng: Generator) -> Planes:
     return np.ascontiguousarray(image.transpose(2, 0, 1))
 
 
-def scribble(surface: Surface, rng: Generator) -> Planes:
+def scribble(surface: TextureArea, rng: Generator) -> Planes:
     """A whiteboard or map: lines, boxes and notes in several colours."""
     planes = np.empty((3, surface.height, surface.width), np.float32)
     planes[:] = 1.0 + 0.02 * surface.noise(rng, 0.2, octaves=3)
@@ -141,7 +141,7 @@ def scribble(surface: Surface, rng: Generator) -> Planes:
     return planes
 
 
-def label(surface: Surface, rng: Generator) -> Planes:
+def label(surface: TextureArea, rng: Generator) -> Planes:
     """Cardboard with tape and printed labels."""
     planes = np.empty((3, surface.height, surface.width), np.float32)
     planes[:] = 1.0 + 0.05 * surface.noise(rng, 0.08, octaves=4)

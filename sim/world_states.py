@@ -1,4 +1,4 @@
-"""`Staging`: which world there is to see at every frame of a tour, under faults that change it on the way."""
+"""`WorldStates`: which world there is to see at every frame of a tour, under faults that change it on the way."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64
 from numpy import ndarray
 
 from lexis.types import Camera, Image
-from sim.faults import Fault, Stage, WorldFault, fault_rng
+from sim.faults import Fault, WorldFault, WorldState, fault_rng
 from sim.render.actor import Actor
 from sim.render.camera import CameraRenderer, fovy_deg
 from sim.render.lens import Distortion, Lens
@@ -20,7 +20,7 @@ from worlds.visuals.meshes import Solid
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
+class CompiledHouse:
     """What stands in a world, whoever moves in it."""
 
     house: House
@@ -34,10 +34,10 @@ class Stand:
 
 
 @dataclass(frozen=True, eq=False)
-class Set:
+class RenderableWorld:
     """A world to look at."""
 
-    stand: Stand
+    stand: CompiledHouse
     actors: tuple[Actor, ...]
 
     @property
@@ -46,7 +46,7 @@ class Set:
         return self.stand.scene
 
 
-class Staging:
+class WorldStates:
     """The sets of a tour; a house without faults of the world has one."""
 
     def __init__(self, house: House, tour: Tour, camera: Camera, faults: Sequence[Fault], seed: int) -> None:
@@ -58,14 +58,14 @@ class Staging:
         ]
         """Per frame: which of the faults of the world are there."""
         self._names = [fault.name for _, fault in world]
-        self._sets: dict[tuple[int, ...], Set] = {}
-        stands: dict[int, Stand] = {}
+        self._sets: dict[tuple[int, ...], RenderableWorld] = {}
+        stands: dict[int, CompiledHouse] = {}
         for active in dict.fromkeys(self.active):
-            stage = Stage(house)
+            stage = WorldState(house)
             for place, fault in (world[k] for k in active):
                 stage = fault.change(stage, tour, fault_rng(seed, place))
-            stand = stands.setdefault(id(stage.house), Stand(stage.house, camera))
-            self._sets[active] = Set(stand, stage.actors)
+            stand = stands.setdefault(id(stage.house), CompiledHouse(stage.house, camera))
+            self._sets[active] = RenderableWorld(stand, stage.actors)
 
     @property
     def houses(self) -> list[House]:
@@ -77,7 +77,7 @@ class Staging:
         for each in self._sets.values():
             each.scene  # noqa: B018
 
-    def set_at(self, frame: int) -> Set:
+    def set_at(self, frame: int) -> RenderableWorld:
         """What there is to see at a frame."""
         return self._sets[self.active[frame]]
 
@@ -94,13 +94,13 @@ class Staging:
         )
 
 
-class Painter:
+class FrameRenderer:
     """Renders the frames of a tour, each in its set. Belongs to the thread that uses it, as the GL context does.
 
     With a distortion, the staging has to be made for `sim.render.lens.rendered_camera`, which is larger.
     """
 
-    def __init__(self, staging: Staging, camera: Camera, distortion: Distortion | None = None) -> None:
+    def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
         self._staging = staging
         self._lens = Lens(camera.intrinsics, distortion) if distortion else None
         self._camera = camera if self._lens is None else Camera(self._lens.pinhole, camera.T_B_C)

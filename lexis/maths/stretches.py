@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Shaped
 
 
-class Run(NamedTuple):
+class Stretch(NamedTuple):
     """Indices ``start`` to ``stop - 1``."""
 
     start: int
@@ -19,9 +19,9 @@ class Run(NamedTuple):
         return slice(self.start, self.stop)
 
 
-def runs_of(values: Shaped[np.ndarray, "n"]) -> list[Run]:
+def stretches_of(values: Shaped[np.ndarray, "n"]) -> list[Stretch]:
     """The runs of equal consecutive values, in order; together they cover the sequence."""
     if not len(values):
         return []
     changes = np.flatnonzero(values[1:] != values[:-1]) + 1
-    return [Run(a, b) for a, b in pairwise([0, *(int(i) for i in changes), len(values)])]
+    return [Stretch(a, b) for a, b in pairwise([0, *(int(i) for i in changes), len(values)])]

@@ -1,4 +1,4 @@
-"""`Surface`: a rectangle of pixels that knows its size in metres, and the random fields that patterns are mixed from."""
+"""`TextureArea`: a rectangle of pixels that knows its size in metres, and the random fields that patterns are mixed from."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Planes = Float32[np.ndarray, "3 height width"]
 
 
 @dataclass(frozen=True)
-class Surface:
+class TextureArea:
     """`height` x `width` [px] that cover `height_m` x `width_m` [m]."""
 
     height: int
@@ -24,9 +24,9 @@ class Surface:
     width_m: float
 
     @property
-    def transposed(self) -> "Surface":
+    def transposed(self) -> "TextureArea":
         """The same surface on its side."""
-        return Surface(self.width, self.height, self.width_m, self.height_m)
+        return TextureArea(self.width, self.height, self.width_m, self.height_m)
 
     @property
     def px_per_m(self) -> float:
@@ -93,7 +93,7 @@ class Courses:
 
 
 def courses(
-    rng: Generator, surface: Surface, course_m: float, piece_m: float, vary: float, aligned: bool = False
+    rng: Generator, surface: TextureArea, course_m: float, piece_m: float, vary: float, aligned: bool = False
 ) -> Courses:
     """Rows of height `course_m` [m] with pieces about `piece_m` [m] long whose lengths vary by the share `vary`.
 

@@ -22,7 +22,7 @@ _SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
 
 
 @dataclass(frozen=True)
-class Views:
+class ViewpointConfig:
     """Which frames are taken of a house."""
 
     size: tuple[int, int] = IMAGE_SIZE
@@ -35,8 +35,8 @@ class Views:
     """Frames taken of a house."""
 
 
-TRAINING_VIEWS = Views()
-LEXIS_VIEWS = Views(size=(480, 360))
+TRAINING_VIEWS = ViewpointConfig()
+LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
 """As LEXIS sees houses."""
 
 
@@ -47,7 +47,7 @@ def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: 
     return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
 
-def poses_along_tour(house: House, views: Views, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
+def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
     """`T_W_B` of pairs of glances from nearby points of a tour; none where there is no way through the house."""
     try:
         tour = plan_tour(house, Walkable(house), rng, TourConfig())

@@ -5,7 +5,7 @@ import pytest
 
 from sim.errors import SimError
 from sim.training import array_cache as module
-from sim.training.array_cache import house_origin, kept, loaded
+from sim.training.array_cache import cached_arrays, house_origin, loaded
 from sim.training.houses import TRAINING_SEEDS, HouseDraw
 
 ORIGINS = ("way", "house")
@@ -16,12 +16,12 @@ HOUSE = HouseDraw("uh2-apt", TRAINING_SEEDS[0])
 def path(tmp_path):
     """A file of arrays, in a folder that was made for it."""
     file = tmp_path / "folder" / "a.npz"
-    kept(file, ORIGINS, lambda: {"n": np.arange(3), "x": np.eye(2)})
+    cached_arrays(file, ORIGINS, lambda: {"n": np.arange(3), "x": np.eye(2)})
     return file
 
 
 def test_arrays_are_made_once(path):
-    arrays = kept(path, ORIGINS, lambda: pytest.fail("made again"))
+    arrays = cached_arrays(path, ORIGINS, lambda: pytest.fail("made again"))
     assert set(arrays) == {"n", "x"}
     np.testing.assert_array_equal(arrays["n"], np.arange(3))
     np.testing.assert_array_equal(arrays["x"], np.eye(2))

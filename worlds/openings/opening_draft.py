@@ -1,4 +1,4 @@
-"""`Gap`: an opening while it is being planned, in plain floats along the wall that it is in."""
+"""`OpeningDraft`: an opening while it is being planned, in plain floats along the wall that it is in."""
 
 import itertools
 from collections.abc import Iterable, Iterator
@@ -13,7 +13,7 @@ _TOLERANCE_M = 1e-6
 
 
 @dataclass(frozen=True)
-class Leaf:
+class LeafDraft:
     """A door's leaf."""
 
     at_low: bool
@@ -28,7 +28,7 @@ class Leaf:
 
 
 @dataclass(frozen=True)
-class Gap:
+class OpeningDraft:
     """An opening from `low` to `high` on the line `at` along `axis` (0: x, 1: y) [m]."""
 
     rooms: tuple[str, str]
@@ -40,7 +40,7 @@ class Gap:
     high: float
     height: float = 2.05
     sill: float = 1.0
-    leaf: Leaf | None = None
+    leaf: LeafDraft | None = None
 
     @property
     def width(self) -> float:
@@ -71,7 +71,7 @@ class Gap:
         )
 
     @staticmethod
-    def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "Gap":
+    def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "OpeningDraft":
         """The gap of an opening that is placed already. Raises `HouseError` where it runs along neither x nor y."""
         axis, at, low, high = opening_span(opening)
         sides = opening.rooms
@@ -81,8 +81,8 @@ class Gap:
         leaf = None
         if opening.leaf is not None:
             at_low = (opening.leaf.hinge == "start") == (opening.start_m <= opening.end_m)
-            leaf = Leaf(at_low, opening.leaf.into, opening.leaf.angle_rad)
-        return Gap(sides, opening.kind, axis, at, low, high, opening.height_m, opening.sill_m, leaf)
+            leaf = LeafDraft(at_low, opening.leaf.into, opening.leaf.angle_rad)
+        return OpeningDraft(sides, opening.kind, axis, at, low, high, opening.height_m, opening.sill_m, leaf)
 
 
 def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
