@@ -1,0 +1,27 @@
+"""LEXIS, an indoor SLAM that understands language: RGB images, drifting odometry and a list of room names become a map.
+
+The package needs neither the simulator nor generated houses; it runs unchanged on the data of a real robot. Read `slam.py`
+first: it names the stages in the order of the paper. Then read one file a stage: `keyframes`, `keyframe_window` (waits for
+the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and `floors`,
+`place_recognition`, `verification`, `pose_graph` and `graph_optimisation`, and `planner`. `types.py` defines the data that
+passes between them, `config.py` their settings. The subpackages hold what surrounds the stages:
+
+- `encoder`: the vision-language model that turns images and room names into vectors.
+- `datasets`: recorded runs as input.
+- `map`: a finished map as files, pictures, directions and summaries.
+- `query`: questions to a map in free words.
+- `evaluation`: figures that compare a run with the truth.
+- `files`: reading and writing of untrusted and precious files.
+- `maths`: rigid motions and other small mathematics.
+
+Glossary:
+
+- percept: what LEXIS extracts from one image, that is an embedding and AKAZE features.
+- features: AKAZE key points with their binary descriptors, and nothing else.
+- label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
+- candidate: a keyframe that place recognition proposes as a revisit; verification turns it into a loop edge, or rejects it.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

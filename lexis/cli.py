@@ -14,10 +14,10 @@ from lexis.command_line import Commands, Parser, add_command, positive, run_comm
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.files.reading import FileKind, read_json
-from lexis.map.directions import directions, place, plan_summary
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import info_text, map_info
+from lexis.map.path_directions import directions, place, plan_summary
 from lexis.map.room_names import instance_names, unused_names
 from lexis.planner import plan
 from lexis.types import LexisMap
@@ -225,7 +225,7 @@ def _query(arguments: argparse.Namespace) -> int:
 
 
 def _relabel(arguments: argparse.Namespace) -> int:
-    from lexis.map.relabel import relabel
+    from lexis.map.relabelling import relabel
 
     tell_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)

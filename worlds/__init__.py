@@ -1,0 +1,29 @@
+"""Generated houses with several rooms and storeys, and the exact truth about them. Pure geometry: no simulator, no SLAM.
+
+A house exists in two forms. `HouseSpec` (`spec.py`) is plain data with a JSON form; `build_house` (`house.py`) turns it into
+exact geometry, the same for the same spec. Specs come from `presets` (families of houses over seeds), `strategies`
+(Hypothesis draws the spec itself, so failing houses shrink), `variant` (the same house with one thing changed) and
+`plan_import` (floor plans drawn elsewhere). Everything else reads the built house: `truth` says who is where and what is
+open, `walkable` finds paths, `validation` proves that the house can stand and be walked. The subpackages build the parts:
+
+- `floor_plans`: rooms from a list of labels to rectangles on storeys.
+- `openings`: doors, arches, half walls and windows, and how open a house is.
+- `stairs`: flights between storeys.
+- `furniture`: the catalogue, and the placement of pieces in rooms.
+- `visuals`: textures, meshes and export.
+- `checks`: the proofs behind `validation`.
+
+Glossary:
+
+- room: a room instance with a label. Stairs are one room through all the storeys that they join.
+- opening: any gap in a wall between two rooms; a leaf is the part of a door that swings.
+- openness: the share of the inner walls' area that is gap, in [0, 1].
+- bay: a piece of a storey as wide as its rooms need; a run is bays that stay side by side, a band is a row of bays along a
+  corridor, and a wing is a corridor with its bands.
+- clutter: how many small things lie around, as a factor.
+- piece: one piece of furniture in its place.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,9 @@
+"""Figures that compare a run with the truth: pure functions of arrays, without the simulator.
+
+There is a module for each thing that LEXIS claims: `labels`, `rooms` (with `partitions`), `floors`, `loops` and
+`place_recognition` (with `relative`), `trajectory`, `planning`, and `coverage` of the walk by keyframes.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,9 @@
+"""Small mathematics that several stages share.
+
+`se3` and `quaternions` are rigid motions, `projection` is the pinhole camera, `paths` measures length along a path,
+`stretches` cuts a sequence into stretches of equal values, and `ties` compares values so that rounding decides nothing.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,9 @@
+"""Questions to a map in free words, such as "where can I wash my hands".
+
+`questions` reduces a question to its content, `answers` compares the content with keyframes and rooms, and `calibration`
+turns similarities into probabilities.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

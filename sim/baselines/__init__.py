@@ -1,0 +1,8 @@
+"""Other methods that LEXIS is compared with.
+
+`orb_words` is place recognition by ORB and a bag of visual words, and `orb_vocabulary` learns its words.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,5 @@
-"""The commands of `lexis-sim`, a file for each group.
+"""The commands of `lexis-sim`: a module for each group, which `sim.cli` puts together.
 
-They import late what takes long (torch, MuJoCo), inside the functions that need it: `--help` and a mistyped
-argument should not wait for it.
+A command imports what loads slowly (torch, MuJoCo) inside the function that needs it, so that `--help` and error messages
+for mistyped arguments appear at once.
 """

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from lexis.command_line import seed
 from sim.faults.catalogue import parse_fault, usage
 from sim.fidelity import ORACLE
-from sim.odometry.config import PRESETS as ODOMETRY_PRESETS
+from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import TOUR_KINDS
 from sim.tours.sway import SWAYS
 from worlds.presets import PRESETS

@@ -1,33 +1,12 @@
-"""What breaks: faults of sensors, clocks, odometry and of the world, seeded, composable, recorded in the truth.
+"""Faults of sensors, clocks, odometry and the world: seeded, composable, and recorded in the truth.
 
-Faults of the world change the stage in the order given; then faults of the stream change what comes from it in the order
-given, each fed by the one before: a frame that is dropped first cannot be late. Every fault draws from a stream of its own,
-by its place in the order, so that no other draw moves.
+`fault` is the base class. `catalogue` lists the faults and reads them from text such as "blur:0.5". Faults of the world
+(`world`, `closing_doors`, `moved_furniture`, `person`) change what there is to see; faults of the stream (`images`,
+`poses`, `stamps`, `delivery`) change observations. `corruption` applies the faults of a run in the order given: each is fed
+by the one before, so a frame that was dropped cannot be late. Every fault has a random stream of its own, chosen by its
+position in that order, so that adding a fault leaves the draws of the others alone.
 """
 
-from collections.abc import Sequence
+import lazy_loader
 
-import numpy as np
-
-from sim.faults.catalogue import FAULTS, parse_fault, written
-from sim.faults.fault import Fault, StreamFault
-from sim.faults.world import WorldFault, WorldState
-from sim.truth import Stream
-
-__all__ = ["FAULTS", "Fault", "StreamFault", "WorldFault", "WorldState", "corrupted", "fault_rng", "parse_fault", "written"]
-
-_STREAM = 2
-"""Of faults among the streams that a run's seed spawns; 0 is the tour's, 1 the odometry's."""
-
-
-def fault_rng(seed: int, place: int) -> np.random.Generator:
-    """The stream of the fault at some place of a run's faults."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, place)))
-
-
-def corrupted(stream: Stream, faults: Sequence[Fault], seed: int) -> Stream:
-    """A stream with all of the faults that are faults of the stream; the others count for their place only."""
-    for place, fault in enumerate(faults):
-        if isinstance(fault, StreamFault):
-            stream = fault.apply(stream, fault_rng(seed, place))
-    return stream
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,12 @@
-"""Feature fidelity: what LEXIS would make of images, without images.
+"""The feature sensor: what LEXIS would extract from images, predicted without rendering any.
 
-`surroundings` → `rays` cast from a pose → `views` (visible share of every thing) → `embedding` (drawn from a model that
-`fit` fitted to a real encoder) and `verification` (loops by true covisibility).
+A percept is made in steps: `surroundings` describes a house as blocks, `ray_origins` and `crossings` prepare the rays that
+`rays` casts from a pose, `visible_shares` sums up how much of the image each thing fills, and `embedding` draws an embedding
+from a model of the encoder. `covisibility_verifier` replaces geometric verification, `oracle` replaces the encoder by one
+without error, and `sensor` puts everything together. `fit` (with `fit_samples`, `fit_embedding` and `fit_loops`) fits the
+`model` to a real encoder.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -18,7 +18,7 @@ from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, Meas
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
-from sim.odometry.config import PRESETS
+from sim.odometry.config import ODOMETRY_PRESETS
 from sim.odometry.simulation import tour_odometry
 from sim.render.camera import wide_camera
 from sim.session import Session
@@ -73,7 +73,7 @@ def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Cam
     house = build_house(choice.spec())
     rng = np.random.default_rng((choice.seed, seed))
     tour = plan_tour(house, Walkable(house), rng, TourConfig(frame_rate_hz=_FRAME_RATE_HZ))
-    session = Session(house, tour, tour_odometry(tour, PRESETS["multicam"], rng), camera)
+    session = Session(house, tour, tour_odometry(tour, ODOMETRY_PRESETS["multicam"], rng), camera)
     slam = Slam(camera, encoder, house.spec.room_labels, config)
     for observation, _ in session:
         slam.process(observation)

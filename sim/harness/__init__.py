@@ -1,24 +1,15 @@
-"""Run LEXIS on simulated houses and check it against the truth.
+"""The harness: run LEXIS on a simulated house, and check the result against the truth.
 
-from sim.harness import RunConfig, check
+    from sim import RunConfig, check
 
-result = check(RunConfig(preset="home", seed=7))
-assert result["floors"]["accuracy"] > 0.9
+    result = check(RunConfig(preset="home", seed=7))
+    assert result["floors"]["accuracy"] > 0.9
+
+`config` describes a run, `walk` builds its house, tour and odometry, `runner` feeds LEXIS, `planning` drives the plans,
+`figures` (with `loops`) computes every figure of result.json, and `outputs` writes the folder of a run with its report, for
+which `report_data` prepares the data.
 """
 
-from typing import Any
+import lazy_loader
 
-from sim.harness.config import RunConfig
-from sim.harness.evaluate import evaluate
-from sim.harness.outputs import write_run
-from sim.harness.planning import try_plans
-from sim.harness.run import Run, run
-
-
-def check(config: RunConfig) -> dict[str, Any]:
-    """Run and evaluate: the contents of result.json."""
-    finished = run(config)
-    return evaluate(finished, try_plans(finished))
-
-
-__all__ = ["Run", "RunConfig", "check", "evaluate", "run", "try_plans", "write_run"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

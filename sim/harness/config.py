@@ -12,7 +12,7 @@ from sim.faults import Fault
 from sim.faults.images import ImageFault, Smear
 from sim.faults.world import ClosedDoors, Pedestrian
 from sim.fidelity import FIDELITIES, ORACLE
-from sim.odometry.simulation import PRESETS as ODOMETRY_PRESETS
+from sim.odometry.config import ODOMETRY_PRESETS
 from sim.odometry.simulation import OdometryConfig
 from sim.render.rig import Rig, make_rig
 from sim.tours.tour import TourConfig
@@ -47,7 +47,7 @@ class RunConfig:
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds before it walks."""
     odometry: str = "multicam"
-    """How the odometry drifts: a key of `sim.odometry.simulation.PRESETS`."""
+    """How the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`."""
     overconfidence: float = 1.0
     """Factor by which the odometry's covariances are too small; 1 is honest."""
     encoder: str = "mini"

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from lexis.evaluation.loops import true_edges
-from sim.harness.run import Run
+from sim.harness.runner import Run
 
 
 def edge_truth(run: Run) -> Bool[np.ndarray, "loops"]:

@@ -10,7 +10,7 @@ from lexis.files.tum_trajectory import write_tum
 from lexis.map.folder import save_map
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
-from sim.harness.run import Run
+from sim.harness.runner import Run
 from sim.report import write_report
 
 MARKER = "result.json"

@@ -14,7 +14,7 @@ from lexis.maths.se3 import inverse
 from lexis.maths.ties import settled
 from lexis.planner import plan
 from lexis.types import Pose
-from sim.harness.run import Run
+from sim.harness.runner import Run
 from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS

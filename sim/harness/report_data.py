@@ -12,7 +12,7 @@ from lexis.maths.se3 import inverse
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
-from sim.harness.run import Run
+from sim.harness.runner import Run
 from sim.render.camera import CameraRenderer
 from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
 from sim.report.house_plan import floor_plans

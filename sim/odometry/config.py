@@ -62,7 +62,7 @@ def _preset(
     )
 
 
-PRESETS = {
+ODOMETRY_PRESETS = {
     "perfect": OdometryConfig(),
     "multicam": _preset(0.026, 0.20, 0.005, 0.003, 0.024, 0.15),
     "mono": _preset(0.038, 0.34, 0.008, 0.004, 0.038, 0.30),

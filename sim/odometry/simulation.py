@@ -15,10 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from lexis.maths.se3 import between, is_rigid, rotation_angle, skew
 from sim.errors import SimError
-from sim.odometry.config import PRESETS, OdometryConfig
+from sim.odometry.config import ODOMETRY_PRESETS, OdometryConfig
 from sim.tours.tour import Tour
 
-__all__ = ["PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
+__all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
 METRES_PER_RADIAN = 0.3
 _VARIANCE_FLOOR = 1e-10

@@ -1,8 +1,10 @@
-"""Runs as datasets that other programs read: EuRoC ASL, TUM RGB-D, ROS 2 bags. The truth lies beside, in files of its own.
+"""Runs as datasets for other programs: EuRoC ASL, TUM RGB-D and ROS 2 bags. The truth lies beside, in files of its own.
 
-`lexis run` makes the same map of a recording as LEXIS makes in the live run.
+`recording` writes a dataset: `take` collects what all sensors report on one tour, and `images` encodes pictures; `euroc`,
+`tum_rgbd` and `ros2` (with `messages`) write it in one form each; `settings` writes the calibration files of other SLAM
+systems, and `rooms` the true rooms. `lexis run` makes the same map from a recording as LEXIS makes in the live run.
 """
 
-from sim.record.record import FORMATS, record
+import lazy_loader
 
-__all__ = ["FORMATS", "record"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,7 +1,12 @@
-"""The report of a run: one offline HTML file, floor plans as pictures, a terminal table."""
+"""The report of a run: one HTML file that needs no network, floor plans as pictures, and a table for the terminal.
 
-from sim.report.data import ReportData
-from sim.report.page import render_report, write_report
-from sim.report.table import result_table, result_title
+`data` is what a report shows, as plain data that any SLAM can fill. `page` writes the HTML from `findings` (sentences on
+what went wrong), `figures` (names and meanings of the figures), `timeline`, `confusion`, `room_errors` and floor plans
+(`house_plan`); `table` prints the figures. A plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and
+becomes SVG (`svg`) or PNG (`png`, `inline_image`). `palette` gives every label a colour, and `drive_picture` draws a drive
+of the robot.
+"""
 
-__all__ = ["ReportData", "render_report", "result_table", "result_title", "write_report"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

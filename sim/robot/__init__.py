@@ -1,6 +1,10 @@
-"""A robot that drives what LEXIS plans: a body in MuJoCo, a range scan, pure pursuit by its own drifting estimate."""
+"""A robot that drives the plans of a SLAM: a body in MuJoCo, a range scan, and pure pursuit by its own drifting estimate.
 
-from sim.robot.dead_reckoning import DeadReckoning
-from sim.robot.drive import DROP, Drive, Robot
+`drive` takes the body along the waypoints; `controller` steers it along the `route` and around what the scans show
+(`scan`, `local_map`); `dead_reckoning` is what the robot believes of its pose, and `body` (with `outlines`) what MuJoCo
+says of contacts and falls.
+"""
 
-__all__ = ["DROP", "DeadReckoning", "Drive", "Robot"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

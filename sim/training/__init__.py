@@ -1,0 +1,12 @@
+"""How the shipped encoder `lexis-mini` was trained, and how the probabilities of its answers were calibrated.
+
+`command` runs all steps and resumes each. `text_tower` distils a sentence encoder (`teacher`, `text_corpus`,
+`text_target`); `frames` renders training images (`houses`, `viewpoints`, `variants`), `dense` and `align` are the two
+stages of the image tower that `fit` optimises over `batches`, and `export` writes weights that open_clip loads. `lexicon`
+and `phrases` are the words; `places` lets embeddings recognise places; `temperature` scales similarities into
+probabilities; `array_cache` keeps what takes long to make; `query_calibration` and `query_questions` calibrate answers.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,7 +10,7 @@ import pytest
 
 from lexis.types import Observation
 from sim.errors import SimError
-from sim.odometry.simulation import PRESETS, simulate_odometry
+from sim.odometry.simulation import ODOMETRY_PRESETS, simulate_odometry
 from sim.prefetch import THREAD
 from sim.render.camera import CameraRenderer, wide_camera
 from sim.session import Session
@@ -29,7 +29,7 @@ def session():
     house = build_house(sample_house("uh2-apt", 5))
     tour = plan_tour(house, Walkable(house), np.random.default_rng(1))
     short = Tour(tour.stamps[:FRAMES], tour.T_W_B[:FRAMES], tour.motion, tour.eye_height_m)
-    odometry = simulate_odometry(short.T_W_B, short.stamps, PRESETS["mono"], np.random.default_rng(2))
+    odometry = simulate_odometry(short.T_W_B, short.stamps, ODOMETRY_PRESETS["mono"], np.random.default_rng(2))
     return Session(house, short, odometry, wide_camera(160, 120))
 
 

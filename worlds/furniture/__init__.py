@@ -15,3 +15,7 @@ To add a kind, write one function in the module of its theme (or a new module, n
 `rooms` says how many: 0.2 is an expected number, (1, 2) what the room always has, `Hoarded(0.5)` what only clutter brings.
 The rest (placement, truth, rendering, tests) follows from the catalogue.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

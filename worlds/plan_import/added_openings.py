@@ -12,7 +12,7 @@ from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
-from worlds.stairs.stair_cells import Bounds, Leads, bounds, flights, is_same_cell, opening_that_leads
+from worlds.stairs.cells import Bounds, Leads, bounds, flights, is_same_cell, opening_that_leads
 from worlds.walls import Boundary, boundaries
 
 _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room")

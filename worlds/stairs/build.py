@@ -15,9 +15,9 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.parts import Part
 from worlds.spec import HouseSpec, OpeningSpec
+from worlds.stairs.cells import CellFrame, cell_frame, flights, is_same_cell, opening_that_leads
 from worlds.stairs.flights import MIN_WIDTH_M, Climb, Point, StairsKind, cell_needed, climb
-from worlds.stairs.stair_cells import CellFrame, cell_frame, flights, is_same_cell, opening_that_leads
-from worlds.stairs.stair_parts import rail_parts, sills, slab_parts
+from worlds.stairs.geometry import rail_parts, sills, slab_parts
 
 APPROACH_M = 0.4
 """The walking line begins and ends this far outside the cell."""

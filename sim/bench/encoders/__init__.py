@@ -1,0 +1,10 @@
+"""`lexis-sim bench encoders`: how well vision-language models name the rooms of test houses.
+
+`measure` computes the figures of one encoder on the walks of `runs`: labels, `retrieval` of revisited places and answers to
+`questions`. `ceiling` says how much a single image can tell at best, `times` measures inference, and `table` prints and
+plots the paper's Table I. `texts` embeds every text once.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

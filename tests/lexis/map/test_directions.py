@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.map_builder import build_map
 
-from lexis.map.directions import directions, plan_summary
+from lexis.map.path_directions import directions, plan_summary
 from lexis.planner import Plan
 
 

@@ -10,7 +10,7 @@ from test_map_io import assert_same
 
 from lexis.config import Config, LabelConfig
 from lexis.errors import LexisError, MapError
-from lexis.map.relabel import relabel
+from lexis.map.relabelling import relabel
 
 NAMES = ("corridor", "office", "kitchen")
 OTHER = ("canteen", "lobby", "stairs", "office")

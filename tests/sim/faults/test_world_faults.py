@@ -10,7 +10,7 @@ from sim.faults import FAULTS, WorldFault, WorldState, fault_rng
 from sim.faults.closing_doors import ClosingDoors, all_leaves
 from sim.faults.images import Blur
 from sim.faults.world import ClosedDoors, MovedFurniture, Pedestrian
-from sim.odometry.simulation import PRESETS, tour_odometry
+from sim.odometry.simulation import ODOMETRY_PRESETS, tour_odometry
 from sim.render.camera import wide_camera
 from sim.session import Session
 from sim.tours.tour import Tour, TourConfig, plan_tour
@@ -50,7 +50,7 @@ def short(flat_tour):
 
 
 def session(house, tour, *faults, seed=5):
-    odometry = tour_odometry(tour, PRESETS["multicam"], np.random.default_rng(2))
+    odometry = tour_odometry(tour, ODOMETRY_PRESETS["multicam"], np.random.default_rng(2))
     return Session(house, tour, odometry, wide_camera(96, 72), faults, seed)
 
 

@@ -5,13 +5,13 @@ import pytest
 
 from lexis.maths.se3 import between, compose_covariance, inverse, log, rotation_angle
 from sim.errors import SimError
-from sim.odometry.simulation import PRESETS, OdometryConfig, simulate_odometry, tour_odometry
+from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig, simulate_odometry, tour_odometry
 from sim.tours.tour import TourConfig, plan_tour
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.walkable import Walkable
 
-DRIFTING = [name for name in PRESETS if name != "perfect"]
+DRIFTING = [name for name in ODOMETRY_PRESETS if name != "perfect"]
 
 
 def loops(length_m, rate_hz=10.0):
@@ -40,7 +40,7 @@ def final_errors(config, length_m, runs, rate_hz=2.0):
 
 def test_perfect_is_the_truth(rng):
     T, t = loops(50.0)
-    odometry = simulate_odometry(T, t, PRESETS["perfect"], rng)
+    odometry = simulate_odometry(T, t, ODOMETRY_PRESETS["perfect"], rng)
     np.testing.assert_array_equal(odometry.T_O_B, T)
     assert (np.linalg.eigvalsh(odometry.increment_covariance) > 0.0).all()
 
@@ -48,7 +48,7 @@ def test_perfect_is_the_truth(rng):
 @pytest.mark.parametrize("preset", DRIFTING)
 def test_starts_at_the_truth_and_increments_lead_from_pose_to_pose(preset, rng):
     T, t = loops(50.0)
-    poses = simulate_odometry(T, t, PRESETS[preset], rng).T_O_B
+    poses = simulate_odometry(T, t, ODOMETRY_PRESETS[preset], rng).T_O_B
     np.testing.assert_array_equal(poses[0], T[0])
     composed = poses[0]
     for step in between(poses[:-1], poses[1:]):
@@ -65,7 +65,7 @@ def nees(error, covariance):
 @pytest.mark.parametrize("preset", DRIFTING)
 def test_nees_of_increments_is_the_overconfidence(preset, overconfidence):
     T, t = loops(60.0)
-    config = replace(PRESETS[preset], overconfidence=overconfidence)
+    config = replace(ODOMETRY_PRESETS[preset], overconfidence=overconfidence)
     runs = [simulate_odometry(T, t, config, np.random.default_rng(seed)) for seed in range(30)]
     measured = [nees(increment_errors(T, run), run.increment_covariance[1:]) for run in runs]
     assert np.mean(measured) == pytest.approx(overconfidence, rel=0.1)
@@ -76,7 +76,7 @@ def test_nees_of_composed_increments_is_as_documented(preset, low, high):
     T, t = loops(24.0, 2.0)
     measured = []
     for seed in range(80):
-        run = simulate_odometry(T, t, PRESETS[preset], np.random.default_rng(seed))
+        run = simulate_odometry(T, t, ODOMETRY_PRESETS[preset], np.random.default_rng(seed))
         covariance = np.zeros((6, 6))
         for step, own in zip(between(run.T_O_B[:-1], run.T_O_B[1:]), run.increment_covariance[1:], strict=True):
             covariance = compose_covariance(covariance, step, own)
@@ -87,7 +87,7 @@ def test_nees_of_composed_increments_is_as_documented(preset, low, high):
 
 def test_overconfidence_leaves_the_drift_alone():
     T, t = loops(20.0)
-    configs = (PRESETS["mono"], replace(PRESETS["mono"], overconfidence=100.0))
+    configs = (ODOMETRY_PRESETS["mono"], replace(ODOMETRY_PRESETS["mono"], overconfidence=100.0))
     honest, bold = (simulate_odometry(T, t, config, np.random.default_rng(0)) for config in configs)
     np.testing.assert_array_equal(honest.T_O_B, bold.T_O_B)
 
@@ -104,7 +104,7 @@ def test_random_walk_grows_with_the_root_of_the_way_and_biases_with_the_way():
 
 def test_gravity_bounds_roll_and_pitch_but_not_yaw():
     T, t = loops(400.0)
-    config = PRESETS["degraded"]
+    config = ODOMETRY_PRESETS["degraded"]
     poses = np.array([simulate_odometry(T, t, config, np.random.default_rng(seed)).T_O_B for seed in range(8)])
     tilt = np.arccos(np.clip(poses[:, :, 2, 2], -1.0, 1.0))
     late = tilt[:, len(t) // 10 :]
@@ -115,7 +115,7 @@ def test_gravity_bounds_roll_and_pitch_but_not_yaw():
 
 
 def test_drift_does_not_depend_on_the_frame_rate():
-    config = PRESETS["multicam"]
+    config = ODOMETRY_PRESETS["multicam"]
     (slow_m, slow_rad), (fast_m, fast_rad) = (final_errors(config, 60.0, 120, rate) for rate in (2.0, 16.0))
     assert np.mean(fast_m) == pytest.approx(np.mean(slow_m), rel=0.2)
     assert np.std(fast_rad) == pytest.approx(np.std(slow_rad), rel=0.2)
@@ -131,8 +131,8 @@ def test_biases_are_forgotten_over_their_correlation_length():
 def test_what_is_reported_is_a_part_of_what_is_integrated():
     T, t = loops(20.0, 100.0)
     frames = np.arange(0, len(t), 10)
-    whole = simulate_odometry(T, t, PRESETS["mono"], np.random.default_rng(3))
-    part = simulate_odometry(T, t, PRESETS["mono"], np.random.default_rng(3), frames)
+    whole = simulate_odometry(T, t, ODOMETRY_PRESETS["mono"], np.random.default_rng(3))
+    part = simulate_odometry(T, t, ODOMETRY_PRESETS["mono"], np.random.default_rng(3), frames)
     np.testing.assert_array_equal(part.T_O_B, whole.T_O_B[frames])
     variance = whole.increment_covariance[1:, 5, 5].cumsum()[frames[1:] - 1]
     np.testing.assert_allclose(part.increment_covariance[1:, 5, 5].cumsum(), variance, rtol=0.05)
@@ -144,7 +144,7 @@ def test_tours_are_integrated_at_100_hz_or_more(tours, monkeypatch):
     record = lambda motion, stamps, height: seen.append(stamps) or poses_at(motion, stamps, height)  # noqa: E731
     monkeypatch.setattr(type(tours[0].motion), "poses_at", record)
     for rate in (100.0, 333.0):
-        config = replace(PRESETS["perfect"], rate_hz=rate)
+        config = replace(ODOMETRY_PRESETS["perfect"], rate_hz=rate)
         run = tour_odometry(tours[0], config, np.random.default_rng(0))
         np.testing.assert_allclose(run.T_O_B, tours[0].T_W_B, atol=1e-9)
         assert np.diff(seen[-1]).max() <= 1.0 / rate + 1e-9
@@ -152,7 +152,9 @@ def test_tours_are_integrated_at_100_hz_or_more(tours, monkeypatch):
 
 def test_same_seed_same_drift():
     T, t = loops(30.0)
-    first, again, other = (simulate_odometry(T, t, PRESETS["mono"], np.random.default_rng(seed)) for seed in (4, 4, 5))
+    first, again, other = (
+        simulate_odometry(T, t, ODOMETRY_PRESETS["mono"], np.random.default_rng(seed)) for seed in (4, 4, 5)
+    )
     np.testing.assert_array_equal(first.T_O_B, again.T_O_B)
     assert not np.allclose(first.T_O_B, other.T_O_B)
 
@@ -176,13 +178,13 @@ def test_presets_drift_as_documented(preset, tours):
     measured = []
     for tour in tours:
         for seed in range(20):
-            drifted = tour_odometry(tour, PRESETS[preset], np.random.default_rng(seed)).T_O_B
+            drifted = tour_odometry(tour, ODOMETRY_PRESETS[preset], np.random.default_rng(seed)).T_O_B
             measured.append([rpe(tour.T_W_B, drifted, length) for length in (8.0, 24.0, 48.0)])
     np.testing.assert_allclose(np.mean(measured, axis=0), DOCUMENTED[preset], rtol=0.15)
 
 
 def test_perfect_does_not_drift_along_a_tour(tours):
-    drifted = tour_odometry(tours[0], PRESETS["perfect"], np.random.default_rng(0)).T_O_B
+    drifted = tour_odometry(tours[0], ODOMETRY_PRESETS["perfect"], np.random.default_rng(0)).T_O_B
     assert rpe(tours[0].T_W_B, drifted, 48.0) == pytest.approx((0.0, 0.0), abs=1e-5)
 
 

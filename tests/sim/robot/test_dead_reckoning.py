@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sim.odometry.simulation import PRESETS, OdometryConfig, simulate_odometry
+from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig, simulate_odometry
 from sim.robot import DeadReckoning
 
 RUNS, STEPS, FORWARD, TURN = 200, 60, 0.4, 0.05
@@ -38,7 +38,7 @@ def test_without_errors_the_pose_is_the_true_one(true_poses, rng):
 
 @pytest.mark.parametrize("preset", ["multicam", "degraded"])
 def test_it_drifts_as_much_as_the_odometry_of_a_tour(true_poses, rng, preset):
-    config, stamps = PRESETS[preset], 0.6 * np.arange(STEPS + 1)
+    config, stamps = ODOMETRY_PRESETS[preset], 0.6 * np.arange(STEPS + 1)
     mine = np.array([driven(config, rng) for _ in range(RUNS)])
     others = np.array([simulate_odometry(true_poses, stamps, config, rng).T_O_B[-1] for _ in range(RUNS)])
     yaw = np.arctan2(others[:, 1, 0], others[:, 0, 0])
@@ -48,5 +48,5 @@ def test_it_drifts_as_much_as_the_odometry_of_a_tour(true_poses, rng, preset):
 
 
 def test_the_same_stream_is_the_same_drift():
-    first, again = (driven(PRESETS["mono"], np.random.default_rng(3)) for _ in range(2))
+    first, again = (driven(ODOMETRY_PRESETS["mono"], np.random.default_rng(3)) for _ in range(2))
     assert first == again

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.errors import SimError
-from sim.odometry.simulation import PRESETS, OdometryConfig
+from sim.odometry.simulation import ODOMETRY_PRESETS, OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from sim.robot.body import RADIUS_M, Body
 from sim.robot.controller import HORIZON_M, LEAST_M, Controller
@@ -155,7 +155,7 @@ def test_what_is_believed_has_no_bearing_on_where_contacts_are(home):
     """A robot that is lost by a metre cannot fare through walls: every place of its path is free of contacts."""
     walkable = Walkable(home)
     a, b = (int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1]))
-    result = go(home, *walkable.path(a, b), off=(0.7, -0.7, 0.3), drift=PRESETS["degraded"])
+    result = go(home, *walkable.path(a, b), off=(0.7, -0.7, 0.3), drift=ODOMETRY_PRESETS["degraded"])
     body = Body(home)
     assert not any(body.place(*point) for point in result.path[: len(result.path) - bool(result.touched)])
 
@@ -163,7 +163,7 @@ def test_what_is_believed_has_no_bearing_on_where_contacts_are(home):
 def test_the_same_seed_is_the_same_drive(home):
     walkable = Walkable(home)
     way = walkable.path(*(int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1])))
-    first, again, other = (go(home, *way, drift=PRESETS["multicam"], seed=seed).path for seed in (1, 1, 2))
+    first, again, other = (go(home, *way, drift=ODOMETRY_PRESETS["multicam"], seed=seed).path for seed in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert first.shape != other.shape or not np.array_equal(first, other)
 

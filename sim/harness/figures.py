@@ -19,13 +19,20 @@ from lexis.maths.paths import arc_length
 from lexis.place_recognition import old_enough
 from sim.doctor import versions
 from sim.faults import written
-from sim.harness.planning import Trial
-from sim.harness.run import Run
+from sim.harness.config import RunConfig
+from sim.harness.planning import Trial, try_plans
+from sim.harness.runner import Run, run
 from worlds.labels import STAIRS
 from worlds.truth import ambiguity_at, floor_area, openness
 
 SCHEMA = 1
 RPE_DELTAS_M = (8.0, 24.0)
+
+
+def check(config: RunConfig) -> dict[str, Any]:
+    """Run LEXIS on the scenario of `config`, drive its plans, and return the contents of result.json."""
+    finished = run(config)
+    return evaluate(finished, try_plans(finished))
 
 
 def evaluate(run: Run, trials: Sequence[Trial]) -> dict[str, Any]:

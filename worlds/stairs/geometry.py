@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 
 from worlds.parts import Colour, Part
 from worlds.spec import OpeningSpec
+from worlds.stairs.cells import CellFrame
 from worlds.stairs.flights import INSET_M, Rail, Slab
-from worlds.stairs.stair_cells import CellFrame
 
 SLAB_THICKNESS_M = 0.3
 _WOOD = (0.62, 0.47, 0.33)

@@ -1,0 +1,14 @@
+from .arrays import read_arrays as read_arrays
+from .reading import FileKind as FileKind
+from .reading import numbered_lines as numbered_lines
+from .reading import open_file as open_file
+from .reading import read_bytes as read_bytes
+from .reading import read_json as read_json
+from .reading import read_model as read_model
+from .reading import read_text as read_text
+from .reading import read_yaml as read_yaml
+from .replace import check_replaceable as check_replaceable
+from .replace import replaced_file as replaced_file
+from .replace import replaced_folder as replaced_folder
+from .tum_trajectory import read_tum as read_tum
+from .tum_trajectory import write_tum as write_tum

@@ -1,0 +1,13 @@
+from .paths import arc_length as arc_length
+from .projection import project as project
+from .projection import project_jacobian as project_jacobian
+from .projection import rays as rays
+from .quaternions import as_quaternions as as_quaternions
+from .quaternions import as_rotations as as_rotations
+from .quaternions import pose_rows as pose_rows
+from .quaternions import poses_of as poses_of
+from .stretches import Stretch as Stretch
+from .stretches import stretches_of as stretches_of
+from .ties import nearest_others as nearest_others
+from .ties import reaches as reaches
+from .ties import settled as settled

@@ -1,0 +1,9 @@
+from .catalogue import FAULTS as FAULTS
+from .catalogue import parse_fault as parse_fault
+from .catalogue import written as written
+from .corruption import corrupted as corrupted
+from .corruption import fault_rng as fault_rng
+from .fault import Fault as Fault
+from .fault import StreamFault as StreamFault
+from .world import WorldFault as WorldFault
+from .world import WorldState as WorldState

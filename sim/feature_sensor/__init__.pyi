@@ -1,0 +1,10 @@
+from .covisibility_verifier import CovisibilityVerifier as CovisibilityVerifier
+from .covisibility_verifier import LoopModel as LoopModel
+from .fit import fit_features as fit_features
+from .model import FeatureModel as FeatureModel
+from .model import load_features as load_features
+from .model import save_features as save_features
+from .oracle import Oracle as Oracle
+from .sensor import FeatureSensor as FeatureSensor
+from .visible_shares import VisibleShares as VisibleShares
+from .visible_shares import look as look

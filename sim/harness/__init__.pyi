@@ -1,0 +1,9 @@
+from .config import RunConfig as RunConfig
+from .figures import check as check
+from .figures import evaluate as evaluate
+from .outputs import write_run as write_run
+from .planning import Trial as Trial
+from .planning import try_plans as try_plans
+from .runner import Run as Run
+from .runner import run as run
+from .walk import Walk as Walk

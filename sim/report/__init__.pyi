@@ -1,0 +1,13 @@
+from .data import FloorPlan as FloorPlan
+from .data import KeyframeTable as KeyframeTable
+from .data import LoopMark as LoopMark
+from .data import PlanPath as PlanPath
+from .data import ReportData as ReportData
+from .data import SampleFrame as SampleFrame
+from .house_plan import floor_plans as floor_plans
+from .house_plan import plan_png as plan_png
+from .house_plan import plan_svg as plan_svg
+from .page import render_report as render_report
+from .page import write_report as write_report
+from .table import result_table as result_table
+from .table import result_title as result_title

@@ -1,0 +1,11 @@
+from .floor_plan import PlanStyle as PlanStyle
+from .floor_plan import lay_out as lay_out
+from .grown_plan import GrownRoom as GrownRoom
+from .grown_plan import grow as grow
+from .layout import Link as Link
+from .layout import StoreyLayout as StoreyLayout
+from .programmes import Bay as Bay
+from .programmes import BayRun as BayRun
+from .programmes import StoreyProgramme as StoreyProgramme
+from .room_lists import draw_programmes as draw_programmes
+from .upper_storey import with_storey_on_top as with_storey_on_top

@@ -1,0 +1,11 @@
+from .doors import DoorLeaf as DoorLeaf
+from .doors import hang_leaves as hang_leaves
+from .opening_draft import LeafDraft as LeafDraft
+from .opening_draft import OpeningDraft as OpeningDraft
+from .openness import openness_of as openness_of
+from .openness import with_openness as with_openness
+from .partitions import Partition as Partition
+from .placement import place_openings as place_openings
+from .windows import Window as Window
+from .windows import hang_windows as hang_windows
+from .windows import sample_windows as sample_windows

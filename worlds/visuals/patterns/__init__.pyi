@@ -1,0 +1,1 @@
+from .texture_area import TextureArea as TextureArea
