@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, Parser, add_command, positive, run_command, tell_of_replacement
+from lexis.command_line import Commands, Parser, add_command, add_completion, positive, run_command, tell_of_replacement
+from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.files.reading import FileKind, read_json
@@ -20,6 +21,7 @@ from lexis.map.info import info_text, map_info
 from lexis.map.path_directions import directions, place, plan_summary
 from lexis.map.room_names import instance_names, unused_names
 from lexis.planner import plan
+from lexis.settings import settings_data
 from lexis.types import LexisMap
 
 if TYPE_CHECKING:
@@ -76,8 +78,9 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = root.add_subparsers(required=True, metavar="COMMAND")
-    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export):
+    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_config):
         add(commands)
+    add_completion(commands, root)
     return root
 
 
@@ -89,6 +92,7 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("dataset", type=Path, metavar="DATASET", help=DATASET_HELP)
     run.add_argument("--rooms", required=True, help=ROOMS_HELP)
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
+    run.add_argument("--config", type=Path, metavar="FILE", help="settings as JSON; 'lexis config' prints the defaults")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
     run.add_argument("--device", default="cpu", help="cpu, cuda or cuda:N, for the encoder (default: %(default)s)")
@@ -149,6 +153,10 @@ def _add_export(commands: Commands) -> None:
     export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file to write")
 
 
+def _add_config(commands: Commands) -> None:
+    add_command(commands, "config", _config, "all settings with their defaults, as JSON", "lexis config > settings.json")
+
+
 def _run(arguments: argparse.Namespace) -> int:
     # Late imports: torch takes seconds, and the other commands do without.
     from rich.console import Console
@@ -161,12 +169,18 @@ def _run(arguments: argparse.Namespace) -> int:
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     names = _rooms(arguments.rooms)
-    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names)
+    config = read_config(arguments.config) if arguments.config else Config()
+    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config)
     for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
         slam.process(observation)
     lexis_map = slam.finish()
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
+    return 0
+
+
+def _config(arguments: argparse.Namespace) -> int:
+    print(json.dumps(settings_data(Config()), indent=1))
     return 0
 
 

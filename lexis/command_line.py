@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
+import shtab
+
 from lexis.errors import one_line
 from lexis.files.replace import check_replaceable
 
@@ -48,6 +50,18 @@ def add_command(commands: Commands, name: str, command: Command, help: str, exam
     parser.epilog = f"example:\n  {example}"
     parser.set_defaults(command=command)
     return parser
+
+
+def add_completion(commands: Commands, root: Parser) -> None:
+    """Add the command that prints a script with which a shell completes the commands and options of `root`."""
+    example = f"{root.prog} completion bash > ~/.local/share/bash-completion/completions/{root.prog}"
+
+    def complete(arguments: argparse.Namespace) -> int:
+        print(shtab.complete(root, shell=arguments.shell))
+        return 0
+
+    completion = add_command(commands, "completion", complete, "a script that completes commands in a shell", example)
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"))
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:

@@ -7,7 +7,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from lexis.command_line import Parser, run_command
+from lexis.command_line import Parser, add_completion, run_command
 from lexis.errors import LexisError
 from sim.commands import bench, calibration, doctor, features, house, record, run, training
 from sim.errors import SimError
@@ -33,6 +33,7 @@ def parser() -> Parser:
     commands = root.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:
         group.add_to(commands)
+    add_completion(commands, root)
     return root
 
 

@@ -1,5 +1,9 @@
-"""Names of what LEXIS is given in a run: images, or what a model of the encoder makes of what is truly in view."""
+"""Names of the kinds of input that a run gives to LEXIS."""
 
-FIDELITIES = ("render", "features")
+from typing import Literal, get_args
+
+Fidelity = Literal["render", "features"]
+"""render: images. features: embeddings and loops predicted by the feature sensor."""
+FIDELITIES: tuple[Fidelity, ...] = get_args(Fidelity)
 ORACLE = "oracle"
-"""An encoder that is told the truth: for tests of what comes after the encoder, never for a figure of LEXIS."""
+"""Name of an encoder that is told the truth, for tests of the stages after it. Never report its results as LEXIS's."""

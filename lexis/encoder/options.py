@@ -1,47 +1,51 @@
-"""How an encoder computes; which model it is, `load_encoder` is told beside them. Imports no torch."""
+"""How an encoder computes. Which model it is, `load_encoder` is told separately. This module imports no torch."""
 
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Literal, get_args
+
+from annotated_types import Ge
 
 from lexis.encoder.prompts import TEMPLATES, check_template
 from lexis.errors import EncoderError
+from lexis.settings import Settings
 
-PRECISIONS = ("fp32", "bf16", "fp16")
+Precision = Literal["fp32", "bf16", "fp16"]
+PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 _DEVICES = re.compile(r"cpu|cuda(:\d+)?")
 
 
 @dataclass(frozen=True)
-class EncoderOptions:
-    """The same options, images and texts give the same embeddings, up to rounding by the size of batches."""
+class EncoderOptions(Settings, place="encoder", error=EncoderError):
+    """How an encoder computes.
+
+    The same options, images and texts give the same embeddings, up to rounding that depends on the size of batches.
+    """
 
     device: str = "cpu"
     """cpu, cuda or cuda:N."""
-    precision: str = "fp32"
-    """Of the arithmetic, one of `PRECISIONS`; weights stay as they are. fp16 needs a GPU."""
+    precision: Precision = "fp32"
+    """Precision of the arithmetic; the weights stay as they are. fp16 needs a GPU."""
     compiled: bool = False
-    """Whether torch compiles the network first: half a minute or more, which only long runs win back."""
-    threads: int = 1
-    """Of torch, while encoding; the process keeps its own setting."""
-    batch: int = 32
-    """Images or texts at once, at most."""
+    """Whether torch compiles the network first. That takes half a minute or more, so it pays in long runs only."""
+    threads: Annotated[int, Ge(1)] = 1
+    """Threads of torch while it encodes; the setting of the process is restored afterwards."""
+    batch: Annotated[int, Ge(1)] = 32
+    """Most images or texts that are encoded at once."""
     templates: tuple[str, ...] = TEMPLATES
-    """Captions of a room, each with one {} for its name with article; what is averaged over."""
+    """Captions whose embeddings are averaged for a room name, each with one {} for the name with its article."""
     cache: Path | None = None
-    """Folder that keeps embeddings of images from run to run; None: nothing is kept."""
+    """Folder that keeps embeddings of images from run to run. None: nothing is kept."""
 
     def __post_init__(self) -> None:
-        """Raise EncoderError for a setting outside its range. Whether the device is there, only loading tells."""
+        """Raise EncoderError for a setting that is not valid; whether the device exists is found out when loading."""
+        super().__post_init__()
         if not _DEVICES.fullmatch(self.device):
-            raise EncoderError(f"encoder device is {self.device!r}; valid: cpu, cuda, cuda:N")
-        if self.precision not in PRECISIONS:
-            raise EncoderError(f"encoder precision is {self.precision!r}; valid: {', '.join(PRECISIONS)}")
+            self.refuse("device", "cpu, cuda, cuda:N")
         if self.precision == "fp16" and self.device == "cpu":
-            raise EncoderError("encoder precision is fp16 on cpu; valid there: fp32, bf16; fp16 with device cuda")
-        for name in ("threads", "batch"):
-            if getattr(self, name) < 1:
-                raise EncoderError(f"encoder {name} is {getattr(self, name)}; valid: >= 1")
+            self.refuse("precision", "fp32 or bf16 on cpu; fp16 with device cuda")
         if not self.templates:
-            raise EncoderError("encoder templates are empty; valid: at least one")
+            self.refuse("templates", "at least one")
         for template in self.templates:
             check_template(template)

@@ -20,6 +20,7 @@ from sim.feature_sensor.model import MINI_FEATURES, load_features
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES
 from sim.harness import RunConfig, evaluate, run
+from sim.harness.parts import house_spec
 from sim.harness.walk import walk
 from sim.render.rig import make_rig
 from worlds.presets import PRESETS
@@ -101,14 +102,14 @@ def compare(
             result = evaluate(run(replace(config, fidelity=fidelity, feature_model=feature_model), encoder), [])
             figures.append((result["labels"]["accuracy"], result["labels"]["accuracy_baseline"], result["rooms"]["pq"]))
         rendered, features = figures
-        yield HousePair(group, config.house_spec().name, *zip(rendered, features, strict=True))
+        yield HousePair(group, house_spec(config).name, *zip(rendered, features, strict=True))
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
     """How many views of a furnished home the sensor looks at and draws embeddings for, per second of one core."""
     walked = walk(RunConfig(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
     poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
-    sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), RunConfig().camera, first_seed)
+    sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), RunConfig().rig.front, first_seed)
     houses = [walked.house] * _SPEED_FRAMES
     collections.deque(sensor.percepts(houses[:_WARM_UP], poses), maxlen=0)
     start = time.process_time()

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from sim.harness import RunConfig
+from sim.harness.parts import house_spec
 from worlds.variant import variant
 
 
@@ -15,4 +16,4 @@ def configs(config: RunConfig, seeds: Sequence[int], openness: float | None = No
     """
     for seed in seeds:
         own = replace(config, seed=seed)
-        yield own if openness is None else replace(own, house=variant(own.house_spec(), openness=openness))
+        yield own if openness is None else replace(own, house=variant(house_spec(own), openness=openness))

@@ -8,6 +8,7 @@ from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.slam import Slam
 from lexis.types import Observation
 from sim.harness.config import RunConfig
+from sim.harness.parts import slam_config
 from sim.harness.walk import walk
 from sim.odometry.simulation import Odometry
 from sim.session import Session
@@ -54,11 +55,11 @@ def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Ov
     tour, odometry = walked.tour, walked.odometry
     part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)
     reported = Odometry(odometry.T_O_B[:frames], odometry.increment_covariance[:frames])
-    session = Session(walked.house, part, reported, config.camera, config.faults, config.seed)
+    session = Session(walked.house, part, reported, config.rig.front, config.faults, config.seed)
 
     def lexis(observations: Iterable[Observation]) -> float:
         """Run it; return its own time [s]."""
-        slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config())
+        slam = Slam(config.rig.front, encoder, walked.house.spec.room_labels, slam_config(config))
         for observation in observations:
             slam.process(observation)
         return sum(slam.finish().stage_seconds.values())

@@ -48,6 +48,9 @@ def add_to(commands: Commands) -> None:
     run.add_argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP)
     run.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
     run.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
+    run.add_argument(
+        "--config", type=Path, metavar="FILE", help="settings of LEXIS as JSON; 'lexis config' prints the defaults"
+    )
     run.add_argument("--no-loops", action="store_true", help="close no loops")
     run.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
 
@@ -65,6 +68,7 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from lexis.config import Config, read_config
     from sim.harness import RunConfig
     from sim.render.rig import make_rig
 
@@ -75,6 +79,7 @@ def _run(arguments: argparse.Namespace) -> int:
         loops=not arguments.no_loops,
         refine=not arguments.no_refine,
         rig=make_rig(arguments.rig),
+        lexis=read_config(arguments.config) if arguments.config else Config(),
         **walk_options(arguments),
     )
     return _run_and_report(config, arguments.out)

@@ -11,6 +11,7 @@ from sim.feature_sensor.surroundings import Surroundings, survey
 from sim.feature_sensor.visible_shares import VisibleShares, look
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
+from sim.tours.config import TourKind
 from sim.tours.tour import Tour, TourConfig, plan_tour
 from sim.training.houses import HouseDraw
 from worlds.house import House, build_house
@@ -65,6 +66,6 @@ def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | No
     return Sample(around, poses, look(around, poses, camera), embeddings)
 
 
-def tour_through(house: House, seed: int, kind: str = "rooms") -> Tour:
+def tour_through(house: House, seed: int, kind: TourKind = "rooms") -> Tour:
     """The tour that samples and benchmarks of a house take."""
     return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))

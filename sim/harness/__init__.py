@@ -5,9 +5,9 @@
     result = check(RunConfig(preset="home", seed=7))
     assert result["floors"]["accuracy"] > 0.9
 
-`config` describes a run, `walk` builds its house, tour and odometry, `runner` feeds LEXIS, `planning` drives the plans,
-`figures` (with `loops`) computes every figure of result.json, and `outputs` writes the folder of a run with its report, for
-which `report_data` prepares the data.
+`config` describes a run, `parts` and `walk` build its house, tour and odometry, `runner` feeds LEXIS, `planning` drives the
+plans, `figures` (with `loops`) computes every figure of result.json, and `outputs` writes the folder of a run with its
+report, for which `report_data` prepares the data.
 """
 
 import lazy_loader

@@ -20,6 +20,7 @@ from lexis.place_recognition import old_enough
 from sim.doctor import versions
 from sim.faults import written
 from sim.harness.config import RunConfig
+from sim.harness.parts import slam_config
 from sim.harness.planning import Trial, try_plans
 from sim.harness.runner import Run, run
 from worlds.labels import STAIRS
@@ -126,7 +127,7 @@ def _loops(run: Run) -> dict[str, Any]:
 
 
 def _place_recognition(run: Run) -> dict[str, Any]:
-    odometry, config = run.odometry_poses, run.config.slam_config().place_recognition
+    odometry, config = run.odometry_poses, slam_config(run.config).place_recognition
     path_m = arc_length(odometry[:, :3, 3])
     eligible = np.array([old_enough(query, run.stamps, path_m, config) for query in range(len(path_m))])
     return {str(n): asdict(count_matches(run.map.candidates, eligible, run.true_poses, n)) for n in (1, 3, 5)}

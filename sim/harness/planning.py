@@ -14,6 +14,7 @@ from lexis.maths.se3 import inverse
 from lexis.maths.ties import settled
 from lexis.planner import plan
 from lexis.types import Pose
+from sim.harness.parts import odometry_config
 from sim.harness.runner import Run
 from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
@@ -71,7 +72,7 @@ class _Belief:
             return _Belief(truth, np.eye(4), OdometryConfig())
         keyframes = run.map.T_W_B if steering == "lexis" else run.odometry_poses
         # Correction after odometry, at the last keyframe: T_W_B[-1] @ inverse(T_O_B[-1]) @ T_O_B is T_W_B[-1] there.
-        return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), run.config.drift())
+        return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.config))
 
 
 def try_plans(run: Run, steering: Steering = "lexis", blind: bool = False) -> list[Trial]:

@@ -17,6 +17,7 @@ from sim.feature_sensor.oracle import Oracle
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
 from sim.harness.config import RunConfig
+from sim.harness.parts import slam_config
 from sim.harness.walk import walk
 from sim.session import Session
 from sim.truth import Truth
@@ -100,8 +101,8 @@ def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[f
     with _timed(seconds, "house_s"):
         walked = walk(config)
     with _timed(seconds, "scene_s"):
-        session = Session(walked.house, walked.tour, walked.odometry, config.camera, config.faults, config.seed, sensor)
-    slam = Slam(config.camera, encoder, walked.house.spec.room_labels, config.slam_config(), session.verifier())
+        session = Session(walked.house, walked.tour, walked.odometry, config.rig.front, config.faults, config.seed, sensor)
+    slam = Slam(config.rig.front, encoder, walked.house.spec.room_labels, slam_config(config), session.verifier())
     delivered, refused = [], []
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
@@ -136,7 +137,7 @@ def _sensor(config: RunConfig, encoder: Encoder) -> FeatureSensor | None:
     oracle = isinstance(encoder, Oracle)
     if not oracle:
         model.check(encoder, str(source))
-    return FeatureSensor(model, config.camera, config.seed, oracle)
+    return FeatureSensor(model, config.rig.front, config.seed, oracle)
 
 
 @contextmanager

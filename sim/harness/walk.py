@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from sim.harness.config import RunConfig
+from sim.harness.parts import house_spec, odometry_config, random_streams, tour_config
 from sim.odometry.simulation import Odometry, tour_odometry
 from sim.tours.tour import Tour, plan_tour
 from worlds.house import House
@@ -22,9 +23,9 @@ class Walk:
 
 def walk(config: RunConfig) -> Walk:
     """The walk that `config` describes. Raises `WorldsError` or `SimError` where it asks for what cannot be."""
-    streams = config.streams()
-    house = built_and_checked(config.house_spec())
+    streams = random_streams(config)
+    house = built_and_checked(house_spec(config))
     walkable = Walkable(house)
-    tour = plan_tour(house, walkable, streams["tour"], config.tour())
-    odometry = tour_odometry(tour, config.drift(), streams["odometry"])
+    tour = plan_tour(house, walkable, streams["tour"], tour_config(config))
+    odometry = tour_odometry(tour, odometry_config(config), streams["odometry"])
     return Walk(house, walkable, tour, odometry)

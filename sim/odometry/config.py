@@ -1,52 +1,40 @@
-"""How odometry drifts: the parameters of the error law, and presets whose drift is measured."""
+"""Settings of simulated odometry, and presets whose drift is measured."""
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
-import numpy as np
+from annotated_types import Ge, Gt
 
+from lexis.settings import Settings
 from sim.errors import SimError
-
-_MIN_RATE_HZ = 100.0
 
 
 @dataclass(frozen=True)
-class OdometryConfig:
-    """The error law of `sim.odometry.simulation`.
+class OdometryConfig(Settings, place="odometry", error=SimError):
+    """How fast the error of simulated odometry grows with the length of the path; see `sim.odometry.simulation`."""
 
-    Raises `SimError` for negative or non-finite values and those out of range.
-    """
-
-    position_walk_m: float = 0.0
-    """White noise of the increments: the position's random walk after 1 m, standard deviation per axis [m/√m]."""
-    yaw_walk_rad: float = 0.0
-    """The same of yaw [rad/√m]."""
-    scale_error: float = 0.0
-    """Standard deviation over runs of the relative error in length, constant through a run."""
-    velocity_bias: float = 0.0
-    """Standard deviation of the drifting bias of the translation, per body axis, as a share of the way."""
-    yaw_bias_rad_m: float = 0.0
+    position_walk_m: Annotated[float, Ge(0)] = 0.0
+    """White noise of the increments: standard deviation of the position's random walk after 1 m, per axis [m/√m]."""
+    yaw_walk_rad: Annotated[float, Ge(0)] = 0.0
+    """White noise of the yaw increments: standard deviation of yaw's random walk after 1 m [rad/√m]."""
+    scale_error: Annotated[float, Ge(0)] = 0.0
+    """Standard deviation of the relative error in length, which is constant through a run and differs between runs."""
+    velocity_bias: Annotated[float, Ge(0)] = 0.0
+    """Standard deviation of the drifting bias of the translation, per body axis, as a share of the path's length."""
+    yaw_bias_rad_m: Annotated[float, Ge(0)] = 0.0
     """Standard deviation of the drifting bias of yaw [rad/m]."""
-    bias_correlation_m: float = 60.0
-    """Way over which biases are forgotten: first-order Gauss-Markov, a random walk on shorter ways [m]."""
-    tilt_rad: float = 0.0
-    """Standard deviation of roll and of pitch, which are bounded by gravity [rad]."""
-    tilt_correlation_m: float = 2.0
-    """Way over which roll and pitch errors are forgotten [m]."""
-    overconfidence: float = 1.0
-    """Factor by which the reported covariance is too small, so the NEES per degree of freedom of an increment: 1 is
-    honest, published filters reach 200 in orientation."""
-    rate_hz: float = 100.0
-    """At least this often increments are integrated along a tour [Hz]."""
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not 0.0 <= value < np.inf:
-                raise SimError(f"odometry: {name} is {value}; valid: not negative, finite")
-        if self.overconfidence < 1.0 or min(self.tilt_correlation_m, self.bias_correlation_m) <= 0.0:
-            raise SimError("odometry: overconfidence must be at least 1, and correlation lengths above 0")
-        if self.rate_hz < _MIN_RATE_HZ:
-            raise SimError(f"odometry: rate_hz is {self.rate_hz}; valid: at least {_MIN_RATE_HZ:g}")
+    bias_correlation_m: Annotated[float, Gt(0)] = 60.0
+    """Length of path after which a bias has decorrelated to 1/e: first-order Gauss-Markov [m]."""
+    tilt_rad: Annotated[float, Ge(0)] = 0.0
+    """Standard deviation of roll and of pitch, which gravity keeps bounded [rad]."""
+    tilt_correlation_m: Annotated[float, Gt(0)] = 2.0
+    """Length of path after which errors of roll and pitch have decorrelated to 1/e [m]."""
+    overconfidence: Annotated[float, Ge(1)] = 1.0
+    """Factor by which the reported covariance is too small, which is the NEES per degree of freedom of an increment. 1 is
+    honest; published filters reach 200 in orientation."""
+    rate_hz: Annotated[float, Ge(100)] = 100.0
+    """Rate at which increments are integrated along a tour [Hz]."""
 
 
 def _preset(

@@ -1,45 +1,42 @@
-"""`ideal_imu` and `corrupted`: what an inertial sensor in the body frame measures along a motion, and with what errors.
+"""A simulated inertial sensor in the body frame: `ideal_imu` measures along a motion, `corrupted` adds bias and noise.
 
-The noise is EuRoC's: an ADIS16448 by the densities of its data sheet as the dataset's calibration files state them.
+The default noise is that of EuRoC's sensor, an ADIS16448, as the calibration files of the dataset state it.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Gt
 from jaxtyping import Float64
 
+from lexis.settings import Settings
 from sim.errors import SimError
 from sim.tours.motion import Motion
 
 GRAVITY_M_S2 = 9.81
 TURN_ON = (np.radians(0.5), 20e-3 * GRAVITY_M_S2)
-"""Standard deviations of turn-on biases that are usual in industrial MEMS sensors, 0.5 °/s and 20 mg [rad/s, m/s²]."""
+"""Usual standard deviations of the initial biases of industrial MEMS sensors, 0.5 °/s and 20 mg [rad/s, m/s²]."""
 
 
 @dataclass(frozen=True)
-class ImuConfig:
-    """Rate and continuous-time noise. Raises `SimError` for values that are negative or not finite, or a rate of 0."""
+class ImuConfig(Settings, place="imu", error=SimError):
+    """Rate and continuous-time noise of an inertial sensor."""
 
-    rate_hz: float = 200.0
-    gyroscope_noise: float = 1.6968e-4
-    """Density of white noise [rad/s/√Hz]."""
-    gyroscope_walk: float = 1.9393e-5
-    """Of the bias [rad/s²/√Hz]."""
-    accelerometer_noise: float = 2.0e-3
-    """[m/s²/√Hz]"""
-    accelerometer_walk: float = 3.0e-3
-    """[m/s³/√Hz]"""
-    gyroscope_turn_on: float = 0.0
-    """Standard deviation of the bias, per axis, with which the sensor starts [rad/s]."""
-    accelerometer_turn_on: float = 0.0
-    """[m/s²]"""
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not 0.0 <= value < np.inf:
-                raise SimError(f"imu: {name} is {value}; valid: not negative, finite")
-        if self.rate_hz == 0.0:
-            raise SimError("imu: rate_hz is 0; valid: positive")
+    rate_hz: Annotated[float, Gt(0)] = 200.0
+    """Measurements per second [Hz]."""
+    gyroscope_noise: Annotated[float, Ge(0)] = 1.6968e-4
+    """Density of the gyroscope's white noise [rad/s/√Hz]."""
+    gyroscope_walk: Annotated[float, Ge(0)] = 1.9393e-5
+    """Density of the noise that drives the random walk of the gyroscope's bias [rad/s²/√Hz]."""
+    accelerometer_noise: Annotated[float, Ge(0)] = 2.0e-3
+    """Density of the accelerometer's white noise [m/s²/√Hz]."""
+    accelerometer_walk: Annotated[float, Ge(0)] = 3.0e-3
+    """Density of the noise that drives the random walk of the accelerometer's bias [m/s³/√Hz]."""
+    gyroscope_turn_on: Annotated[float, Ge(0)] = 0.0
+    """Standard deviation, per axis, of the gyroscope's bias when the sensor starts [rad/s]."""
+    accelerometer_turn_on: Annotated[float, Ge(0)] = 0.0
+    """Standard deviation, per axis, of the accelerometer's bias when the sensor starts [m/s²]."""
 
 
 @dataclass(frozen=True, eq=False)

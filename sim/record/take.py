@@ -138,10 +138,10 @@ def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: 
     """
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     pinholes = tuple(config.rig.cameras.values())
-    cameras = (*pinholes, stereo_partner(config.camera)) if len(pinholes) == 1 else pinholes
+    cameras = (*pinholes, stereo_partner(config.rig.front)) if len(pinholes) == 1 else pinholes
     _check_places(cameras)
     if distortion:
-        rendered_camera(config.camera, distortion)  # refuses what cannot be rendered, before the work
+        rendered_camera(config.rig.front, distortion)  # refuses what cannot be rendered, before the work
     walked = walk(config)
     # A stream of the IMU's own, so that it leaves those of the run alone.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))

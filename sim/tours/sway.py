@@ -1,13 +1,15 @@
 """`Sway`: how a carried or legged camera swings about its walk, as sums of sines; smooth to every derivative."""
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float64
 
 from sim.errors import SimError
 
-SWAYS = ("none", "hand-held", "quadruped")
+SwayName = Literal["none", "hand-held", "quadruped"]
+SWAYS: tuple[SwayName, ...] = get_args(SwayName)
 
 _HAND_HELD_HZ = (0.45, 0.9, 1.8)
 _HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15], [1, 1, 5, 0.10, 0.25, 0.05]])

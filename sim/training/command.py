@@ -3,10 +3,11 @@
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import torch
+from annotated_types import Ge
 from open_clip.transformer import TextTransformer
 from rich.console import Console
 
@@ -14,6 +15,7 @@ from lexis.encoder.model_source import MINI_CONFIG
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.files.reading import FileKind, read_json
 from lexis.files.replace import replaced_file
+from lexis.settings import Settings
 from sim.errors import SimError
 from sim.training.align import SETTLING_STEPS, WORDINGS, AlignLearner
 from sim.training.dense import DenseLearner
@@ -42,37 +44,39 @@ _SETTINGS_FILE = FileKind(
 
 
 @dataclass(frozen=True)
-class TrainingRun:
-    """What `train_encoder` is asked for."""
+class TrainingRun(Settings, place="training", error=SimError):
+    """Settings of one training of the encoder, from rendered houses to weights."""
 
-    houses: int = 520
-    """To train on."""
-    tuning_houses: int = 24
+    houses: Annotated[int, Ge(1)] = 520
+    """Houses to train on."""
+    tuning_houses: Annotated[int, Ge(1)] = 24
+    """Houses on which temperature and checkpoints are chosen."""
     epochs: tuple[int, int] = (10, 4)
-    """Of dense supervision and of alignment."""
+    """Epochs of dense supervision, and of alignment."""
     settling_steps: int = SETTLING_STEPS
-    """Of the projection alone, at the end."""
+    """Steps at the end in which the projection alone is trained."""
     seed: int = 0
     work: Path = Path("encoder-training")
-    """Folder for frames, text tower and checkpoints; a run that was stopped goes on from there."""
+    """Folder for frames, text tower and checkpoints. A training that was stopped resumes from there."""
     out: Path = MINI_WEIGHTS
-    """The weights; the model's configuration is written beside them."""
+    """File of the weights; the model's configuration is written beside it."""
     workers: int = 2
-    """Processes that render, and threads that train."""
+    """Number of processes that render, and of threads that train."""
     start: Path | None = None
-    """Weights of an earlier `mini` whose image tower to begin with; None: from nothing."""
+    """Weights of an earlier `mini` from which the image tower starts. None: it starts untrained."""
     teacher: Path | None = None
-    """Folder of the sentence encoder; None: the installed package."""
+    """Folder of the sentence encoder that is distilled. None: the installed package."""
     batch: int = 128
+    """Images in a batch."""
     wordings: tuple[int, int] = WORDINGS
-    """Captions drawn of every room label and of every thing."""
+    """Captions drawn for every room label, and for every thing."""
     distillation: DistilConfig = field(default_factory=DistilConfig)
 
     def __post_init__(self) -> None:
         """Raise SimError where a value cannot work."""
-        for name, value in (("houses", self.houses), ("tuning_houses", self.tuning_houses), ("epochs", min(self.epochs))):
-            if value < 1:
-                raise SimError(f"training: {name} is {value}; valid: at least 1")
+        super().__post_init__()
+        if min(self.epochs) < 1:
+            self.refuse("epochs", "at least 1 each")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:

@@ -12,6 +12,7 @@ from jaxtyping import Float64, Int, UInt8
 from lexis.config import KeyframeConfig
 from lexis.types import Poses
 from sim.harness.config import RunConfig
+from sim.harness.parts import tour_config
 from sim.harness.walk import walk
 from sim.training.array_cache import Arrays, cached_arrays, house_origin, origin
 from sim.training.frames import Frames, frames_at, frames_origin
@@ -106,7 +107,7 @@ def _in_looks(draw: HouseDraw, looks: Sequence[tuple[Any, Any]], T_W_B: Poses) -
 
 
 def _origins(draw: HouseDraw) -> tuple[str, str]:
-    chosen = (RunConfig(preset=draw.preset, seed=draw.seed).tour(), KeyframeConfig().spacing_m, _MOST, _LOOKED_AT)
+    chosen = (tour_config(RunConfig(preset=draw.preset, seed=draw.seed)), KeyframeConfig().spacing_m, _MOST, _LOOKED_AT)
     own = (HELD_OUT_LOOKS, TRAINED_LOOKS, [f.name for f in fields(EncoderRun)])
     return origin(frames_origin(LEXIS_VIEWS), chosen, own), house_origin(draw)
 

@@ -4,6 +4,7 @@ import pytest
 
 from sim.bench.houses import configs
 from sim.harness import RunConfig
+from sim.harness.parts import house_spec
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.truth import openness
@@ -22,10 +23,10 @@ def test_without_an_openness_the_houses_are_those_of_the_preset():
 def test_an_openness_changes_inner_walls_and_no_room():
     for own, closed, opened in zip(*(configs(CONFIG, SEEDS, x) for x in (None, 0.0, 0.9)), strict=True):
         rooms = [
-            [room.polygon_m for storey in c.house_spec().storeys for room in storey.rooms] for c in (own, closed, opened)
+            [room.polygon_m for storey in house_spec(c).storeys for room in storey.rooms] for c in (own, closed, opened)
         ]
         assert rooms[0] == rooms[1] == rooms[2]
-        assert openness(build_house(closed.house_spec())) < 0.1 < 0.6 < openness(build_house(opened.house_spec()))
+        assert openness(build_house(house_spec(closed))) < 0.1 < 0.6 < openness(build_house(house_spec(opened)))
 
 
 def test_an_openness_that_cannot_be_is_refused():

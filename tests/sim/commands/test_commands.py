@@ -80,7 +80,7 @@ def test_an_option_of_no_command_is_refused_in_a_line_that_names_the_command(par
 
 @pytest.mark.parametrize(
     "parser",
-    [leaf for leaf in LEAVES if any(not action.option_strings for action in leaf._actions)],
+    [leaf for leaf in LEAVES if any(not action.option_strings and action.choices is None for action in leaf._actions)],
     ids=lambda parser: parser.prog,
 )
 def test_what_is_to_be_read_and_is_not_there_costs_one_line(parser, tmp_path, monkeypatch, capsys):

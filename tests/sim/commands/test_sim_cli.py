@@ -16,6 +16,7 @@ from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
 from sim.faults import FAULTS
 from sim.harness import RunConfig
+from sim.harness.parts import tour_config
 from sim.odometry.imu import ImuConfig
 from sim.render.lens import Distortion
 from sim.tours.tour import TourConfig
@@ -223,7 +224,7 @@ def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch,
     monkeypatch.setattr(work, stop)
     options = ["--tour", "both-ways", "--length", "30", "--sway", "quadruped", "--rate", "20", "--start-manoeuvre"]
     assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
-    tour, usual = (config.tour() for config in seen)
+    tour, usual = (tour_config(config) for config in seen)
     assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
     assert usual == RunConfig().tour() == TourConfig("rooms", 140.0)
 
@@ -232,7 +233,7 @@ def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, c
     seen = []
 
     def stop(config, *_, **options):
-        seen.append((config.camera.T_B_C, options["imu_config"], options["distortion"]))
+        seen.append((config.rig.front.T_B_C, options["imu_config"], options["distortion"]))
         raise SimError("so far")
 
     monkeypatch.setattr("sim.record.record", stop)

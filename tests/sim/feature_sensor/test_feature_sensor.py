@@ -4,6 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from helpers.unchecked import unchecked
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import EncoderError
@@ -212,5 +213,5 @@ def test_the_oracle_sees_no_images_and_knows_no_other_rooms():
 
 
 def test_an_unknown_fidelity_is_refused():
-    with pytest.raises(SimError, match="unknown fidelity 'sound'; valid: render, features"):
-        replace(CONFIG, fidelity="sound")
+    with pytest.raises(SimError, match=r"run\.fidelity is 'sound'; valid: render, features"):
+        unchecked(RunConfig, fidelity="sound")

@@ -201,9 +201,9 @@ def test_bad_arguments_name_what_is_valid(rng):
     T, t = loops(5.0)
     with pytest.raises(SimError, match=r"yaw_walk_rad is -1.*valid"):
         OdometryConfig(yaw_walk_rad=-1.0)
-    with pytest.raises(SimError, match="overconfidence must be at least 1"):
+    with pytest.raises(SimError, match=r"overconfidence is 0.5; valid: >= 1"):
         OdometryConfig(overconfidence=0.5)
-    with pytest.raises(SimError, match=r"rate_hz is 50.*at least 100"):
+    with pytest.raises(SimError, match=r"rate_hz is 50.*>= 100 Hz"):
         OdometryConfig(rate_hz=50.0)
     with pytest.raises(SimError, match="reported from 0 up"):
         simulate_odometry(T, t, OdometryConfig(), rng, np.array([0, 5, 4]))

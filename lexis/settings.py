@@ -1,0 +1,136 @@
+"""Settings that check themselves: valid values are declared beside each field, and a refused value names its field."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, fields, is_dataclass
+from functools import cache
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from annotated_types import Ge, Gt, Interval, Le, Lt, MinLen
+
+_UNITS = {
+    "m_s2": "m/s²", "m_s": "m/s", "rad_s": "rad/s", "rad_m": "rad/m",
+    "m": "m", "s": "s", "rad": "rad", "deg": "degrees", "px": "px", "hz": "Hz",
+}  # fmt: skip
+"""Units by the end of a field's name; the first end that fits decides."""
+_KINDS = {int: "a whole number", float: "a finite number", bool: "true or false", str: "a text that is not empty"}
+_SIGNS = {Gt: ("gt", ">"), Ge: ("ge", ">="), Lt: ("lt", "<"), Le: ("le", "<=")}
+_Settings = TypeVar("_Settings", bound="Settings")
+
+
+class Settings:
+    """Base class of frozen dataclasses whose annotations declare what is valid.
+
+    `Annotated[float, Gt(0)]` and its relatives bound a number, `Annotated[str, MinLen(1)]` excludes an empty text, and
+    `Literal["a", "b"]` lists the choices. Numbers have to be finite, and neither texts nor booleans. A subclass gives its
+    `place`, which error messages begin with, and the `error` to raise:
+
+        @dataclass(frozen=True)
+        class WalkConfig(Settings, place="walk", error=SimError):
+            speed_m_s: Annotated[float, Gt(0)] = 0.7
+
+    `WalkConfig(speed_m_s=-1)` then raises `SimError("walk.speed_m_s is -1; valid: > 0 m/s")`.
+    """
+
+    place: ClassVar[str]
+    error: ClassVar[type[Exception]]
+
+    def __init_subclass__(cls, *, place: str = "", error: type[Exception] = ValueError) -> None:
+        """Keep what the class's error messages begin with, and their type; a subclass of a subclass inherits both."""
+        if place:
+            cls.place, cls.error = place, error
+
+    def __post_init__(self) -> None:
+        """Raise the class's error for a value that its annotation excludes."""
+        for name, annotation in _annotations(type(self)).items():  # type: ignore[arg-type]
+            if valid := _what_is_valid(getattr(self, name), annotation, _unit(name)):
+                self.refuse(name, valid)
+
+    def refuse(self, name: str, valid: str) -> None:
+        """Raise the class's error for the field `name`; `valid` describes the valid values."""
+        raise self.error(f"{self.place}.{name} is {getattr(self, name)!r}; valid: {valid}")
+
+
+def settings_data(settings: Settings) -> dict[str, Any]:
+    """All settings as nested plain data, for JSON or YAML; `settings_of` is the inverse."""
+    return asdict(settings)  # type: ignore[call-overload, no-any-return]
+
+
+def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settings:
+    """Settings from nested plain data; what `data` leaves out keeps its default.
+
+    `place` is where the data came from, for error messages. Raises the class's error for unknown names, for data that is no
+    mapping, and for values that are not valid.
+    """
+    at = f"{place}: " if place else ""
+    if not isinstance(data, Mapping):
+        raise kind.error(f"{at}{kind.place} is {data!r:.80}; valid: names of settings with their values")
+    annotations = _annotations(kind)  # type: ignore[arg-type]
+    if unknown := [str(name) for name in data if name not in annotations]:
+        raise kind.error(f"{at}{kind.place} has no setting {unknown[0]!r:.80}; valid: {', '.join(annotations)}")
+    try:
+        return kind(**{name: _value(annotations[name], value) for name, value in data.items()})
+    except kind.error as error:
+        raise kind.error(f"{at}{error}") from None
+
+
+def _value(annotation: Any, value: object) -> object:
+    """A value of a field: settings from a mapping, everything else as it is."""
+    nested = isinstance(annotation, type) and issubclass(annotation, Settings) and is_dataclass(annotation)
+    return settings_of(annotation, value) if nested else value
+
+
+@cache
+def _annotations(kind: type[Settings]) -> dict[str, Any]:
+    hints = get_type_hints(kind, include_extras=True)
+    return {field.name: hints[field.name] for field in fields(kind)}  # type: ignore[arg-type]
+
+
+def _unit(name: str) -> str:
+    return next((f" {unit}" for end, unit in _UNITS.items() if name.endswith(f"_{end}")), "")
+
+
+def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
+    """The valid values in words if `value` is none of them; None if it is valid, or if the annotation declares nothing."""
+    origin = get_origin(annotation)
+    if origin in (Union, UnionType):
+        declared = next(option for option in get_args(annotation) if option is not NoneType)
+        said = None if value is None else _what_is_valid(value, declared, unit)
+        return said and f"{said}, or none"
+    if origin is Literal:
+        return None if value in get_args(annotation) else ", ".join(map(str, get_args(annotation)))
+    base, bounds = (annotation.__origin__, _bounds(annotation.__metadata__)) if origin is Annotated else (annotation, [])
+    if base not in _KINDS or (_is_a(value, base) and all(_holds(value, bound) for bound in bounds)):
+        return None
+    numeric = [f"{_SIGNS[type(bound)][1]} {_limit(bound):g}" for bound in bounds if type(bound) in _SIGNS]
+    return " and ".join(numeric) + unit if numeric else _KINDS[base]
+
+
+def _is_a(value: object, base: type) -> bool:
+    if base in (bool, str) or isinstance(value, bool):
+        return isinstance(value, base) and base is not int
+    return isinstance(value, Integral) or (base is float and isinstance(value, Real) and math.isfinite(value))
+
+
+def _bounds(metadata: tuple[Any, ...]) -> list[Any]:
+    return [bound for item in metadata for bound in (item if isinstance(item, Interval) else (item,))]
+
+
+def _limit(bound: Any) -> Any:
+    return getattr(bound, _SIGNS[type(bound)][0])
+
+
+def _holds(value: Any, bound: Any) -> bool:
+    match bound:
+        case MinLen(minimum):
+            return len(value) >= minimum
+        case Gt():
+            return bool(value > bound.gt)
+        case Ge():
+            return bool(value >= bound.ge)
+        case Lt():
+            return bool(value < bound.lt)
+        case _:
+            return bool(value <= bound.le)

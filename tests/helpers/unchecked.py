@@ -1,0 +1,13 @@
+"""Settings made without the type checks that the tests add to every constructor, to see the checks of the settings alone."""
+
+from dataclasses import MISSING, fields
+
+
+def unchecked(kind, **values):
+    """An instance of a class of settings, as a user without type checks makes it."""
+    made = object.__new__(kind)
+    for field in fields(kind):
+        default = field.default_factory() if field.default is MISSING else field.default
+        object.__setattr__(made, field.name, values.get(field.name, default))
+    made.__post_init__()
+    return made
