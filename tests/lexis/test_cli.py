@@ -124,7 +124,7 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
 
 def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
     assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
-    assert f"note: {mapped} holds an earlier one" in capsys.readouterr().err
+    assert f"note: {mapped} holds an earlier result" in capsys.readouterr().err
 
 
 def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):

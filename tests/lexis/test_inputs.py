@@ -42,7 +42,7 @@ def test_good_input_passes():
         ({"stamp": 0.25}, "not after 0.25 s"),
         ({"T_O_B": at(1e155)}, "not a rigid motion"),
         ({"T_O_B": at(-1.1e8)}, "not a rigid motion"),
-        ({"increment_covariance": 1e155 * np.eye(6)}, "not finite, symmetric and .*of values up to 1e[+]12"),
+        ({"increment_covariance": 1e155 * np.eye(6)}, "not finite, symmetric and .*with values up to 1e[+]12"),
     ],
 )
 def test_a_bad_observation_is_refused_by_number(change, complaint):
@@ -127,7 +127,7 @@ def test_a_percept_of_the_encoders_size_passes():
         (percept(keypoints=np.zeros((0, 3), np.float32)), r"valid: float32 \(n, 2\)"),
         (percept(keypoints=[]), "key points are a list"),
         (percept(keypoints=np.ones((1, 2), np.float32)), "1 key points and 0 descriptors"),
-        (percept(UNIT, np.full((1, 2), 1e30, np.float32), np.zeros((1, 61), np.uint8)), "finite places"),
+        (percept(UNIT, np.full((1, 2), 1e30, np.float32), np.zeros((1, 61), np.uint8)), "finite positions"),
         ("an image", "the image is a str"),
         (None, "the image is a NoneType"),
     ],
