@@ -121,7 +121,7 @@ def test_a_percept_of_the_encoders_size_passes():
         (percept(None), "the embedding is a NoneType"),
         (percept(np.array([1, 0])), r"the embedding is int64 \(2,\)"),
         (percept(UNIT[None]), r"the embedding is float32 \(1, 2\)"),
-        (percept(np.array([np.nan, 1], np.float32)), "nan long"),
+        (percept(np.array([np.nan, 1], np.float32)), "norm nan"),
         (percept(descriptors=np.zeros((0, 32), np.uint8)), r"valid: float32 \(n, 2\) and uint8 \(n, 61\)"),
         (percept(descriptors=np.zeros((0, 61))), r"valid: float32 \(n, 2\) and uint8 \(n, 61\)"),
         (percept(keypoints=np.zeros((0, 3), np.float32)), r"valid: float32 \(n, 2\)"),
