@@ -102,5 +102,5 @@ def test_an_image_that_states_gigapixels_is_not_decoded(tmp_path, monkeypatch):
     images = iter(open_dataset(tmp_path / "run"))
     next(images)
     monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
-    with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; the calibrated camera makes 32x24 px"):
+    with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; valid: 32x24 px"):
         next(images)
