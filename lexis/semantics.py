@@ -1,6 +1,6 @@
 """Labels, rooms and floors as a function of the current graph.
 
-They are derived anew each time and never updated in place, so that they cannot disagree with the poses.
+They are recomputed from scratch each time instead of being updated, so that they always agree with the current poses.
 """
 
 from dataclasses import dataclass

@@ -3,8 +3,8 @@
 Every observation passes through these stages (with the sections of the paper):
 
 1. Select keyframes (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the path and not with time.
-2. Encode the image and extract local features (`lexis.perception`, III-A). The embedding tells the room, the features serve
-   to verify loops.
+2. Encode the image and extract local features (`lexis.perception`, III-A). The embedding is used to find the room label and
+   loop candidates, the features to verify loops.
 3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
 4. Add the keyframe to the pose graph (`lexis.pose_graph`, III-A), at the pose that odometry predicts.
 5. Propose loop candidates in the room that the image shows (`lexis.place_recognition`, III-D). Searching one room instead of

@@ -59,8 +59,8 @@ class ImageCache:
         try:
             yield
         except (sqlite3.Error, OSError) as error:
-            told = "another folder, or the same after deleting this file"
-            raise EncoderError(f"{self._path}: unusable cache: {error}; valid: {told}") from None
+            valid = "another folder, or the same after deleting this file"
+            raise EncoderError(f"{self._path}: unusable cache: {error}; valid: {valid}") from None
 
 
 def image_key(image: Image) -> bytes:

@@ -7,7 +7,7 @@ neither a toilet nor its room. The conversion therefore has these steps:
 2. Strip the words that only ask ("where can I", "please"), which leaves the content: a thing, a room or an activity.
 3. Recognise a negation ("not a kitchen"), because encoders do not understand negations.
 4. Put the content into several captions, so that no single wording decides.
-5. Add readings for other things that serve the same need: whoever asks for the toilet also wants the bathroom.
+5. Add readings for rooms and things that serve the same need, such as the bathroom for a question about the toilet.
 """
 
 import re
@@ -132,7 +132,7 @@ def _fill(captions: Captions, content: str) -> Captions:
 def _strip_lead_ins(plain: str) -> tuple[str, Captions | None]:
     """The content without the words that only ask, and the captions for it.
 
-    The captions are None if nothing tells whether the content is a thing or an activity.
+    The captions are None if the wording does not show whether the content is a thing or an activity.
     """
     captions: Captions | None = None
     rest = plain
