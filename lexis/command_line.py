@@ -1,4 +1,7 @@
-"""What the console scripts share: bad input costs one line on stderr and exit status 2, and never a traceback."""
+"""Parsing and error reporting shared by the console scripts.
+
+Bad input is reported in one line on stderr with exit status 2, never by a traceback.
+"""
 
 import argparse
 import errno
@@ -15,30 +18,33 @@ from lexis.errors import one_line
 from lexis.files.replace import check_replaceable
 
 Command: TypeAlias = Callable[[argparse.Namespace], int]
-"""Runs a command; returns the exit status."""
+"""A function that runs a command and returns the exit status."""
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 MAX_LINE = 400
-"""Longest message on stderr, in characters; a value from a file or a command line may have megabytes."""
+"""Longest message on stderr, in characters; a value quoted from a file or a command line may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
-"""128 and the number of the signal, as shells have it."""
+"""Exit statuses as shells define them: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""Errors of writing; with no name of a file, it was to a stream that was open from the start."""
+"""Errors of writing. An OSError without a file name comes from a standard stream."""
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports bad arguments in one line."""
+    """An argument parser that reports bad arguments in one line."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Refuse unknown arguments here: argparse would let the parser of the whole program do it, whose help lists none."""
+        """Refuse unknown arguments in the command's own parser, so that the message points to the command's own help.
+
+        By default, argparse refuses them in the parser of the whole program, whose help does not list the valid arguments.
+        """
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
         return known, unknown
 
     def error(self, message: str) -> NoReturn:
-        """End the program with status 2."""
+        """Print the message in one line and exit with status 2."""
         end = f"; see {self.prog} --help"
         self.exit(2, f"{one_line(f'{self.prog}: {message}', MAX_LINE - len(end))}{end}\n")
 
@@ -65,17 +71,17 @@ def add_completion(commands: Commands, root: Parser) -> None:
 
 
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
-    """Parse and run; the exit status.
+    """Parse the arguments, run the command and return the exit status.
 
-    Errors of the `expected` classes are bad input and cost one line, and one for each of their notes; a full standard output
-    is bad input too.
+    Errors of the `expected` classes count as bad input: they are reported in one line, plus one line for each note.
+    A standard output that cannot be written, for example to a full disk, counts as bad input too.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be text in any encoding
+        sys.stdout.reconfigure(errors="backslashreplace")  # file names need not be valid in any encoding
     try:
         return _run_and_flush(parser, argv)
     except BrokenPipeError:
-        # The reader has gone, as `head` does.
+        # The reader closed the pipe, as `head` does.
         _drop_output()
         return _BROKEN_PIPE
     except expected as error:
@@ -94,7 +100,7 @@ def _run_and_flush(parser: Parser, argv: Sequence[str] | None) -> int:
         arguments = parser.parse_args(argv)
         status = int(arguments.command(arguments))
     except SystemExit:
-        # Help was printed.
+        # argparse exits after it has printed help or an error.
         _flush()
         raise
     _flush()
@@ -108,31 +114,34 @@ def _bad_input(parser: Parser, *messages: str) -> int:
 
 
 def _flush() -> None:
-    if sys.stdout is not None:  # as it is for a process that was started without one
+    if sys.stdout is not None:  # it is None for a process that was started without one
         sys.stdout.flush()
 
 
 def _drop_output() -> None:
-    """Let what is unwritten go nowhere, or the interpreter would complain of it at the end."""
+    """Redirect unwritten output to the null device; otherwise, the interpreter reports an error when it exits."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def tell_of_replacement(out: Path, marker: str) -> None:
-    """Say before long work that the folder `out`, one of ours by its `marker`, will be replaced by what comes of it."""
+    """Before long work, check that `out` can be replaced, and print a note if it holds an earlier result.
+
+    The file `marker` in the folder identifies such a result. Raises LexisError as `check_replaceable` does.
+    """
     check_replaceable(out, marker)
     if (out / marker).is_file():
-        print(f"note: {out} holds an earlier one; the new one will replace it", file=sys.stderr)
+        print(f"note: {out} holds an earlier result; the new one will replace it", file=sys.stderr)
 
 
 def positive(text: str) -> int:
-    """An argument that is a whole number from 1."""
+    """Parse an argument that is a whole number from 1."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 1")
     return int(text)
 
 
 def seed(text: str) -> int:
-    """An argument that seeds generators."""
+    """Parse an argument that seeds random generators."""
     if not text.isdecimal() or int(text) >= 2**63:
         raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 0 to 2**63 - 1")
     return int(text)

@@ -1,10 +1,10 @@
-"""The one base class of everything that `lexis` raises on purpose."""
+"""The errors that `lexis` raises on purpose; all derive from `LexisError`."""
 
 import re
 
 
 class LexisError(ValueError):
-    """An argument, a file or a state is not usable; the message names the place and what would be valid."""
+    """An argument, a file or a state is unusable; the message says where, what is wrong, and what would be valid."""
 
 
 class ConfigError(LexisError):
@@ -24,7 +24,7 @@ class MapError(LexisError):
 
 
 class PlanError(LexisError):
-    """There is no such room in the map, or no way to it."""
+    """There is no such room in the map, or no path to it."""
 
 
 class DatasetError(LexisError):
@@ -37,7 +37,7 @@ _LONG_WORD = re.compile(r"(\S{60})\S{20,}(\S{40})")
 def one_line(said: object, most: int = 240) -> str:
     """Put the text of an error on one line of at most `most` characters.
 
-    In a longer one, the middles of long words are left out first, such as paths, then the middle of the line.
+    A longer text is shortened by leaving out the middles of long words, such as paths, and then the middle of the line.
     """
     line = " ".join(str(said).split()) or type(said).__name__
     if len(line) > most:

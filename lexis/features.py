@@ -1,4 +1,4 @@
-"""AKAZE key points and binary descriptors (paper, Sec. III-A), and how they are matched."""
+"""Extraction of AKAZE key points with binary descriptors (paper, Sec. III-A), and matching of descriptors."""
 
 import cv2
 import numpy as np
@@ -10,14 +10,14 @@ from lexis.types import Features, Image
 
 
 class FeatureExtractor:
-    """Holds one AKAZE detector."""
+    """Extracts AKAZE features from images."""
 
     def __init__(self, config: LandmarkConfig) -> None:
         """Create the detector."""
         self._akaze = cv2.AKAZE.create(threshold=config.akaze_threshold, max_points=config.max_features)
 
     def extract(self, image: Image) -> Features:
-        """Key points of an RGB image; none is a valid answer (a bare wall)."""
+        """Key points and descriptors of an RGB image; a bare wall may have none."""
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         keypoints, descriptors = self._akaze.detectAndCompute(grey, None)
         if not keypoints:
@@ -32,10 +32,10 @@ def mutual_matches(
     allowed: Bool[np.ndarray, "n m"] | None = None,
     max_distance: int = 488,
 ) -> Int[np.ndarray, "k 2"]:
-    """Row pairs that are each other's nearest by Hamming distance, and clearly so (Lowe's ratio, from the first's side).
+    """Pairs of rows that are mutual nearest neighbours by Hamming distance and pass Lowe's ratio test for the first row.
 
-    With `allowed`, only those pairs exist: both the nearest and the second-nearest are sought among them; as that may leave
-    a wrong pair without a rival, bound its distance by `max_distance` [bits].
+    With `allowed`, the nearest and the second-nearest neighbour are searched among the allowed pairs only. A wrong pair may
+    then have no second-nearest neighbour and pass the ratio test, so bound its distance by `max_distance` [bits].
     """
     if len(first) == 0 or len(second) == 0:
         return np.zeros((0, 2), np.intp)
@@ -53,9 +53,9 @@ def mutual_matches(
 def _two_nearest(
     queries: UInt8[np.ndarray, "n bytes"], train: UInt8[np.ndarray, "m bytes"], allowed: Bool[np.ndarray, "n m"] | None
 ) -> tuple[Int[np.ndarray, "n 2"], Int[np.ndarray, "n 2"]]:
-    """Distances and rows of the two nearest; where there is none, the largest int32 and -1."""
+    """Distances and rows of the two nearest neighbours; the largest int32 and -1 where there is no neighbour."""
     mask = None if allowed is None else np.ascontiguousarray(allowed, dtype=np.uint8)
-    if len(train) == 1:  # OpenCV asks for at least as many rows as neighbours
+    if len(train) == 1:  # OpenCV needs at least as many rows as neighbours: add a masked copy
         train = np.repeat(train, 2, axis=0)
         mask = np.pad(mask, ((0, 0), (0, 1))) if mask is not None else np.tile(np.array([1, 0], np.uint8), (len(queries), 1))
     distances, ids = cv2.batchDistance(queries, train, cv2.CV_32S, normType=cv2.NORM_HAMMING, K=2, mask=mask)

@@ -1,4 +1,4 @@
-"""Floors: the walk cut at the stairs, its level stretches grouped by height (paper, Sec. III-C)."""
+"""Floors: the stairs divide the walk into level stretches, which are grouped by height (paper, Sec. III-C)."""
 
 from itertools import pairwise
 
@@ -8,24 +8,26 @@ from jaxtyping import Bool, Float64, Int
 from lexis.maths.stretches import Stretch, stretches_of
 
 NO_FLOOR = -1
-"""Floor of a keyframe on stairs."""
+"""Value that stands for the floor of a keyframe on stairs."""
 STOREY_GAP_M = 1.2
-"""Smallest difference of height between two floors [m]."""
+"""Smallest height difference between two floors [m]."""
 MIN_KEYFRAMES = 4
-"""A shorter level stretch is no floor of its own: it may be a landing that was not seen as stairs."""
+"""Fewest keyframes in a level stretch that forms a floor; a shorter one may be a landing that was not labelled as stairs."""
 
 
 def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Floor of every keyframe, 0 the lowest and -1 on stairs.
+    """Number of the floor of every keyframe, 0 for the lowest and -1 on stairs.
 
-    Between stairs a floor is level, so that what the height changes there is drift: only what the stairs climb is summed
-    up. Stretches then share a floor when their sums lie within a storey's gap of each other.
+    1. Divide the walk into level stretches between stairs.
+    2. Give every stretch a height by summing the height differences over the stairs before it. Height changes within a
+       stretch are left out, because floors are level and such changes are drift.
+    3. Group these heights wherever a gap exceeds `STOREY_GAP_M`. Short stretches form no group; they get the nearest floor.
     """
     floors = np.full(len(stairs), NO_FLOOR)
     stretches = [run for run in stretches_of(stairs) if not stairs[run.start]]
     if not stretches:
         return floors
-    heights = _climbed(stretches, height)
+    heights = _heights_over_stairs(stretches, height)
     lengths = np.array([run.stop - run.start for run in stretches])
     certain = lengths >= min(MIN_KEYFRAMES, int(lengths.max()))
     levels = _levels(heights[certain])
@@ -34,14 +36,14 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
     return floors
 
 
-def _climbed(stretches: list[Stretch], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
-    """Height of every stretch above the first one by the stairs between them alone [m]."""
+def _heights_over_stairs(stretches: list[Stretch], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
+    """Height of every stretch relative to the first, summed over the stairs between them [m]."""
     steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _levels(heights: Float64[np.ndarray, "k"]) -> Float64[np.ndarray, "levels"]:
-    """Mean height of every group of heights without a storey's gap inside, ascending [m]."""
+    """Mean height of every floor, ascending; a gap larger than `STOREY_GAP_M` separates two floors [m]."""
     ordered = np.sort(heights)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > STOREY_GAP_M) + 1)
     return np.array([group.mean() for group in groups])

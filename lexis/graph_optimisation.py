@@ -12,7 +12,7 @@ from lexis.maths.se3 import between
 from lexis.types import Covariance, LoopEdge, Poses
 
 _PRIOR_SIGMA = 1e-6
-"""Of the first pose [rad, m]: it only fixes the gauge."""
+"""Standard deviation of the prior on the first pose [rad, m], which only fixes the gauge freedom."""
 
 
 def optimise(
@@ -22,22 +22,24 @@ def optimise(
     loops: Sequence[LoopEdge],
     config: PoseGraphConfig,
 ) -> Poses:
-    """The poses by Levenberg-Marquardt: odometry by least squares, loops under DCS, the first pose held.
+    """Optimise the poses by Levenberg-Marquardt, with the first pose fixed.
+
+    Odometry edges enter by least squares. Loop edges enter under the robust DCS kernel, so that a wrong loop counts little.
 
     Args:
-        T_W_B: where to start from.
-        steps: odometry ``T_i_j`` from every keyframe to the next.
-        step_covariances: of the steps; the configured floor is added.
-        loops: edges between keyframes of the graph.
-        config: kernel and iterations.
+        T_W_B: initial poses.
+        steps: odometry ``T_i_j`` from every keyframe i to the next keyframe j.
+        step_covariances: covariances of the steps, to which the configured minimum is added.
+        loops: loop edges between keyframes of the graph.
+        config: kernel parameter, minimum covariance and iterations.
 
     Raises:
-        LexisError: a loop names a keyframe that the graph does not have.
+        LexisError: a loop refers to a keyframe that the graph does not have, or does not lead back to an earlier one.
     """
     graph = gtsam.NonlinearFactorGraph()
     graph.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(T_W_B[0]), gtsam.noiseModel.Isotropic.Sigma(6, _PRIOR_SIGMA)))
     for i, (step, covariance) in enumerate(zip(steps, step_covariances, strict=True)):
-        noise = gtsam.noiseModel.Gaussian.Covariance(covariance + _floor(config))
+        noise = gtsam.noiseModel.Gaussian.Covariance(covariance + _min_covariance(config))
         graph.add(gtsam.BetweenFactorPose3(i, i + 1, gtsam.Pose3(step), noise))
     for loop in loops:
         graph.add(_loop_factor(loop, len(T_W_B), config))
@@ -51,13 +53,13 @@ def optimise(
 
 
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
-    """DCS weights (Agarwal et al., 2013) in [0, 1] of loop edges at given poses; below 0.5 an edge counts as rejected."""
+    """DCS weights (Agarwal et al., 2013) of loop edges at given poses, in [0, 1]; below 0.5, a loop counts as rejected."""
     kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
     return np.array([kernel.weight(np.sqrt(squared_residual(T_W_B, loop))) for loop in loops], dtype=np.float64)
 
 
 def squared_residual(T_W_B: Poses, loop: LoopEdge) -> float:
-    """Squared Mahalanobis distance between a loop's measurement and the poses (chi² of 6 degrees of freedom)."""
+    """Squared Mahalanobis distance between a loop's measurement and the poses (chi² with 6 degrees of freedom)."""
     predicted = gtsam.Pose3(between(T_W_B[loop.match], T_W_B[loop.query]))
     error = gtsam.Pose3.Logmap(gtsam.Pose3(loop.T_match_query).between(predicted))
     return float(error @ np.linalg.solve(loop.covariance, error))
@@ -73,6 +75,6 @@ def _loop_factor(loop: LoopEdge, count: int, config: PoseGraphConfig) -> gtsam.B
     return gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise)
 
 
-def _floor(config: PoseGraphConfig) -> Covariance:
+def _min_covariance(config: PoseGraphConfig) -> Covariance:
     sigmas = np.repeat([config.min_rotation_sigma_rad, config.min_translation_sigma_m], 3)
     return np.diag(sigmas**2)

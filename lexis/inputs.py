@@ -1,4 +1,4 @@
-"""What LEXIS is given is checked at the door, so that the stages behind need not."""
+"""Checks of everything that is passed to LEXIS, made once at its entry, so that the stages need no checks of their own."""
 
 import math
 from collections import Counter
@@ -13,30 +13,30 @@ from lexis.maths.se3 import is_rigid
 from lexis.types import Camera, Image, Observation, Percept
 
 MAX_ROOM_NAMES = 1000
-"""In a vocabulary."""
+"""Largest number of room names in a vocabulary."""
 MAX_NAME_LENGTH = 200
-"""Of a room name, in characters."""
+"""Largest length of a room name, in characters."""
 
 MAX_POSITION_M = 1e8
-"""Farthest place from the origin along an axis: any frame on Earth fits, and squares and cubes of it stay exact enough."""
+"""Largest coordinate of a position [m]: any frame on Earth fits, and its squares and cubes remain accurate enough."""
 MAX_STAMP_S = 1e12
-"""Latest stamp of an observation [s]; more than any clock shows, and few enough digits for a microsecond."""
+"""Largest stamp of an observation [s]: later than any clock shows, and small enough to resolve a microsecond."""
 MAX_VARIANCE = 1e12
-"""Largest entry of a covariance of poses [rad², m²]: nobody is as wrong as a thousand kilometres."""
+"""Largest entry of a pose covariance [rad², m²]; it stands for an error of a thousand kilometres."""
 _ROUNDING = 1e-9
-"""Asymmetry and negative eigenvalues that rounding explains, as shares of the largest entry."""
+"""Tolerance for rounding errors in a covariance (asymmetry, negative eigenvalues), as a share of the largest entry."""
 MAX_PIXELS = 50_000_000
-"""Most pixels of an image."""
+"""Largest number of pixels in an image."""
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
-"""Bounds of focal lengths; no principal point or key point is farther off than the greater one [px]."""
+"""Bounds of focal lengths [px]; the upper one also bounds the coordinates of principal points and key points."""
 DESCRIPTOR_BYTES = 61
-"""Length of the descriptor of one AKAZE key point."""
+"""Length of an AKAZE descriptor."""
 
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 
 
 def check_camera(camera: Camera) -> None:
-    """Raise LexisError unless the image has a usable extent, focal lengths and centre, and ``T_B_C`` is rigid and near."""
+    """Raise LexisError unless the intrinsics are within their bounds and ``T_B_C`` is a rigid motion."""
     k = camera.intrinsics
     finite = all(abs(value) <= MAX_FOCAL_PX for value in (k.fx, k.fy, k.cx, k.cy))
     if not finite or min(k.width, k.height) < 1 or k.width * k.height > MAX_PIXELS or min(k.fx, k.fy) < MIN_FOCAL_PX:
@@ -45,16 +45,16 @@ def check_camera(camera: Camera) -> None:
             f"fx, fy > 0 px, and fx, fy, cx, cy of at most {MAX_FOCAL_PX:g} px"
         )
     if not is_pose(camera.T_B_C):
-        raise LexisError(f"T_B_C of the camera is not a rigid motion: {_told(camera.T_B_C)}; {_RIGID}")
+        raise LexisError(f"T_B_C of the camera is not a rigid motion: {_as_text(camera.T_B_C)}; {_RIGID}")
 
 
 def check_room_names(names: Sequence[str]) -> None:
-    """Raise LexisError unless there is at least one name, each can be told from the others, and all can be stored.
+    """Raise LexisError unless there is at least one name, all are unique, and all are printable and short enough.
 
-    Names are asked for without regard to case and outer blanks, so they may not differ in these alone.
+    Room names are looked up without regard to case and outer blanks, so two names may not differ in these alone.
     """
     if isinstance(names, str):
-        raise LexisError(f"room names are the one text {names!r}; valid: a sequence of names, such as ({names!r},)")
+        raise LexisError(f"room names are a single string {names!r}; valid: a sequence of names, such as ({names!r},)")
     if not 1 <= len(names) <= MAX_ROOM_NAMES:
         raise LexisError(f"{len(names)} room names; valid: 1 to {MAX_ROOM_NAMES}")
     unusable = [name[:80] for name in names if not (name.strip() and name.isprintable() and len(name) <= MAX_NAME_LENGTH)]
@@ -65,16 +65,16 @@ def check_room_names(names: Sequence[str]) -> None:
     count = Counter(name.strip().lower() for name in names)
     twice = sorted(name for name, times in count.items() if times > 1)
     if twice:
-        raise LexisError(f"room names {twice} occur more than once; valid: every name once, case and outer blanks aside")
+        raise LexisError(f"room names {twice} occur more than once; valid: unique names, ignoring case and outer blanks")
 
 
 def check_observation(
     observation: Observation, camera: Camera, previous: Observation | None, embedding_size: int | None = None
 ) -> None:
-    """Raise ObservationError unless image, pose and covariance are usable and time moves on.
+    """Raise ObservationError unless image, pose and covariance are usable and the stamp is later than the previous one.
 
-    What is let in here is all that LEXIS asks of an observation: nothing behind this door fails because of one.
-    `embedding_size` is the length of the encoder's embeddings, which those of percepts must have.
+    An observation that passes these checks makes no later stage fail.
+    `embedding_size` is the length of the encoder's embeddings; the embedding of a percept must have the same length.
     """
     where = f"observation {observation.index}"
     if isinstance(observation.image, Percept):
@@ -82,35 +82,35 @@ def check_observation(
     else:
         _check_image(observation.image, camera, where)
     if not is_pose(observation.T_O_B):
-        raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_told(observation.T_O_B)}; {_RIGID}")
+        raise ObservationError(f"{where}: T_O_B is not a rigid motion: {_as_text(observation.T_O_B)}; {_RIGID}")
     _check_covariance(observation.increment_covariance, where)
     if not (isinstance(observation.stamp, int | float | np.integer | np.floating) and abs(observation.stamp) <= MAX_STAMP_S):
         raise ObservationError(
-            f"{where}: stamp {_told(observation.stamp)} s is not finite; valid: a time in seconds up to {MAX_STAMP_S:g}"
+            f"{where}: stamp {_as_text(observation.stamp)} s is not finite; valid: a time in seconds up to {MAX_STAMP_S:g}"
         )
     if previous is not None and observation.stamp <= previous.stamp:
         raise ObservationError(
-            f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s, the one before; valid: ascending stamps"
+            f"{where}: stamp {observation.stamp} s is not after {previous.stamp} s of the previous; valid: ascending stamps"
         )
 
 
 def with_own_poses(observation: Observation) -> Observation:
-    """The observation with copies of its pose and covariance, which are kept after its arrays may have been reused.
+    """The observation with copies of its pose and covariance, because the caller may reuse the original arrays.
 
-    The image is not copied: all that LEXIS keeps of it is made while the observation is processed.
+    The image is not copied: LEXIS only keeps what it computes from the image while the observation is processed.
     """
     return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
 
 
 def is_pose(T: object) -> bool:
-    """Whether something is a 4x4 array of a rigid motion to a place that can be on Earth."""
+    """Whether an object is a 4x4 array that holds a rigid motion with coordinates up to `MAX_POSITION_M`."""
     if not (isinstance(T, np.ndarray) and T.shape == (4, 4) and T.dtype.kind in "fi"):
         return False
     return bool(is_rigid(T.astype(np.float64))) and bool(np.abs(T[:3, 3]).max() <= MAX_POSITION_M)
 
 
 def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.ndarray, "*batch"]:
-    """Whether matrices are symmetric and positive semi-definite but for rounding, with entries up to `MAX_VARIANCE`."""
+    """Whether matrices are symmetric and positive semi-definite up to rounding, with entries up to `MAX_VARIANCE`."""
     bounded = (np.abs(matrices) <= MAX_VARIANCE).all(axis=(-1, -2))
     matrices = np.where(bounded[..., None, None], matrices, 0.0)
     rounding = _ROUNDING * np.abs(matrices).max(axis=(-1, -2))
@@ -119,56 +119,56 @@ def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.n
 
 
 def pixels(observation: Observation) -> Image:
-    """The image of an observation. Raises `ObservationError` where there is only what was seen in it."""
+    """The image of an observation. Raises ObservationError if the observation holds a percept instead."""
     if isinstance(observation.image, Percept):
-        raise ObservationError(f"observation {observation.index} brings no image, only what was seen in it; valid: an image")
+        raise ObservationError(f"observation {observation.index} has a percept but no image; valid: an image")
     return observation.image
 
 
 def _check_covariance(covariance: object, where: str) -> None:
     if not (isinstance(covariance, np.ndarray) and covariance.shape == (6, 6) and covariance.dtype.kind in "fi"):
-        raise ObservationError(f"{where}: increment_covariance is {_kind(covariance)}; valid: a 6x6 one of numbers")
+        raise ObservationError(f"{where}: increment_covariance is {_type_of(covariance)}; valid: a 6x6 array of numbers")
     if not usable_covariances(covariance.astype(np.float64)):
         raise ObservationError(
             f"{where}: increment_covariance is not finite, symmetric and without negative eigenvalues; "
-            f"valid: such a matrix of values up to {MAX_VARIANCE:g}"
+            f"valid: a covariance with values up to {MAX_VARIANCE:g}"
         )
 
 
 def _check_image(image: object, camera: Camera, where: str) -> None:
     expected = (camera.intrinsics.height, camera.intrinsics.width, 3)
     if not isinstance(image, np.ndarray) or image.shape != expected or image.dtype != np.uint8:
-        raise ObservationError(f"{where}: the image is {_kind(image)}; valid: uint8 {expected}, as the camera makes them")
+        raise ObservationError(f"{where}: the image is {_type_of(image)}; valid: uint8 {expected}, the camera's size")
 
 
 def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     embedding = percept.embedding
     if not isinstance(embedding, np.ndarray) or embedding.dtype.kind != "f" or embedding.ndim != 1:
-        raise ObservationError(f"{where}: the embedding is {_kind(embedding)}; valid: float32 (d,)")
+        raise ObservationError(f"{where}: the embedding is {_type_of(embedding)}; valid: float32 (d,)")
     length = float(np.linalg.norm(embedding.astype(np.float64)))
     if not math.isclose(length, 1.0, abs_tol=1e-3):
         shape = embedding.shape
-        raise ObservationError(f"{where}: the embedding {shape} is {length:.3g} long; valid: a finite vector of unit norm")
+        raise ObservationError(f"{where}: the embedding {shape} has norm {length:.3g}; valid: a finite vector of unit norm")
     if size is not None and len(embedding) != size:
         raise ObservationError(f"{where}: the embedding has {len(embedding)} numbers; valid: {size}, as the encoder's")
     points, descriptors = percept.features.keypoints, percept.features.descriptors
     if not (_is_rows(points, 2, "f4", "f8") and _is_rows(descriptors, DESCRIPTOR_BYTES, "u1")):
-        found = f"key points are {_kind(points)} and descriptors {_kind(descriptors)}"
+        found = f"key points are {_type_of(points)} and descriptors {_type_of(descriptors)}"
         raise ObservationError(f"{where}: {found}; valid: float32 (n, 2) and uint8 (n, {DESCRIPTOR_BYTES})")
     if len(points) != len(descriptors) or not (np.abs(points) <= MAX_FOCAL_PX).all():
         found = f"{len(points)} key points and {len(descriptors)} descriptors"
-        raise ObservationError(f"{where}: {found}; valid: one descriptor for each key point, and finite places")
+        raise ObservationError(f"{where}: {found}; valid: one descriptor per key point, and finite positions")
 
 
 def _is_rows(array: object, columns: int, *dtypes: str) -> bool:
     return isinstance(array, np.ndarray) and array.ndim == 2 and array.shape[1] == columns and array.dtype in dtypes
 
 
-def _kind(value: object) -> str:
-    """The type of what may be an array, for messages."""
+def _type_of(value: object) -> str:
+    """The type of a value, with the shape of an array, for messages."""
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 
 
-def _told(value: object) -> str:
-    """A value, which may be an array, on one line for messages."""
+def _as_text(value: object) -> str:
+    """A value or an array as one line of text, for messages."""
     return one_line(value.tolist() if isinstance(value, np.ndarray) else value)

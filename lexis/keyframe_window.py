@@ -1,7 +1,7 @@
-"""The fixed lag of the front end: a keyframe is complete once the frames after it have arrived.
+"""A sliding window of frames that delays each keyframe until the frames after it have arrived.
 
-Its landmarks are triangulated with the frames on both sides; a keyframe at the end of the sequence makes do with
-those before it.
+The landmarks of a keyframe are triangulated from the frames before and after it, for more views and a longer baseline. At
+the end of the sequence, only the frames before the keyframe are available.
 """
 
 from collections import deque
@@ -29,23 +29,23 @@ class _Entry:
 
 
 class KeyframeWindow:
-    """Takes frames in order, gives complete keyframes in order."""
+    """Takes frames in order and returns keyframes with landmarks in the same order."""
 
     def __init__(self, camera: Camera, config: Config) -> None:
-        """Start empty."""
+        """Create an empty window."""
         self._camera = camera
         self._config = config
         self._entries: deque[_Entry] = deque(maxlen=2 * config.keyframes.supports + 1)
         self._count = 0
 
     def add(self, frame: Frame, features: Features, embedding: Float32[np.ndarray, "d"] | None) -> list[Keyframe]:
-        """The keyframes that became complete: none or one. Only keyframes carry an embedding."""
+        """Add a frame and return the keyframe that it completes, if any. `embedding` is None for support frames."""
         self._entries.append(_Entry(frame, features, embedding))
         centre = len(self._entries) - 1 - self._config.keyframes.supports
         return self._complete(centre) if centre >= 0 else []
 
     def flush(self) -> list[Keyframe]:
-        """The keyframes that still waited, at the end of the sequence."""
+        """Empty the window at the end of the sequence and return the keyframes that were still waiting for frames."""
         first = max(len(self._entries) - self._config.keyframes.supports, 0)
         ready = [keyframe for centre in range(first, len(self._entries)) for keyframe in self._complete(centre)]
         self._entries.clear()

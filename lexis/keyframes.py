@@ -1,4 +1,8 @@
-"""Which observations LEXIS keeps: equally spaced keyframes, and support frames between them (paper, Sec. III-A)."""
+"""Keyframe selection: equally spaced keyframes, and support frames between them (paper, Sec. III-A).
+
+Keyframes become nodes of the pose graph. Support frames do not: they are the additional views from which the landmarks of
+the keyframes are triangulated.
+"""
 
 from dataclasses import dataclass
 
@@ -12,20 +16,20 @@ from lexis.types import Covariance, Observation, Pose
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """An observation that is kept."""
+    """An observation that was selected."""
 
     observation: Observation
     is_keyframe: bool
     """False for a support frame, which only serves to triangulate landmarks."""
     step_covariance: Covariance
-    """Of the odometry since the previous keyframe [rad², m²]."""
+    """Covariance of the odometry since the previous keyframe [rad², m²]."""
 
 
 class KeyframeSelector:
-    """Keeps a keyframe every `spacing_m` of odometry path and a support frame every `support_spacing_m`."""
+    """Selects a keyframe every `spacing_m` of odometry path and a support frame every `support_spacing_m`."""
 
     def __init__(self, config: KeyframeConfig) -> None:
-        """Start before the first observation."""
+        """Create a selector that expects the first observation."""
         self._config = config
         self._last: Pose | None = None
         self._path_since_keyframe = 0.0
@@ -34,7 +38,10 @@ class KeyframeSelector:
         self._covariance: Covariance = np.zeros((6, 6))
 
     def select(self, observation: Observation) -> Frame | None:
-        """The observation as a frame, or None when it is too close to the one before. The first is a keyframe."""
+        """Return the observation as a frame, or None if it is too close to the previous frame.
+
+        The first observation is always a keyframe.
+        """
         first = self._last is None
         if self._last is not None:
             self._advance(between(self._last, observation.T_O_B), observation.increment_covariance)

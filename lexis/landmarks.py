@@ -1,9 +1,16 @@
-"""Landmarks: 3-D points of a keyframe, triangulated from RGB and odometry alone (paper, Sec. III-D needs them for PnP).
+"""Triangulation of landmarks, the 3-D points of a keyframe that PnP needs (paper, Sec. III-D), from RGB and odometry alone.
 
-Matches to neighbouring frames are guided by the epipolar geometry that the odometry gives. A point is then
-``theta = (x, y, rho)``: its ray ``(x, y, 1)`` in the keyframe's camera and its inverse depth ``rho``. Seen from
-another camera its homogeneous position ``q = R (x, y, 1) + rho t`` is linear in theta, and stays well-conditioned
-however far the point is.
+The keyframe is the reference view and its neighbouring frames are the supports. The steps are:
+
+1. Match the reference's key points to every support, only near the epipolar lines that follow from the odometry. This leaves
+   few candidates per key point, and so few wrong matches.
+2. Fit every point to its matches by Gauss-Newton on the reprojection errors.
+3. Discard single views with a large error and fit again, because one wrong match spoils the first fit.
+4. Keep the points that enough views agree on and that are seen with enough parallax, since depth is unreliable otherwise.
+
+A point is parametrised as ``theta = (x, y, rho)``: its ray ``(x, y, 1)`` in the reference camera and its inverse depth
+``rho``. In another camera, its homogeneous position ``q = R (x, y, 1) + rho t`` is linear in theta, and stays
+well-conditioned even for very distant points.
 """
 
 from collections.abc import Sequence
@@ -19,19 +26,19 @@ from lexis.maths.se3 import between, inverse, skew, transform
 from lexis.types import Camera, Features, Intrinsics, Landmarks, Pose
 
 _MIN_BASELINE_M = 0.01
-"""Below this, the epipolar lines and the parallax are odometry noise."""
+"""Smallest distance between two cameras to match: with less, noise dominates the epipolar lines and the parallax [m]."""
 _ITERATIONS = 4
 _DAMPING = 1e-12
-"""Share of its trace that is added to a Hessian's diagonal."""
-_LENIENCY = 3.0
-"""On the reprojection error of single views after the first fit, since one wrong view spoils that fit for all."""
+"""Damping of a Hessian, as a share of its trace."""
+_FIRST_FIT_TOLERANCE = 3.0
+"""Factor on the allowed reprojection error after the first fit, which one wrong view can spoil for all other views."""
 
 Thetas = Float64[np.ndarray, "n 3"]
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Features of one image and where the odometry says it was taken."""
+    """Features of one image and its odometry pose."""
 
     T_O_B: Pose
     features: Features
@@ -43,40 +50,41 @@ class _Tracks:
 
     pixels: Float64[np.ndarray, "n views 2"]
     seen: Bool[np.ndarray, "n views"]
+    """Whether a key point has a match in a view."""
     T_V_R: Float64[np.ndarray, "views 4 4"]
-    """From the camera of the reference to that of every view."""
+    """Transforms from the reference camera to the camera of every view."""
     intrinsics: Intrinsics
 
     def __getitem__(self, rows: Int[np.ndarray, "k"] | Bool[np.ndarray, "n"]) -> "_Tracks":
         return replace(self, pixels=self.pixels[rows], seen=self.seen[rows])
 
     def homogeneous(self, theta: Thetas) -> Float64[np.ndarray, "n views 3"]:
-        """``q`` of every point in every view: its position in that camera times ``rho``."""
+        """Homogeneous position ``q`` of every point in every view: its position in that camera times ``rho``."""
         ray = np.concatenate([theta[:, :2], np.ones((len(theta), 1))], axis=1)
         rotated = np.einsum("vij,nj->nvi", self.T_V_R[:, :3, :3], ray)
         return np.asarray(rotated + theta[:, None, 2:] * self.T_V_R[:, :3, 3])
 
     def errors(self, theta: Thetas) -> Float64[np.ndarray, "n views"]:
-        """Reprojection errors, seen or not; infinite behind a camera [px]."""
+        """Reprojection errors in all views, with or without a match; infinite for points behind a camera [px]."""
         q = self.homogeneous(theta)
         errors = np.linalg.norm(project(q, self.intrinsics) - self.pixels, axis=2)
         return np.where((q[..., 2] > 0) & (theta[:, 2:] > 0), errors, np.inf)
 
 
 def triangulate(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> Landmarks:
-    """Points of the reference's key points that at least `min_views` images agree on; none is a valid answer."""
+    """Triangulate the reference's key points that at least `min_views` images agree on; there may be none."""
     tracks = _match(reference, supports, camera, config)
     ids = np.flatnonzero(tracks.seen.sum(axis=1) >= config.min_views)
     tracks = tracks[ids]
     first = tracks.errors(_fit(tracks))
-    tracks = replace(tracks, seen=tracks.seen & (first <= _LENIENCY * config.max_reprojection_px))
+    tracks = replace(tracks, seen=tracks.seen & (first <= _FIRST_FIT_TOLERANCE * config.max_reprojection_px))
     theta = _fit(tracks)
     good = _is_good(theta, tracks, config)
     return Landmarks(transform(camera.T_B_C, _points(theta[good])), ids[good])
 
 
 def _match(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> _Tracks:
-    """Match the reference to every support that has a baseline, near the epipolar lines."""
+    """Match the reference to every support far enough away, only near the epipolar lines."""
     T_O_C = np.stack([view.T_O_B @ camera.T_B_C for view in (reference, *supports)])
     T_V_R = between(T_O_C, T_O_C[0])
     keypoints, descriptors = reference.features.keypoints, reference.features.descriptors
@@ -97,10 +105,10 @@ def _match(reference: View, supports: Sequence[View], camera: Camera, config: La
 def _epipolar_distances(
     reference: Float32[np.ndarray, "n 2"], support: Float32[np.ndarray, "m 2"], T_S_R: Pose, intrinsics: Intrinsics
 ) -> Float32[np.ndarray, "n m"]:
-    """Distances of the support's key points from the epipolar lines of the reference's [px].
+    """Distances of the support's key points from the epipolar lines of the reference's key points [px].
 
-    Summed term by term: a product of matrices wakes the threads of BLAS, whose spinning costs more than the product, and on
-    busy cores twenty times as much.
+    The sum is written term by term, because a matrix product would wake the threads of BLAS. Their spinning costs more than
+    the product itself, and twenty times as much on busy cores.
     """
     essential = skew(T_S_R[:3, 3]) @ T_S_R[:3, :3]
     lines = rays(reference, intrinsics) @ essential.T @ np.linalg.inv(intrinsics.matrix)
@@ -113,7 +121,7 @@ def _epipolar_distances(
 
 
 def _fit(tracks: _Tracks) -> Thetas:
-    """Gauss-Newton on the reprojection errors, from the linear estimate of the inverse depth."""
+    """Fit all points by Gauss-Newton on the reprojection errors, starting at a linear estimate of the inverse depth."""
     theta = rays(tracks.pixels[:, 0], tracks.intrinsics)
     theta[:, 2] = _linear_inverse_depth(theta, tracks)
     q_by_theta = np.concatenate([tracks.T_V_R[:, :3, :2], tracks.T_V_R[:, :3, 3:]], axis=2)
@@ -125,7 +133,7 @@ def _fit(tracks: _Tracks) -> Thetas:
         jacobians = jacobians.reshape(len(theta), 2 * len(tracks.T_V_R), 3)
         transposed = np.swapaxes(jacobians, 1, 2)
         hessians = transposed @ jacobians
-        # Damped in proportion: a false match can put a point into the plane of a camera, where the Hessian explodes.
+        # Damping is relative to the trace: a false match can put a point into a camera's plane, where the Hessian explodes.
         hessians += (_DAMPING * np.trace(hessians, axis1=1, axis2=2) + 1e-6)[:, None, None] * np.eye(3)
         gradients = transposed @ residuals.reshape(len(theta), 2 * len(tracks.T_V_R), 1)
         theta = theta - np.linalg.solve(hessians, gradients)[..., 0]
@@ -133,7 +141,7 @@ def _fit(tracks: _Tracks) -> Thetas:
 
 
 def _linear_inverse_depth(theta: Thetas, tracks: _Tracks) -> Float64[np.ndarray, "n"]:
-    """Least squares of ``ray x (R (x, y, 1) + rho t) = 0`` over the views, the reference's own ray being kept."""
+    """Inverse depths by least squares of ``ray x (R (x, y, 1) + rho t) = 0`` over the views, with fixed reference rays."""
     observed = rays(tracks.pixels, tracks.intrinsics)[..., :2]
     at_infinity = tracks.homogeneous(theta * [1.0, 1.0, 0.0])
     translations = tracks.T_V_R[:, :3, 3]
@@ -144,7 +152,7 @@ def _linear_inverse_depth(theta: Thetas, tracks: _Tracks) -> Float64[np.ndarray,
 
 
 def _is_good(theta: Thetas, tracks: _Tracks, config: LandmarkConfig) -> Bool[np.ndarray, "n"]:
-    """Whether enough views are left, all of them agree, and they look from different enough directions."""
+    """Whether enough views are left, their reprojection errors are small, and the parallax is large enough."""
     errors = np.where(tracks.seen, tracks.errors(theta), 0.0)
     good = np.asarray((errors <= config.max_reprojection_px).all(axis=1) & tracks.seen[:, 0])
     good &= tracks.seen.sum(axis=1) >= config.min_views
@@ -153,7 +161,7 @@ def _is_good(theta: Thetas, tracks: _Tracks, config: LandmarkConfig) -> Bool[np.
 
 
 def _parallax(theta: Thetas, tracks: _Tracks) -> Float64[np.ndarray, "n"]:
-    """Largest angle between any two of the rays that see a point [rad]."""
+    """Largest angle between any two viewing rays of a point [rad]."""
     directions = _points(theta)[:, None] - inverse(tracks.T_V_R)[:, :3, 3]
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
     cosines = directions @ np.swapaxes(directions, 1, 2)
@@ -162,5 +170,5 @@ def _parallax(theta: Thetas, tracks: _Tracks) -> Float64[np.ndarray, "n"]:
 
 
 def _points(theta: Thetas) -> Float64[np.ndarray, "n 3"]:
-    """In the camera frame of the reference [m]."""
+    """Positions in the reference camera's frame [m]."""
     return np.asarray(np.concatenate([theta[:, :2], np.ones((len(theta), 1))], axis=1) / theta[:, 2:])

@@ -1,4 +1,4 @@
-"""What LEXIS makes of one observation: an embedding and key points, its own or those that came instead of the image."""
+"""The embedding and the features of an observation, computed from its image or taken from its percept."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -12,16 +12,16 @@ from lexis.types import Features, Image, Observation, Percept
 
 @runtime_checkable
 class Encoder(Protocol):
-    """What LEXIS needs of a vision-language model."""
+    """The interface that LEXIS needs from a vision-language model."""
 
     @property
     def name(self) -> str:
-        """What to ask `load_encoder` for to get this one again."""
+        """Argument with which `load_encoder` loads this encoder again."""
         ...
 
     @property
     def fingerprint(self) -> str:
-        """Equal for two encoders if and only if the embeddings of one can be compared with those of the other."""
+        """Hash that is equal for two encoders if and only if their embeddings can be compared."""
         ...
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
@@ -35,21 +35,21 @@ class Encoder(Protocol):
 
 @runtime_checkable
 class TextEncoder(Encoder, Protocol):
-    """An encoder that reads free words too."""
+    """An encoder that can also embed arbitrary texts."""
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """f_TEXT of every text as it stands, unit norm."""
+        """f_TEXT of every text, unchanged by prompts, unit norm."""
         ...
 
 
 def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:
-    """f_CLIP of an observation, in an array of its own: a sensor or an encoder may reuse the one that it hands over."""
+    """f_CLIP of an observation, copied because a sensor or an encoder may reuse its own array."""
     seen = observation.image
     return (seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()
 
 
 def features_of(observation: Observation, extractor: FeatureExtractor) -> Features:
-    """f_AKAZE of an observation, in arrays of their own: a sensor may reuse those that it hands over."""
+    """f_AKAZE of an observation, copied because a sensor may reuse its own arrays."""
     seen = observation.image
     if isinstance(seen, Percept):
         return Features(seen.features.keypoints.copy(), seen.features.descriptors.copy())

@@ -1,4 +1,4 @@
-"""Loop candidates from the room that the query's image shows (paper, Sec. III-D)."""
+"""Place recognition: loop candidates from the room that the query's image shows (paper, Sec. III-D)."""
 
 from collections.abc import Sequence
 
@@ -14,18 +14,21 @@ from lexis.types import Keyframe, RoomInstance
 def propose(
     query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
 ) -> tuple[int, ...]:
-    """Ids of the keyframes to verify, best first; empty when no room of the label holds an old enough keyframe.
+    """Propose keyframes for verification; return their ids, most similar first.
+
+    1. Take the rooms that have the query's label and at least one keyframe old enough to close a loop with. Other rooms must
+       not compete: a room that the robot has just re-entered may still be a new cluster of its own, closer than the old one.
+    2. Choose the room whose mean is closest to the query at the current pose estimate.
+    3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
+
+    The result is empty if no room has the label and an old enough keyframe.
 
     Args:
         query: the new keyframe, already in the graph.
-        label: the room that its image shows.
+        label: room name that the query's image resembles most.
         rooms: the current room instances.
-        graph: the current estimate and the embeddings.
-        config: how many to propose, and how old they have to be.
-
-    The closest room is sought by the graph's current estimate, which is the odometry since the last optimisation, and among
-    rooms with an old enough keyframe: the room that the robot has just entered may for now be a cluster of its own, too
-    recent to close a loop with, and would hide the older one behind it.
+        graph: the current poses and embeddings.
+        config: how many keyframes to propose, and how old they must be.
     """
     stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
     old = old_enough(query.id, stamps, graph.path_m, config)
@@ -45,16 +48,16 @@ def propose(
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Mark the keyframes that lie at least `min_gap_s` and `min_gap_m` of odometry path before the query.
+    """Whether each keyframe lies at least `min_gap_s` and `min_gap_m` of odometry path before the query.
 
-    Only these may be proposed.
+    More recent keyframes are not proposed, because odometry already constrains them well.
 
     Args:
         query: id of a keyframe.
-        stamps: of all keyframes [s].
-        path_m: odometry path from the first keyframe to each [m].
+        stamps: stamps of all keyframes [s].
+        path_m: odometry path from the first keyframe to each keyframe [m].
         config: the two gaps.
     """
     seconds, metres = stamps[query] - stamps, path_m[query] - path_m
-    # Stamps of recordings are rounded, and a gap at the limit must not depend on how.
+    # Recorded stamps are rounded, and the decision on a gap at the limit must not depend on that.
     return np.asarray(reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0))

@@ -1,4 +1,9 @@
-"""Paths from room to room over the graph (paper, Sec. IV, planning application)."""
+"""Paths between rooms over the pose graph (paper, Sec. IV, planning application).
+
+1. Choose the keyframe of each room where a path may begin or end (`innermost`), well away from the room's boundary.
+2. Connect keyframes that a robot can travel between (`adjacency`): consecutive ones, ones of the same room, and loops.
+3. Find the shortest path over this graph by Dijkstra's algorithm (`plan`).
+"""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -17,34 +22,34 @@ from lexis.maths.ties import settled
 from lexis.types import LexisMap, RoomInstance
 
 MAX_STEP_M = 3.0
-"""Consecutive keyframes farther apart than this are a break in the record: nobody saw what lies between [m]."""
+"""Largest distance between consecutive keyframes that are connected; a larger one is a gap in the recording [m]."""
 MIN_LOOP_WEIGHT = 0.5
-"""Loop edges that the robust kernel trusts less join nothing."""
+"""Smallest weight, by the robust kernel, of a loop edge that connects keyframes."""
 DOUBTFUL = 0.55
-"""A room is doubtful whose evidence is less than this share of that of the clearest room of its label."""
+"""A room is doubtful if its evidence is less than this share of the evidence of the clearest room of its label."""
 GRID_M = 2.0**-20
-"""Lengths are multiples of this power of two, about a micrometre, so that their sums are exact and equal ways tie [m]."""
+"""Unit of path lengths [m]: a power of two, about a micrometre, so that sums are exact and equally long paths tie."""
 LOOK_AHEAD_M = 1.5
-"""An image tells of the place that is this far ahead of its camera, rather than of where the camera stands [m]."""
+"""Distance from a camera to the place that its image shows [m]; the image describes that place, not the camera's own."""
 REACH_M = 2.0
-"""An image counts for places up to this far from the one that it tells of, the farther the less [m]; it must exceed
-`LOOK_AHEAD_M`, so that at least its own image counts for every keyframe."""
+"""Largest distance between a place and a place shown by an image that counts as evidence for it [m]. It must exceed
+`LOOK_AHEAD_M`, so that at least its own image counts for the position of every keyframe."""
 WEAK = 0.4
-"""Where a room has less than this share of its greatest evidence, it is taken to end."""
+"""A room is taken to end where its evidence falls below this share of its maximum."""
 MARGIN_M = 1.5
-"""A path's end gains by its distance from where the room ends up to this one, which covers the errors of a robot [m]."""
+"""Distance from the room's boundary beyond which the end of a path is no better [m]; it covers the errors of a robot."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A path over the graph."""
+    """A path over the pose graph."""
 
     start: RoomInstance
     goal: RoomInstance
     keyframes: tuple[int, ...]
-    """Ids from start to goal, both included. The outer ones may be keyframes of neighbouring rooms; see `innermost`."""
+    """Ids from start to goal. The first and the last may be keyframes of neighbouring rooms; see `innermost`."""
     length_m: float
-    """Sum of the straight lines between them [m]."""
+    """Sum of the straight-line distances between consecutive keyframes of the path [m]."""
 
 
 class Inside(NamedTuple):
@@ -53,34 +58,37 @@ class Inside(NamedTuple):
     room: RoomInstance
     keyframe: int
     evidence: float
-    """How much more the images that look at the keyframe's place resemble the room than any other."""
+    """Similarity to the room minus the largest similarity to another room name, for the images of the keyframe's place."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
     """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
-    A label stands for all its instances; of these, the two that are nearest to each other by the length of the way are
-    chosen. Doubtful instances stand for their label only where it has no other: most are a few misread keyframes in a room
-    of another label. In a room the path begins or ends well inside (`innermost`).
+    A label stands for all its instances, and the path connects the start and goal that are the shortest path apart. Doubtful
+    instances are ignored unless the label has no other: most of them are a few mislabelled keyframes in a room of another
+    label. The path begins and ends well inside the rooms (`innermost`).
 
     Raises:
-        PlanError: there is no such room in the map, or no way between the two.
+        PlanError: there is no such room in the map, or no path between the two.
     """
     starts, goals = _ends(map, start), _ends(map, goal)
     graph = adjacency(map, config or PlannerConfig())
     lengths = dijkstra(graph, indices=[end.keyframe for end in starts])[:, [end.keyframe for end in goals]]
     s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))
     if not np.isfinite(lengths[s, g]):
-        raise PlanError(f"no way from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
+        raise PlanError(f"no path from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
     keyframes = _path(graph, starts[s].keyframe, goals[g].keyframe)
     return Plan(starts[s].room, goals[g].room, keyframes, float(lengths[s, g]))
 
 
 def innermost(map: LexisMap, room: RoomInstance) -> Inside:
-    """Where a path to a room ends: in the midst of where images tell the room clearly; at the first of equal keyframes.
+    """The keyframe where a path to a room ends: one with clear evidence of the room, far from the room's boundary.
 
-    It need not be one of the room's own keyframes, since a small room may be recognised from in front of it alone: those
-    that stand where the room's images look count as well.
+    1. Take as candidates the room's own keyframes and those at the places that the room's images show. The latter are needed
+       because a small room may only be recognised by keyframes in front of it.
+    2. Compute the evidence at each candidate: how much the images of its place resemble this room more than any other.
+    3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal ones, the
+       first. If no candidate has positive evidence, choose the one with the most.
     """
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)
@@ -90,27 +98,28 @@ def innermost(map: LexisMap, room: RoomInstance) -> Inside:
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
-    """Lengths [m] of the ways between keyframes that a robot may take.
+    """Lengths of the direct connections between keyframes that a robot can travel [m].
 
-    These are the paper's: consecutive keyframes, and keyframes of one room; and trusted loop edges. Where nobody walked, a
-    way is no longer than `shortcut_m`, lest it cut through furniture or a wall.
+    As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, those of trusted loop
+    edges are. A connection that the robot did not travel itself is at most `shortcut_m` long, because a longer one could
+    lead through furniture or a wall.
     """
     positions = map.T_W_B[:, :3, 3]
     walked = np.stack([np.arange(len(positions) - 1), np.arange(1, len(positions))], axis=1)
-    ways = np.concatenate([
-        _no_longer(walked, positions, MAX_STEP_M),
-        _no_longer(_trusted_loops(map), positions, config.shortcut_m),
+    connections = np.concatenate([
+        _pairs_within(walked, positions, MAX_STEP_M),
+        _pairs_within(_trusted_loops(map), positions, config.shortcut_m),
         _within_rooms(map, positions, config.shortcut_m),
     ])  # fmt: skip
-    ways = np.unique(np.sort(ways, axis=1), axis=0)
-    # At least one step of the grid, since a sparse graph takes a zero for no way at all.
-    lengths = GRID_M * np.maximum(np.rint(_lengths(ways, positions) / GRID_M), 1.0)
-    both = np.concatenate([ways, ways[:, ::-1]])
+    connections = np.unique(np.sort(connections, axis=1), axis=0)
+    # At least one unit, because a sparse graph takes a zero for no connection.
+    lengths = GRID_M * np.maximum(np.rint(_lengths(connections, positions) / GRID_M), 1.0)
+    both = np.concatenate([connections, connections[:, ::-1]])
     return csr_array((np.tile(lengths, 2), (both[:, 0], both[:, 1])), shape=(len(positions), len(positions)))
 
 
 def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
-    """Keyframes of a shortest way; of several that are equally short, the same one there and back."""
+    """Keyframes of a shortest path; among equally short ones, the choice is the same in both directions."""
     first, last = sorted((start, goal))
     before = dijkstra(graph, indices=[first], return_predecessors=True)[1][0]
     path = [last]
@@ -120,7 +129,7 @@ def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
 
 
 def _ends(map: LexisMap, name: str) -> list[Inside]:
-    """Where a path to or from the rooms of that name may end. Raises PlanError for an unknown one."""
+    """The ends of paths in the rooms of that name, without doubtful rooms. Raises PlanError for an unknown name."""
     ends = [innermost(map, room) for room in find_rooms(map.rooms, name)]
     if not ends:
         raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
@@ -139,7 +148,7 @@ def _trusted_loops(map: LexisMap) -> Int[np.ndarray, "m 2"]:
     return np.asarray(pairs[map.loop_weights >= MIN_LOOP_WEIGHT])
 
 
-def _no_longer(
+def _pairs_within(
     pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"], metres: float
 ) -> Int[np.ndarray, "k 2"]:
     return np.asarray(pairs[_lengths(pairs, positions) <= metres])
@@ -150,20 +159,21 @@ def _lengths(pairs: Int[np.ndarray, "m 2"], positions: Float64[np.ndarray, "n 3"
 
 
 def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
-    """Ids of a room's keyframes, and of those that stand where its images look; ascending.
+    """Ids of a room's keyframes, and of those at the places that its images show; ascending.
 
-    Keyframes of other rooms of its label are left out: evidence does not tell rooms of one label apart.
+    Keyframes of other rooms with its label are left out, because evidence cannot tell rooms of one label apart.
     """
     own = list(room.keyframes)
-    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_looked_at(map)[own], REACH_M)
+    near = cKDTree(map.T_W_B[:, :3, 3]).query_ball_point(_shown_places(map)[own], REACH_M)
     twins = [k for other in map.rooms if other.label == room.label and other.id != room.id for k in other.keyframes]
     return np.setdiff1d(np.concatenate([own, *near]).astype(int), twins)
 
 
 def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:
-    """Distances of some keyframes from the nearest one with evidence below `weak`, or on stairs; at most `MARGIN_M` [m].
+    """Distances of keyframes from the boundary of the room, at most `MARGIN_M` [m].
 
-    Keyframes on stairs are told by the climb, not by their images, which show the rooms at either end.
+    The boundary is the nearest keyframe with evidence below `weak`, or on stairs. Stairs are known by their height change,
+    because the images taken on them show the rooms at either end.
     """
     positions = map.T_W_B[:, :3, 3]
     near = cKDTree(positions).query_ball_point(positions[keyframes], MARGIN_M)
@@ -176,34 +186,37 @@ def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"],
 
 
 def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
-    """How much more the places of some keyframes look like a room than like any other, settled: less towards its edge."""
-    resemblance = _resemblance(map, map.T_W_B[keyframes, :3, 3])
-    label = map.room_names.index(room.label)
-    others = np.delete(resemblance, label, axis=1).max(axis=1, initial=-1.0)
-    return settled(resemblance[:, label] - others)
+    """Rounded evidence that keyframes stand in a room; it decreases towards the room's boundary.
 
-
-def _resemblance(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
-    """Similarity of places with every room prompt: the mean over the images that look there.
-
-    Beyond the paper, which has an image tell of the place where it was taken. That is misleading where rooms are open to one
-    another: in front of an open boundary the whole image shows the next room.
+    Evidence is the similarity of the keyframe's place to the room, minus the largest similarity to another room name.
     """
-    looked_at = _looked_at(map)
-    seen_by = cKDTree(looked_at).query_ball_point(places, REACH_M, return_sorted=True)
+    similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
+    label = map.room_names.index(room.label)
+    others = np.delete(similarities, label, axis=1).max(axis=1, initial=-1.0)
+    return settled(similarities[:, label] - others)
+
+
+def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:
+    """Similarity of places to every room prompt: the weighted mean over the images that show the place.
+
+    In the paper, an image describes the place where it was taken. This is misleading where rooms are open to one another:
+    in front of an open boundary, the whole image shows the next room.
+    """
+    shown = _shown_places(map)
+    near_images = cKDTree(shown).query_ball_point(places, REACH_M, return_sorted=True)
     return np.array([
-        np.average(map.similarities[near], axis=0, weights=_nearness(looked_at[near] - place))
-        for place, near in zip(places, seen_by, strict=True)
+        np.average(map.similarities[near], axis=0, weights=_distance_weights(shown[near] - place))
+        for place, near in zip(places, near_images, strict=True)
     ])  # fmt: skip
 
 
-def _looked_at(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
-    """The place that every keyframe's image tells of, as high as the keyframe, in W [m]."""
+def _shown_places(map: LexisMap) -> Float64[np.ndarray, "n 3"]:
+    """The place that every keyframe's image shows: ahead of the camera, at the height of the keyframe, in W [m]."""
     places = map.T_W_B[:, :3, 3].copy()
     places[:, :2] += LOOK_AHEAD_M * (map.T_W_B[:, :3, :3] @ map.camera.T_B_C[:3, 2])[:, :2]
     return places
 
 
-def _nearness(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
-    """From 1 at a place to 0 at `REACH_M` from it and farther away."""
+def _distance_weights(offsets: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k"]:
+    """Weights of images by the distance of the place they show: 1 at distance 0, and 0 from `REACH_M` on."""
     return np.asarray(np.maximum(1.0 - (offsets**2).sum(axis=1) / REACH_M**2, 0.0) ** 2)

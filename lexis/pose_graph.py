@@ -1,4 +1,4 @@
-"""The pose graph as it grows: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
+"""The growing pose graph: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
 
 from collections.abc import Sequence
 
@@ -12,10 +12,10 @@ from lexis.types import Keyframe, LoopEdge, Pose, Poses
 
 
 class PoseGraph:
-    """Keyframes, loops and the current estimate as the graph grows. W is where the first keyframe keeps its T_O_B."""
+    """Keyframes, loop edges and the current pose estimate. Frame W is chosen so that the first T_W_B equals its T_O_B."""
 
     def __init__(self, config: PoseGraphConfig) -> None:
-        """Start empty."""
+        """Create an empty graph."""
         self._config = config
         self._poses: list[Pose] = []
         self._path_m: list[float] = []
@@ -26,7 +26,7 @@ class PoseGraph:
 
     @property
     def T_W_B(self) -> Poses:
-        """The current estimate: optimised where that has happened, odometry from there on."""
+        """The current estimate: optimised poses, continued by odometry since the last optimisation."""
         return np.stack(self._poses)
 
     @property
@@ -36,7 +36,7 @@ class PoseGraph:
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
-        """Odometry path from the first keyframe to each [m]."""
+        """Odometry path from the first keyframe to each keyframe [m]."""
         return np.array(self._path_m)
 
     @property
@@ -45,7 +45,7 @@ class PoseGraph:
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
-        """Append a keyframe, placed by odometry from the one before."""
+        """Append a keyframe at the pose that odometry predicts from the previous one."""
         if not self.keyframes:
             self._poses, self._path_m = [keyframe.T_O_B], [0.0]
         else:
@@ -55,12 +55,15 @@ class PoseGraph:
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
-        """Append verified edges; they act at the next optimisation."""
+        """Append verified loop edges; they take effect at the next optimisation."""
         self.loops.extend(loops)
         self._unused_loops |= bool(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
-        """Optimise if there are new loops and `every` keyframes have passed, or at the end. Whether it did."""
+        """Optimise if there are new loops and `every` keyframes have passed since the last time; return whether it did.
+
+        With `final`, new loops alone suffice.
+        """
         waited = len(self.keyframes) - self._last_optimised >= self._config.every
         if not self._unused_loops or not (waited or final):
             return False

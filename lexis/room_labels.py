@@ -1,8 +1,13 @@
-"""Room labels of keyframes: image against prompts, votes of neighbours, stairs by height (paper, Sec. III-B).
+"""Room labels of keyframes (paper, Sec. III-B).
 
-As in the paper, one pass of votes is run every K new keyframes (and when the graph has been optimised). Unlike the paper's
-it starts from the images' labels each time, not from those of the pass before: labels are a function of the graph as it
-now stands, and no mistake outlives its cause.
+1. Give every keyframe the label of the room prompt that its image resembles most.
+2. Label keyframes on stairs by their height change, because the camera may not see the stairs.
+3. Replace the label of every other keyframe by the most common label among its nearest neighbours, because single images are
+   ambiguous near doors and in front of bare walls.
+
+As in the paper, one pass of label propagation is run every K new keyframes; here it is also run after every optimisation.
+Unlike in the paper, each pass starts from the labels of the images and not from the labels of the previous pass. Labels are
+thus a function of the current graph, and a wrong label disappears as soon as its cause does.
 """
 
 from dataclasses import dataclass
@@ -24,37 +29,37 @@ class RoomLabels:
     """One index into the room names for every keyframe."""
 
     baseline: Labels
-    """The most similar prompt."""
+    """The prompt that is most similar to the image."""
     refined: Labels
-    """After the votes of neighbours, and stairs by height."""
+    """Labels after propagation between neighbours and detection of stairs by height."""
 
 
 def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "rooms d"]) -> Similarities:
-    """Cosine similarity S_c of every image encoding with every text encoding (Eq. 1), in double precision."""
+    """Cosine similarity S_c between every image embedding and every text embedding (Eq. 1), in double precision."""
     images, prompts = embeddings.astype(np.float64), text.astype(np.float64)
     norms = np.linalg.norm(images, axis=1)[:, None] * np.linalg.norm(prompts, axis=1)
     return np.asarray(images @ prompts.T / norms)
 
 
 def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
-    """Index of the prompt that one image resembles most: its label before refinement."""
+    """Index of the prompt that an image resembles most, which is its label before refinement."""
     return int(settled(similarities(embedding[None], text)).argmax())
 
 
 def label_keyframes(
     similarities: Similarities, positions: Positions, room_names: tuple[str, ...], config: LabelConfig
 ) -> RoomLabels:
-    """Label all keyframes, as a function of their images and where they are now.
+    """Label all keyframes from their images and their current positions.
 
-    Where the vocabulary names the stairs, climbing decides on them alone: a keyframe on a climb is on stairs whatever it
-    sees, as in the paper; and, beyond the paper, one that only looks at stairs takes its next best prompt. Keyframes on
-    stairs neither vote nor are voted on.
+    If the vocabulary contains the stairs, only height change decides which keyframes get that label. As in the paper, a
+    keyframe on a climb is labelled as stairs whatever its image shows. Beyond the paper, a keyframe that sees stairs without
+    climbing takes its next best prompt. Keyframes on stairs take no part in label propagation.
 
     Args:
-        similarities: of every keyframe with every room prompt, in the order of the keyframes.
-        positions: of the keyframes in W, consecutive ones neighbours on the path [m].
+        similarities: cosine similarities, rows in the order of the keyframes.
+        positions: positions of the keyframes in W, in the order of the path [m].
         room_names: the vocabulary.
-        config: whether to refine, C, and what counts as a climb.
+        config: whether to refine, the number of neighbours C, and the thresholds of a climb.
     """
     similarities = settled(similarities)
     baseline = similarities.argmax(axis=1)
@@ -67,23 +72,23 @@ def label_keyframes(
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf
     refined = np.full(len(positions), stairs)
-    images_say = rooms_only[level].argmax(axis=1)
-    refined[level] = propagate(images_say, rooms_only[level], positions[level], config.neighbours)
+    image_labels = rooms_only[level].argmax(axis=1)
+    refined[level] = propagate(image_labels, rooms_only[level], positions[level], config.neighbours)
     return RoomLabels(baseline, refined)
 
 
 def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:
-    """One forward pass of label propagation: every node takes the most common label of its C nearest neighbours.
+    """Run one pass of label propagation: every node takes the most common label of its C nearest neighbours.
 
-    All nodes vote with the labels they had before the pass, so their order does not matter. Of equally common labels, of
-    which the paper says nothing, a node keeps its own; otherwise it takes the one that its neighbours' images resemble most
-    in sum.
+    All nodes vote with their labels from before the pass, so that their order does not matter. The paper does not say how
+    to break ties. Here, a node keeps its own label if that is among the most common ones; otherwise it takes the tied label
+    with the largest sum of similarities over its neighbours' images.
 
     Args:
-        labels: before the pass.
-        similarities: of every node with every room prompt.
-        positions: in W [m].
-        neighbours: C; fewer vote where there are no more nodes.
+        labels: labels before the pass.
+        similarities: cosine similarities of the nodes with the room prompts.
+        positions: positions of the nodes in W [m].
+        neighbours: C; if there are fewer other nodes, all of them vote.
     """
     if len(labels) < 2:
         return labels.copy()

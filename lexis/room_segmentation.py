@@ -1,4 +1,4 @@
-"""Room instances and floors: clusters of labelled keyframes (paper, Sec. III-C)."""
+"""Room instances and floors, found by clustering labelled keyframes (paper, Sec. III-C)."""
 
 from dataclasses import dataclass, field
 
@@ -19,12 +19,12 @@ PerKeyframe = Int[np.ndarray, "n"]
 
 @dataclass(frozen=True, eq=False)
 class Segmentation:
-    """The keyframes as rooms and floors."""
+    """The partition of the keyframes into rooms and floors."""
 
     rooms: tuple[RoomInstance, ...]
     """Ordered by their first keyframe; `rooms[i].id == i`."""
     floors: PerKeyframe
-    """0 is the lowest; -1 on stairs."""
+    """Number of the floor, 0 for the lowest; -1 on stairs."""
 
 
 def segment(
@@ -32,37 +32,40 @@ def segment(
 ) -> Segmentation:
     """Group labelled keyframes into room instances and floors.
 
-    Keyframes join, in order, the nearest cluster of their label and floor whose running mean is within `distance_m`, or
-    start one. Clusters of one label then become one room where keyframes of both follow one another on the walk, or are
-    near with no other room in between. Beyond the paper, no room spans floors; a staircase is one room over all floors that
-    it joins.
+    1. Find the floors: the stairs divide the walk into level stretches.
+    2. Cluster the keyframes in order: each joins the nearest cluster of its label and floor whose running mean is within
+       `distance_m`, or starts a new cluster.
+    3. Merge clusters of one label and floor, because a large room has several clusters. Two clusters merge if they contain
+       consecutive keyframes, or keyframes within `adjacency_m` of each other with no other room in between.
+
+    Beyond the paper, no room spans several floors; only a staircase is one room over all floors that it joins.
 
     Args:
         labels: index of every keyframe into `room_names`.
-        positions: of the keyframes in W, in the order of the walk [m].
+        positions: positions of the keyframes in W, in the order of the walk [m].
         room_names: the vocabulary.
-        config: distances, and the name that separates floors.
+        config: the two distances, and the name of the stairs.
     """
     stairs = np.array([name == config.stairs_name for name in room_names])[labels]
     floors = floor_levels(stairs, positions[:, 2])
     kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)
-    # The flights of a staircase lie above one another: seen from above they are one place.
-    from_above = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
-    clusters = _cluster(kinds, from_above, config.distance_m)
+    # The flights of a staircase lie above one another: without their heights they form one cluster.
+    stairs_flattened = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
+    clusters = _cluster(kinds, stairs_flattened, config.distance_m)
     instance_of = _by_first_appearance(_merge(clusters, kinds, positions, config.adjacency_m))
     return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors)
 
 
 @dataclass
 class _Clusters:
-    """Clusters of one kind, growing: running means and counts."""
+    """The clusters found so far for one pair of label and floor: running means and counts."""
 
     ids: list[int] = field(default_factory=list)
     means: list[Float64[np.ndarray, "3"]] = field(default_factory=list)
     counts: list[int] = field(default_factory=list)
 
     def join(self, position: Float64[np.ndarray, "3"], distance_m: float, new_id: int) -> int:
-        """Add a keyframe to the nearest cluster within reach, or start one under `new_id`; return the cluster's id."""
+        """Add a keyframe to the nearest cluster within `distance_m`, or start cluster `new_id`; return the cluster's id."""
         distances = settled(np.linalg.norm(np.array(self.means).reshape(-1, 3) - position, axis=1))
         nearest = int(distances.argmin()) if len(distances) else -1
         if nearest < 0 or distances[nearest] > distance_m:
@@ -76,7 +79,7 @@ class _Clusters:
 
 
 def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> PerKeyframe:
-    """The cluster of every keyframe, in one pass over the walk."""
+    """Id of the cluster of every keyframe, found in one pass over the walk."""
     growing: dict[int, _Clusters] = {}
     clusters = np.empty(len(kinds), int)
     for i, (kind, position) in enumerate(zip(kinds.tolist(), positions, strict=True)):
@@ -85,28 +88,28 @@ def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> Per
 
 
 def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> PerKeyframe:
-    """Join clusters of one kind with nothing between them; returns components' ids."""
+    """Merge adjacent clusters of one kind (label and floor); return the id of the merged cluster of every keyframe."""
     n = len(clusters)
     if n == 0:
         return clusters
-    walked = _walked(n)
-    walked = walked[kinds[walked[:, 0]] == kinds[walked[:, 1]]]
-    pairs = np.concatenate([walked, _close(clusters, kinds, positions, adjacency_m)])
+    consecutive = _consecutive(n)
+    consecutive = consecutive[kinds[consecutive[:, 0]] == kinds[consecutive[:, 1]]]
+    pairs = np.concatenate([consecutive, _adjacent(clusters, kinds, positions, adjacency_m)])
     own = np.stack([np.arange(n), clusters], axis=1)
     rows, columns = np.concatenate([pairs, own]).T
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
     return np.asarray(connected_components(graph, directed=False)[1])
 
 
-def _walked(n: int) -> Int[np.ndarray, "m 2"]:
-    """Consecutive keyframes: the robot went from one to the other."""
+def _consecutive(n: int) -> Int[np.ndarray, "m 2"]:
+    """Pairs of consecutive keyframes; no room lies between them, because the robot went from one to the other."""
     return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
-def _close(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
-    """Pairs of one kind, of two clusters, within `adjacency_m` and with no other kind of keyframe between them.
+def _adjacent(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> Int[np.ndarray, "m 2"]:
+    """Pairs of keyframes of one kind but two clusters, within `adjacency_m` and with no keyframe of another kind between.
 
-    Between them is the ball that has the two as a diameter.
+    A keyframe lies between two others if it is inside the ball that has the two as a diameter.
     """
     tree = cKDTree(positions)
     pairs = tree.query_pairs(adjacency_m, output_type="ndarray")
@@ -120,7 +123,7 @@ def _close(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adja
 
 
 def _by_first_appearance(ids: PerKeyframe) -> PerKeyframe:
-    """The same partition numbered from 0 in the order of first members."""
+    """The same partition, with ids from 0 in the order of their first members."""
     _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     return np.asarray(np.argsort(np.argsort(first))[inverse])
 

@@ -1,4 +1,7 @@
-"""Labels, rooms and floors as one function of the current graph: derived from it, never patched into it."""
+"""Labels, rooms and floors as a function of the current graph.
+
+They are recomputed from scratch each time instead of being updated, so that they always agree with the current poses.
+"""
 
 from dataclasses import dataclass
 
@@ -13,7 +16,7 @@ from lexis.types import Poses, RoomInstance
 
 @dataclass(frozen=True, eq=False)
 class Semantics:
-    """What the keyframes mean. Arrays are indexed by keyframe id, as in `LexisMap`."""
+    """Labels, rooms and floors of all keyframes. Arrays are indexed by keyframe id, as in `LexisMap`."""
 
     similarities: Float64[np.ndarray, "n rooms"]
     baseline_labels: Int[np.ndarray, "n"]
@@ -32,11 +35,11 @@ def derive(
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
     Args:
-        embeddings: f_CLIP of every keyframe, of unit norm.
+        embeddings: f_CLIP of every keyframe, unit norm.
         T_W_B: current poses.
-        text: f_TEXT of every room name, of unit norm.
+        text: f_TEXT of every room name, unit norm.
         room_names: the vocabulary.
-        config: of labels and segmentation.
+        config: its settings of labels and segmentation are used.
     """
     positions = T_W_B[:, :3, 3]
     cosines = similarities(embeddings, text)

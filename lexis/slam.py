@@ -1,7 +1,19 @@
-"""LEXIS from observations to a map, its stages in the paper's order. Start reading here.
+"""The LEXIS pipeline, from observations to a map. Start reading here.
 
-select keyframe → encode + extract features → add to graph → label → refine → cluster rooms and floors
-→ propose loop candidates in the room → verify by PnP → add edges → optimise → relabel
+Every observation passes through these stages (with the sections of the paper):
+
+1. Select keyframes (`lexis.keyframes`, III-A). Equal spacing makes the graph grow with the path and not with time.
+2. Encode the image and extract local features (`lexis.perception`, III-A). The embedding is used to find the room label and
+   loop candidates, the features to verify loops.
+3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
+4. Add the keyframe to the pose graph (`lexis.pose_graph`, III-A), at the pose that odometry predicts.
+5. Propose loop candidates in the room that the image shows (`lexis.place_recognition`, III-D). Searching one room instead of
+   the whole map saves time and avoids look-alikes elsewhere.
+6. Verify the candidates by PnP and add the confirmed loops as edges (`lexis.verification`, III-D), because two images of
+   one room need not show the same place.
+7. Optimise the graph when loops have been added (`lexis.graph_optimisation`, Eq. 2), which removes odometry drift.
+8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
+   This happens every K keyframes and after every optimisation, because the result depends on the poses of all keyframes.
 """
 
 from collections.abc import Sequence
@@ -24,7 +36,7 @@ from lexis.verification import Verifier, verify
 
 
 class Slam:
-    """Takes observations in order, gives the map.
+    """Builds a map from a sequence of observations.
 
     Example::
 
@@ -42,7 +54,7 @@ class Slam:
         config: Config | None = None,
         verifier: Verifier = verify,
     ) -> None:
-        """Set up all stages and encode the room prompts; `verifier` decides which loop candidates are closed.
+        """Set up all stages and encode the room prompts; `verifier` decides which loop candidates become edges.
 
         Raises:
             LexisError: the camera or the room names are unusable.
@@ -65,12 +77,12 @@ class Slam:
         self._timed = StageTimer()
 
     def process(self, observation: Observation) -> None:
-        """Take the next observation; a keyframe enters the graph once the frames after it have arrived.
+        """Process the next observation; a keyframe enters the graph once the frames after it have arrived.
 
-        The caller may write the next observation into the same arrays: none of them is read after this returns.
+        The caller may reuse the observation's arrays for the next one: none of them is read after this method returns.
 
         Raises:
-            ObservationError: it does not fit the camera or the sequence.
+            ObservationError: the observation does not fit the camera or the sequence.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
         observation = with_own_poses(observation)
@@ -88,7 +100,7 @@ class Slam:
             self._add(keyframe)
 
     def finish(self) -> LexisMap:
-        """The map of all observations; call it when there are no more, for the last keyframes stop waiting for frames.
+        """Complete the last keyframes without the frames they were waiting for, and return the map of all observations.
 
         Raises:
             LexisError: there was no observation.
@@ -100,23 +112,26 @@ class Slam:
         if not self._graph.keyframes:
             raise LexisError("no observation was processed; valid: at least one before finish()")
         self._optimise(final=True)
-        return self._map(self._understand())
+        return self._map(self._derive_semantics())
 
     def _add(self, keyframe: Keyframe) -> None:
-        """Loops are sought in the rooms as last derived, which happens every K keyframes and at every optimisation."""
+        """Add a keyframe to the graph, close its loops, and update the rooms if they are due.
+
+        Loops are searched in the rooms as last derived, at most K keyframes ago, because deriving them labels all keyframes.
+        """
         self._graph.add_keyframe(keyframe)
         self._close_loops(keyframe)
         optimised = self._optimise()
         if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:
-            self._rooms = self._understand().rooms
+            self._rooms = self._derive_semantics().rooms
 
-    def _understand(self) -> Semantics:
-        """Label, refine, cluster rooms and floors, at the poses as they now are."""
+    def _derive_semantics(self) -> Semantics:
+        """Labels, rooms and floors of all keyframes at their current poses."""
         with self._timed("rooms"):
             return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config)
 
     def _close_loops(self, query: Keyframe) -> None:
-        """Propose candidates in the room that the image shows, verify them by PnP, add the edges."""
+        """Propose loop candidates in the room that the image shows, verify them by PnP, and add the loop edges."""
         with self._timed("propose"):
             label = self._room_names[image_label(query.embedding, self._text)]
             candidates = propose(query, label, self._rooms, self._graph, self._config.place_recognition)

@@ -1,4 +1,4 @@
-"""Stairs by height change, whether or not the camera sees them (paper, Sec. III-B)."""
+"""Detection of stairs by height change, whether or not the camera sees them (paper, Sec. III-B)."""
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -9,19 +9,20 @@ from lexis.maths.stretches import Stretch, stretches_of
 LANDING_M = 2.5
 """Longest path between the first and the last keyframe on a half landing between two flights [m]."""
 FLOOR_PATH_M = 4.0
-"""A level stretch at least this long lies on a floor, not on a landing [m]."""
+"""Shortest path of a level stretch that is certainly a floor and not a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
-"""How far the height of a landing may be from a floor's before it is held to be a landing [m]."""
+"""Smallest height difference between a half landing and every floor [m]."""
 
 PerKeyframe = Float64[np.ndarray, "n"]
 
 
 def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Bool[np.ndarray, "n"]:
-    """Which keyframes stand on stairs, half landings between two flights included.
+    """Whether each keyframe stands on stairs, including half landings between two flights.
 
-    A keyframe climbs if the height changes by `stairs_min_height_m` over `stairs_window_m` of path centred on it; drift of
-    the odometry is an order of magnitude less. At the foot and the top of a flight half the window climbs, so that with the
-    defaults (2 m at 30-37 degrees) the border falls on the first and last step.
+    A keyframe climbs if the height changes by at least `stairs_min_height_m` over `stairs_window_m` of path centred on it.
+    Odometry drift over that path is an order of magnitude smaller. At the foot and the top of a flight, half of the window
+    covers the flight. With the defaults (2 m, stairs of 30-37 degrees), the detected stairs therefore begin at the first
+    step and end at the last.
     """
     if len(positions) < 2:
         return np.zeros(len(positions), bool)
@@ -37,7 +38,7 @@ def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Boo
 
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
-    """Short level stretches between two flights of one direction, at a height where no floor is."""
+    """Short level stretches between two flights in the same direction, at a height that differs from every floor's."""
     level = [run for run in stretches_of(climbs) if climbs[run.start] == 0]
     floors = [float(np.median(height[run.slice])) for run in level if path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M]
     joining = [run.slice for run in level if _joins_flights(run, climbs, path)]
@@ -50,6 +51,6 @@ def _joins_flights(run: Stretch, climbs: PerKeyframe, path: PerKeyframe) -> bool
 
 
 def _path(positions: Float64[np.ndarray, "n 3"]) -> PerKeyframe:
-    """Path walked up to every keyframe [m]; a hair longer at every step, so that interpolation stays defined at rest."""
+    """Path length up to every keyframe [m]; it always increases slightly, because interpolation needs distinct values."""
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])

@@ -1,4 +1,4 @@
-"""Wall time by stage: measured for the report, never used in a decision."""
+"""Wall time by stage; it is only reported, and no decision depends on it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,12 +9,12 @@ class StageTimer:
     """Sums the wall time spent in named blocks."""
 
     def __init__(self) -> None:
-        """Start with no stages."""
+        """Create a timer without stages."""
         self.seconds: dict[str, float] = {}
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        """Time a block, exceptions included."""
+        """Time a `with` block, also if it raises an exception."""
         start = perf_counter()
         try:
             yield

@@ -1,8 +1,8 @@
-"""The data that flows through LEXIS: frozen, with shapes, units and frames spelled out.
+"""The data types that the stages of LEXIS exchange: frozen dataclasses with shapes, units and frames.
 
 Frames: ``W`` world (z up), ``O`` odometry, ``B`` body (x forward, y left, z up), ``C`` camera (OpenCV: x right,
 y down, z forward). ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b @ p_b``. Covariances of poses are
-6x6, **rotation first** as in GTSAM, of a perturbation on the right: ``T = T_mean @ Exp(xi)``.
+6x6, **rotation first** as in GTSAM, for a perturbation on the right: ``T = T_mean @ Exp(xi)``.
 """
 
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ Covariance = Float64[np.ndarray, "6 6"]
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """A pinhole without distortion; the centre of the top-left pixel is (0, 0). All in [px]."""
+    """Intrinsics of a pinhole camera without distortion [px]; the centre of the top-left pixel is (0, 0)."""
 
     width: int
     height: int
@@ -35,7 +35,7 @@ class Intrinsics:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """Intrinsics and the camera's place on the body, ``T_B_C``."""
+    """A camera: its intrinsics and its pose on the body, ``T_B_C``."""
 
     intrinsics: Intrinsics
     T_B_C: Pose
@@ -43,36 +43,36 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """AKAZE key points of one image."""
+    """AKAZE key points and descriptors of one image."""
 
     keypoints: Float32[np.ndarray, "n 2"]
-    """[px], x right and y down."""
+    """Image coordinates, x right and y down [px]."""
     descriptors: UInt8[np.ndarray, "n bytes"]
 
 
 @dataclass(frozen=True, eq=False)
 class Percept:
-    """What was seen in an image where it was taken: by a camera that encodes on board, or by a simulated one."""
+    """An embedding and features sent in place of an image, by a camera that encodes on board or by a simulated camera."""
 
     embedding: Float32[np.ndarray, "d"]
-    """f_CLIP, unit norm, of the encoder that LEXIS reads room names with."""
+    """f_CLIP, unit norm, made by the encoder that also encodes the room names."""
     features: Features
-    """f_AKAZE; none is a valid answer."""
+    """f_AKAZE; may be empty."""
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """All that LEXIS is given at one instant: an image and an odometry estimate (paper, Sec. III)."""
+    """The input of LEXIS at one instant: an image and an odometry estimate (paper, Sec. III)."""
 
     index: int
     stamp: float
     """Time of the image [s]."""
     image: Image | Percept
-    """RGB; or, where nobody sends images, what was seen in it."""
+    """RGB image, or a percept where the image itself is not sent."""
     T_O_B: Pose
-    """The odometry's estimate of the body; it drifts."""
+    """Pose of the body as estimated by the odometry, which drifts."""
     increment_covariance: Covariance
-    """What the odometry believes of the error it made since the previous observation [rad², m²]."""
+    """Covariance, as stated by the odometry, of its motion estimate since the previous observation [rad², m²]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,23 +80,23 @@ class Landmarks:
     """Triangulated 3-D points of one keyframe."""
 
     points: Float64[np.ndarray, "m 3"]
-    """In the keyframe's body frame B [m]."""
+    """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """Row of the keyframe's features that each point was triangulated from."""
+    """For each point, the row in the keyframe's features that it was triangulated from."""
 
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
-    """A node of the graph: where odometry put it, what it saw, and the CLIP embedding of that."""
+    """A node of the pose graph: its odometry pose, the CLIP embedding and features of its image, and landmarks."""
 
     id: int
     """Position in the sequence of keyframes, from 0."""
     observation_index: int
     stamp: float
-    """[s]"""
+    """Time of the image [s]."""
     T_O_B: Pose
     step_covariance: Covariance
-    """Of the odometry since the previous keyframe [rad², m²]."""
+    """Covariance of the odometry since the previous keyframe [rad², m²]."""
     embedding: Float32[np.ndarray, "d"]
     """f_CLIP, unit norm."""
     features: Features
@@ -114,66 +114,67 @@ class LoopEdge:
     """Id of the earlier keyframe."""
     T_match_query: Pose
     covariance: Covariance
-    """[rad², m²]"""
+    """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
-    """Landmarks that agree with the pose."""
+    """Number of the query's key points that see a landmark where the pose predicts it."""
 
 
 @dataclass(frozen=True, eq=False)
 class RoomInstance:
-    """A cluster of keyframes that LEXIS holds to be one room, such as "office 2" (paper, Sec. III-C)."""
+    """A cluster of keyframes that represents one room, such as "office 2" (paper, Sec. III-C)."""
 
     id: int
     label: str
     keyframes: tuple[int, ...]
     """Ids, ascending."""
     mean: Float64[np.ndarray, "3"]
-    """Mean position in W [m]."""
+    """Mean position of the keyframes in W [m]."""
     floor: int | None
-    """0 is the lowest; None for stairs."""
+    """Number of the floor, 0 for the lowest; None for stairs."""
 
 
 @dataclass(frozen=True)
 class EncoderId:
-    """The model that made embeddings: only those of equal fingerprints can be compared."""
+    """The model that made the embeddings. Only embeddings of models with equal fingerprints can be compared."""
 
     name: str
-    """What to ask `load_encoder` for."""
+    """Argument with which `load_encoder` loads the model."""
     fingerprint: str
+    """Hash of the model's weights and preprocessing."""
 
 
 @dataclass(frozen=True, eq=False)
 class LexisMap:
-    """The output: a semantically segmented pose graph (paper, Fig. 2). Arrays are indexed by keyframe id."""
+    """The output of LEXIS: a semantically segmented pose graph (paper, Fig. 2). Arrays are indexed by keyframe id."""
 
     camera: Camera
     encoder: EncoderId
-    """Of the keyframes' embeddings."""
+    """The model that made the keyframes' embeddings."""
     room_names: tuple[str, ...]
-    """The vocabulary that labels index into."""
+    """The vocabulary; labels are indices into it."""
     keyframes: tuple[Keyframe, ...]
     T_W_B: Poses
     """Optimised poses."""
     similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every image with every room prompt (Eq. 1)."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Before refinement: the prompt with the largest similarity."""
+    """Labels before refinement: the prompt with the largest similarity."""
     labels: Int[np.ndarray, "n"]
-    """After refinement."""
+    """Labels after refinement."""
     floors: Int[np.ndarray, "n"]
-    """0 is the lowest; -1 on stairs."""
+    """Number of the floor, 0 for the lowest; -1 on stairs."""
     rooms: tuple[RoomInstance, ...]
     loops: tuple[LoopEdge, ...]
     loop_weights: Float64[np.ndarray, "loops"]
     """The robust kernel's final weight of every loop edge, in [0, 1]."""
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
-    """For every query keyframe, the keyframes proposed to verification, best first."""
+    """For every query keyframe, the keyframes proposed for verification, most similar first."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time by stage [s]."""
 
     @property
     def room_of(self) -> Int[np.ndarray, "n"]:
-        """Id of the room instance of every keyframe; -1 for one that is in none."""
+        """Id of the room instance of every keyframe; -1 for a keyframe that belongs to no room."""
         room_of = np.full(len(self.keyframes), -1)
         for room in self.rooms:
             room_of[list(room.keyframes)] = room.id

@@ -1,4 +1,15 @@
-"""Geometric verification of loop candidates by PnP against the candidate's landmarks (paper, Sec. III-D)."""
+"""Geometric verification of loop candidates by PnP (paper, Sec. III-D).
+
+For each candidate of a query keyframe:
+
+1. Match the query's key points to the landmarks of the candidate and of its neighbours on the path; one keyframe alone has
+   too few landmarks.
+2. Find the query's pose by PnP with LO-RANSAC, since many matches are wrong.
+3. Require enough inliers, spread over the image: a poster or another repeated object matches in one spot only.
+4. Estimate the covariance of the pose, and refuse a pose whose position the landmarks leave too uncertain.
+5. Refuse a loop too far from the current estimate, because odometry drifts only little per metre.
+6. Keep the loops with the most inliers, up to `max_edges` per query.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,43 +28,43 @@ from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 
 _GRID = 6
-"""Cells along each side of the image when the spread of inliers is measured."""
+"""Number of cells along each side of the image, for measuring the spread of inliers."""
 _RANSAC = {"min_iterations": 100, "max_iterations": 5000}
-"""Bounds the time spent on a hopeless candidate; 5000 draws still find a pose that one match in eight agrees with."""
+"""Bounds of the time spent on a hopeless candidate; 5000 samples still find a pose if one match in eight is right."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Correspondences:
-    """Key points of the query and the landmarks they may show; a key point may occur several times."""
+    """Matches between key points of the query and landmarks; a key point may occur several times."""
 
     feature_ids: Int[np.ndarray, "k"]
-    """Rows of the query's features."""
+    """Rows in the query's features."""
     points: Float64[np.ndarray, "k 3"]
-    """In the body frame of the candidate [m]."""
+    """Positions of the landmarks in the candidate's body frame [m]."""
 
 
 @runtime_checkable
 class Verifier(Protocol):
-    """Says which loop candidates geometry confirms: `verify`, or what takes its place."""
+    """The interface of loop verification: `verify`, or a replacement of it."""
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
     ) -> list[LoopEdge]:
-        """As `verify`."""
+        """Return the confirmed loop edges; arguments and result are those of `verify`."""
         ...
 
 
 def verify(
     query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
 ) -> list[LoopEdge]:
-    """Loop edges to the candidates that geometry confirms and the odometry allows, most inliers first.
+    """Return loop edges to the candidates that PnP confirms and the current estimate allows, most inliers first.
 
     Args:
         query: the new keyframe, already in the graph.
         candidates: ids of earlier keyframes.
-        graph: the keyframes, and the current estimate that refuses loops too far from it.
-        camera: of all keyframes.
-        config: what counts as confirmed, and how many edges to return at most.
+        graph: the keyframes and the current estimate of their poses.
+        camera: the camera of all keyframes.
+        config: thresholds, and the largest number of edges to return.
     """
     located = Locator(query, graph.keyframes, camera, config)
     edges = [located.from_match(match) for match in candidates]
@@ -61,7 +72,7 @@ def verify(
 
 
 def admitted(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """The edges of a query that the odometry allows, most inliers first, and no more than may be kept."""
+    """The edges of a query that agree with the current estimate, most inliers first, at most `max_edges` of them."""
     T_W_B, path_m = graph.T_W_B, graph.path_m
     plausible = [
         edge
@@ -74,7 +85,7 @@ def admitted(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationCo
 
 
 def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: VerificationConfig) -> bool:
-    """Whether the loop lies about where the estimate says; the longer the path since, the more that may be wrong."""
+    """Whether a loop is close to the current estimate; the tolerance grows with the path in between, as drift does."""
     distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])
     angle = rotation_angle(between(edge.T_match_query, estimated))
     near = distance <= config.gate_m + config.gate_share * path_m
@@ -82,7 +93,7 @@ def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: Verifi
 
 
 class Locator:
-    """PnP for the candidates of one query; remembers its matches, since neighbouring candidates share landmarks."""
+    """PnP for the candidates of one query; caches descriptor matches, because neighbouring candidates share landmarks."""
 
     def __init__(self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig) -> None:
         self._query = query
@@ -92,7 +103,10 @@ class Locator:
         self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
 
     def from_match(self, match: int) -> LoopEdge | None:
-        """The query's pose by the landmarks around a candidate, or None where too few agree or they leave it open."""
+        """The loop edge from PnP with the landmarks around a candidate.
+
+        None if too few landmarks agree, if they cover too little of the image, or if the position is too uncertain.
+        """
         seen = self._correspondences(match)
         if len(np.unique(seen.feature_ids)) < self._config.min_inliers:
             return None
@@ -111,9 +125,9 @@ class Locator:
         return LoopEdge(self._query.id, match, T_match_query, covariance, len(unique))
 
     def _correspondences(self, match: int) -> _Correspondences:
-        """Matches to the landmarks of the candidate and its neighbours, which odometry brings together.
+        """Matches to the landmarks of the candidate and its neighbours, brought into the candidate's frame by odometry.
 
-        Each keyframe is matched by itself: in a common pool, two sightings of one point would fail the ratio test.
+        Each keyframe is matched by itself: in a common pool, two landmarks of one point would fail the ratio test.
         """
         pool = range(max(match - self._config.pool, 0), min(match + self._config.pool + 1, self._query.id))
         ids, points = [], []
@@ -123,7 +137,7 @@ class Locator:
             pairs = self._match(keyframe)
             ids.append(pairs[:, 0])
             points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))
-        # RANSAC may end at another pose when the last digit of a point changes, and that digit depends on the processor.
+        # Rounded, because the last digits depend on the processor, and RANSAC may find another pose when they change.
         return _Correspondences(np.concatenate(ids), settled(np.concatenate(points)))
 
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
@@ -139,7 +153,7 @@ def _solve_pnp(
     intrinsics: Intrinsics,
     config: VerificationConfig,
 ) -> Pose:
-    """LO-RANSAC: the camera ``T_C_match`` that the most correspondences agree with."""
+    """The camera pose ``T_C_match`` that most correspondences agree with, by LO-RANSAC."""
     camera = {
         "model": "PINHOLE",
         "width": intrinsics.width,
@@ -156,7 +170,10 @@ def _solve_pnp(
 def _inliers(
     points_C: Float64[np.ndarray, "k 3"], pixels: Float64[np.ndarray, "k 2"], intrinsics: Intrinsics, limit_px: float
 ) -> Int[np.ndarray, "i"]:
-    """Correspondences that agree with the pose, scored afresh: a solver's own list may belong to another pose."""
+    """Rows of the correspondences that agree with the pose.
+
+    The solver's own inliers are not used, because they may belong to an earlier pose than the one it returns.
+    """
     in_front = points_C[:, 2] > 0
     safe = np.where(in_front[:, None], points_C, [0.0, 0.0, 1.0])
     errors = np.linalg.norm(project(safe, intrinsics) - pixels, axis=1)
@@ -164,15 +181,16 @@ def _inliers(
 
 
 def _occupied_cells(pixels: Float64[np.ndarray, "i 2"], intrinsics: Intrinsics) -> int:
-    """How many cells of the grid hold an inlier: a true pose explains more than one poster."""
+    """Number of cells of the image grid that hold an inlier."""
     cells = np.floor((pixels + 0.5) / [intrinsics.width, intrinsics.height] * _GRID)
     return len(np.unique(np.clip(cells, 0, _GRID - 1), axis=0))
 
 
 def _covariance(points_C: Float64[np.ndarray, "i 3"], camera: Camera, config: VerificationConfig) -> Covariance:
-    """Of ``T_match_query``: what the reprojections leave open, and a floor for the landmarks' common error."""
+    """Covariance of ``T_match_query``: that of the reprojections, plus a constant for the landmarks' common error."""
     points_B = transform(camera.T_B_C, points_C)
     rotation = camera.T_B_C[:3, :3].T
+    # Derivative of the points in C by a perturbation of T_match_query on the right, rotation first.
     by_pose = np.concatenate([rotation @ skew(points_B), np.broadcast_to(-rotation, (len(points_B), 3, 3))], axis=2)
     jacobian = (project_jacobian(points_C, camera.intrinsics) @ by_pose).reshape(-1, 6)
     information = jacobian.T @ jacobian / config.pixel_sigma**2

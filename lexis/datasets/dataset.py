@@ -1,7 +1,7 @@
-"""Recorded runs in three forms, known by what their folder holds: TUM RGB-D, EuRoC ASL, and ROS 2 bags.
+"""Recorded runs in three formats: TUM RGB-D, EuRoC ASL, and ROS 2 bags. The format is recognised by the folder's contents.
 
-`lexis.datasets.tum_rgbd`, `lexis.datasets.euroc` and `lexis.datasets.ros2` say which files and topics are read. Everything
-but the pixels is checked when a dataset is opened.
+`lexis.datasets.tum_rgbd`, `lexis.datasets.euroc` and `lexis.datasets.ros2` document which files and topics are read.
+Everything but the pixels is checked when a dataset is opened.
 """
 
 import os
@@ -24,17 +24,17 @@ from lexis.types import Camera, Observation, Poses
 __all__ = ["Dataset", "DatasetConfig", "assumed_covariances", "open_dataset", "write_dataset"]
 
 TURNING_M = 0.3
-"""Path that turning by one radian on the spot counts as [m/rad]."""
+"""Path length that a rotation by one radian counts as, when covariances are assumed [m/rad]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A recorded run; iterating reads one image at a time."""
+    """A recorded run. Iterating over it gives observations and reads one image at a time."""
 
     directory: Path
     recorded: Recorded = field(repr=False)
     T_O_B: Poses = field(repr=False)
-    """Odometry at the images' stamps."""
+    """Odometry poses at the stamps of the images."""
     increment_covariances: Float64[np.ndarray, "n 6 6"] = field(repr=False)
 
     @property
@@ -44,7 +44,7 @@ class Dataset:
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
-        """Of the images [s]."""
+        """Stamps of the images [s]."""
         return self.recorded.stamps
 
     def __len__(self) -> int:
@@ -56,7 +56,7 @@ class Dataset:
 
 
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
-    """Open a recorded run. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    """Open a recorded run. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     config = config or DatasetConfig()
     restore(directory)
     _check_contents(directory, config)
@@ -72,10 +72,10 @@ def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Datase
 
 
 def _check_contents(directory: Path, config: DatasetConfig) -> None:
-    """Raise DatasetError unless `directory` is a folder that holds what one of the forms is known by."""
+    """Raise DatasetError unless `directory` is a folder with the files by which one of the formats is recognised."""
     valid = (
         f"valid: a folder with {IMAGE_LIST}, {ODOMETRY} and {CAMERA} (TUM RGB-D), with {SENSORS} (EuRoC), or with "
-        f"{METADATA} (ROS 2 bag); lexis run --help says more"
+        f"{METADATA} (ROS 2 bag); see lexis run --help"
     )
     needed = (IMAGE_LIST, config.odometry or ODOMETRY, config.camera or CAMERA)
     try:
@@ -83,7 +83,7 @@ def _check_contents(directory: Path, config: DatasetConfig) -> None:
         other = is_euroc(directory) or is_bag(directory)
         missing = [name for name in needed if not (directory / name).exists()]
     except NotADirectoryError:
-        raise DatasetError(f"{directory}: is a file, no dataset; {valid}") from None
+        raise DatasetError(f"{directory}: is a file and not a dataset; {valid}") from None
     except OSError as error:
         raise DatasetError(f"{directory}: no dataset there: {error.strerror}; {valid}") from None
     if missing and not other:
@@ -92,7 +92,7 @@ def _check_contents(directory: Path, config: DatasetConfig) -> None:
 
 
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
-    """Covariances of increments that grow with the path, as a random walk; turning on the spot counts as path too."""
+    """Covariances of odometry increments for a random walk: they grow in proportion to the path and the rotation."""
     increments = between(T_O_B[:-1], T_O_B[1:])
     path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * TURNING_M
     variances = np.repeat([config.rotation_sigma**2, config.translation_sigma**2], 3)

@@ -1,11 +1,12 @@
-"""Recorded runs as EuRoC's micro aerial vehicle datasets lay them out (ASL).
+"""Recorded runs in the ASL format of EuRoC's micro aerial vehicle datasets.
 
     mav0/cam0/data.csv, data/, sensor.yaml    images by their stamp [ns], pinhole with radial-tangential distortion, T_BS
     mav0/odom0/data.csv, sensor.yaml          the odometry: stamp [ns], position [m], quaternion w x y z; then, optionally,
-                                              the 36 numbers of the covariance of its increment since the line before,
+                                              the 36 numbers of the covariance of its increment since the previous line,
                                               rotation first [rad², m²]; T_BS is optional
 
-Any sensor that reports poses in these columns can be the odometry: `vicon0`, or even `state_groundtruth_estimate0`.
+Any sensor that reports poses in these columns can be used as the odometry, for example `vicon0` or even
+`state_groundtruth_estimate0`.
 """
 
 import math
@@ -38,21 +39,21 @@ SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
 _WITH_COVARIANCE = 8 + 36
 _NANOSECONDS = re.compile(r"[0-9]{1,19}")
 _DISTORTION_MODELS = ("radial-tangential", "", "~", "null")
-"""The only one, and none."""
+"""Supported values: the only model, and the ways to write that there is none."""
 _CAMERA_FILE = FileKind(
     "a camera's calibration with resolution, intrinsics [fu, fv, cu, cv] and T_BS of 16 numbers", 100_000, DatasetError
 )
 _SENSOR_FILE = FileKind("a sensor's calibration with T_BS of 16 numbers", 100_000, DatasetError)
-_DATA_FILE = FileKind("lines of numbers with commas", 200_000_000, DatasetError)
+_DATA_FILE = FileKind("lines of numbers separated by commas", 200_000_000, DatasetError)
 
 
 def is_euroc(directory: Path) -> bool:
-    """Whether a folder looks like a dataset of this form."""
+    """Whether a folder looks like a dataset in this format."""
     return (directory / SENSORS).is_dir()
 
 
 def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
-    """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    """Read a dataset in this format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     folder = directory / SENSORS / (config.camera or CAMERA)
     camera, distortion = _read_camera(folder / "sensor.yaml")
     listed = folder / "data.csv"
@@ -66,20 +67,21 @@ def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
         return (rectified(read_image(path, camera)) for path in paths)
 
     track, covariances = _read_odometry(directory / SENSORS / (config.odometry or ODOMETRY))
+    # The covariances are of the increments between odometry poses, which are those between images only at equal stamps.
     at_images = covariances is not None and np.array_equal(track.stamps, stamps)
     return Recorded(camera, stamps, images, track, covariances if at_images else None)
 
 
 def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
-    """The pinhole and its distortion coefficients."""
+    """The camera and its distortion coefficients."""
     data = read_yaml(path, _CAMERA_FILE)
     if data.get("camera_model") != "pinhole" or data.get("distortion_model", "") not in _DISTORTION_MODELS:
         raise DatasetError(f"{path}: valid: camera_model pinhole, distortion_model radial-tangential")
     try:
-        width, height = map(int, _listed(data["resolution"]))
-        fx, fy, cx, cy = _listed(data["intrinsics"])
+        width, height = map(int, _float_list(data["resolution"]))
+        fx, fy, cx, cy = _float_list(data["intrinsics"])
         camera = Camera(Intrinsics(width, height, fx, fy, cx, cy), _extrinsics(data))
-        distortion = np.array(_listed(data.get("distortion_coefficients") or []))
+        distortion = np.array(_float_list(data.get("distortion_coefficients") or []))
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise _CAMERA_FILE.refusal(path, error) from None
     try:
@@ -105,7 +107,7 @@ def _read_odometry(folder: Path) -> tuple[Track, Float64[np.ndarray, "n 6 6"] | 
 
 
 def _sensor_pose(folder: Path) -> Pose:
-    """T_B_S of a sensor that reports poses; without a calibration it is that of the body."""
+    """T_B_S of a sensor that reports poses; without a calibration file, the sensor frame is the body frame."""
     path = folder / "sensor.yaml"
     if not path.exists():
         return np.eye(4)
@@ -125,7 +127,7 @@ def _rows(path: Path, columns: int) -> list[tuple[int, list[str]]]:
         raise DatasetError(f"{path}: is empty; valid: at least one line of {_DATA_FILE.valid}")
     for number, words in rows:
         if len(words) < columns or len(words) != len(rows[0][1]):
-            raise DatasetError(f"{path}:{number}: {len(words)} columns; valid: at least {columns}, as many in every line")
+            raise DatasetError(f"{path}:{number}: {len(words)} columns; valid: at least {columns}, the same in every line")
     return rows
 
 
@@ -140,18 +142,18 @@ def _numbers(path: Path, number: int, words: list[str]) -> list[float]:
     try:
         values = [stamp, *map(float, words[1:])]
     except ValueError as error:
-        raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers with commas") from None
+        raise DatasetError(f"{path}:{number}: {one_line(error, 80)}; valid: numbers separated by commas") from None
     if not all(map(math.isfinite, values)) or abs(math.hypot(*values[4:8]) - 1.0) > 1e-3:
         raise DatasetError(f"{path}:{number}: valid: finite numbers, columns 5 to 8 a unit quaternion w x y z")
     return values
 
 
 def _extrinsics(data: Mapping[str, Any]) -> Pose:
-    return np.array(_listed(data["T_BS"]["data"])).reshape(4, 4)
+    return np.array(_float_list(data["T_BS"]["data"])).reshape(4, 4)
 
 
-def _listed(values: object) -> list[float]:
-    """The numbers of a list of texts. Raises TypeError or ValueError for anything else."""
+def _float_list(values: object) -> list[float]:
+    """Convert a list of texts to numbers. Raises TypeError or ValueError for anything else."""
     if not isinstance(values, list):
-        raise TypeError(f"{one_line(values, 40)} is no list of numbers")
+        raise TypeError(f"{one_line(values, 40)} is not a list of numbers")
     return [float(value) for value in values]

@@ -1,24 +1,24 @@
-"""Headers of PNG and JPEG images: size and completeness, found without decoding the image."""
+"""Size and completeness of PNG and JPEG images, read from their headers without decoding the image."""
 
 import zlib
 
 _PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"
 _JPEG = b"\xff\xd8"
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-"""Markers of JPEG that begin a frame, and so state its size."""
+"""JPEG markers of frame headers, which contain the size."""
 
 
 def image_size(content: bytes) -> tuple[int, int] | None:
-    """Width and height [px]; None for what is neither PNG nor JPEG, or is damaged as far as a PNG's checksums tell."""
+    """Width and height [px]; None if the content is neither PNG nor JPEG, or is a PNG with wrong checksums."""
     if content.startswith(_PNG):
         return (int.from_bytes(content[16:20]), int.from_bytes(content[20:24])) if _is_whole(content) else None
     return _jpeg_size(content) if content.startswith(_JPEG) else None
 
 
 def _is_whole(content: bytes) -> bool:
-    """Whether the chunks of a PNG have the checksums that they state, and the last one is there.
+    """Whether all chunks of a PNG have correct checksums and the last chunk is present.
 
-    OpenCV fills in what is missing, and complains on stderr.
+    OpenCV would fill missing parts of a damaged image and only print a warning on stderr.
     """
     at = 8
     while at + 12 <= len(content):
@@ -32,11 +32,11 @@ def _is_whole(content: bytes) -> bool:
 
 
 def _jpeg_size(content: bytes) -> tuple[int, int] | None:
-    """The size in the first frame, which segments of stated length come before."""
+    """The size in the first frame header; the segments before it are skipped by their stated lengths."""
     at = len(_JPEG)
     while at + 9 <= len(content) and content[at] == 0xFF:
         marker = content[at + 1]
-        if marker == 0xFF:  # a marker may be preceded by any number of these
+        if marker == 0xFF:  # any number of fill bytes may precede a marker
             at += 1
             continue
         if marker in _FRAMES:

@@ -1,4 +1,4 @@
-"""What the readers of recorded runs share: what they give, images decoded and checked, odometry at the images' stamps."""
+"""Code shared by the readers of recorded runs: their result, decoding of images, and interpolation of the odometry."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -19,56 +19,56 @@ from lexis.types import Camera, Image, Poses
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 _IMAGE_FILE = FileKind("a PNG or JPEG", 200_000_000, DatasetError)
 _COEFFICIENTS = (0, 4, 5, 8, 12, 14)
-"""How many coefficients the models of OpenCV have."""
+"""Numbers of coefficients of OpenCV's distortion models."""
 _MAX_COEFFICIENT = 1e4
 
 
 @dataclass(frozen=True)
 class DatasetConfig:
-    """What a dataset leaves unsaid, or leaves to choose."""
+    """Choices among the contents of a dataset, and assumptions about what it does not state."""
 
     odometry: str | None = None
-    """Which odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: where LEXIS-sim writes it."""
+    """The odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: the one that LEXIS-sim writes."""
     camera: str | None = None
-    """Which camera, where there are several: a sensor's folder or the namespace of topics. None: cam0."""
+    """The camera: a file (TUM), a sensor's folder (EuRoC) or the namespace of topics (ROS 2). None: the default name."""
     max_odometry_gap_s: float = 0.5
-    """Longest time over which the odometry is interpolated to an image's stamp [s]."""
+    """Longest gap between odometry poses that is interpolated [s]."""
     rotation_sigma: float = 0.003
-    """Without covariances: drift of orientation per square root of path [rad/√m]."""
+    """Assumed drift of the orientation if there are no covariances, per square root of path [rad/√m]."""
     translation_sigma: float = 0.015
-    """Without covariances: drift of position per square root of path [m/√m]."""
+    """Assumed drift of the position if there are no covariances, per square root of path [m/√m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """An odometry at its own stamps."""
+    """Odometry poses at their own stamps, which may differ from those of the images."""
 
     source: str
-    """File or topic, for messages."""
+    """File or topic of the odometry, for messages."""
     stamps: Float64[np.ndarray, "n"]
-    """Ascending [s]."""
+    """Stamps of the poses, ascending [s]."""
     T_O_B: Poses
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """A dataset as its files have it."""
+    """The contents of a dataset's files, before the odometry is interpolated."""
 
     camera: Camera
     stamps: Float64[np.ndarray, "n"]
-    """Of the images, ascending [s]."""
+    """Stamps of the images, ascending [s]."""
     images: Callable[[], Iterator[Image]]
-    """All of them in that order, one at a time. Raises DatasetError where one is unreadable or of another size."""
+    """Iterates over the images in order. Raises DatasetError if one is unreadable or does not have the camera's size."""
     odometry: Track
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
-    """Of the odometry's error since the image before; None where the dataset does not say."""
+    """Covariances of the odometry's increments since the previous image [rad², m²]; None if the dataset has none."""
 
 
 def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
-    """T_O_B at the images' stamps [s]: straight between positions, at constant rate between orientations.
+    """Interpolate T_O_B to the stamps `at` of images [s], linearly for positions and by slerp for orientations.
 
-    A pose with exactly an image's stamp is taken as it is. Raises DatasetError where the odometry does not reach an image,
-    or has a gap of more than `max_gap_s` around one.
+    A pose with exactly the stamp of an image is used unchanged. Raises DatasetError if an image is outside the time of the
+    odometry, or within a gap longer than `max_gap_s`.
     """
     stamps, poses = track.stamps, track.T_O_B
     check_poses(track)
@@ -78,7 +78,7 @@ def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) ->
     outside = (before < 0) | (after >= len(stamps))
     if outside.any():
         image = int(np.flatnonzero(outside)[0])
-        raise DatasetError(f"{track.source}: covers {stamps[0]} s to {stamps[-1]} s, but image {image} is of {at[image]} s")
+        raise DatasetError(f"{track.source}: covers {stamps[0]} s to {stamps[-1]} s, but image {image} is at {at[image]} s")
     gap = stamps[after] - stamps[before]
     if gap.max() > max_gap_s:
         image = int(gap.argmax())
@@ -94,17 +94,17 @@ def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) ->
 
 
 def check_poses(track: Track) -> None:
-    """Raise DatasetError unless all poses of an odometry lie at places that can be on Earth."""
+    """Raise DatasetError unless all coordinates of an odometry are at most `MAX_POSITION_M`."""
     far = ~(np.abs(track.T_O_B[:, :3, 3]) <= MAX_POSITION_M).all(axis=1)
     if far.any():
         k = int(np.argmax(far))
         raise DatasetError(
-            f"{track.source}: pose {k} at {track.stamps[k]} s lies beyond {MAX_POSITION_M:g} m; valid: places on Earth"
+            f"{track.source}: pose {k} at {track.stamps[k]} s lies beyond {MAX_POSITION_M:g} m; valid: positions on Earth"
         )
 
 
 def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
-    """Raise DatasetError unless there are stamps and they ascend."""
+    """Raise DatasetError unless there is at least one stamp and the stamps ascend."""
     if not len(stamps):
         raise DatasetError(f"{where}: is empty; valid: at least one entry")
     if (np.diff(stamps) <= 0).any():
@@ -113,32 +113,32 @@ def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
 
 
 def image_file(folder: Path, where: str, name: str) -> Path:
-    """The image that a list names, seen from `folder`. Raises DatasetError unless it is a file inside."""
+    """The path of an image that a list names relative to `folder`. Raises DatasetError unless it is a file inside."""
     relative = PurePosixPath(name)
     if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
         raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")
     path = folder / relative
     if not os.path.isfile(path):
-        raise DatasetError(f"{where}: there is no file {path}; valid: the name of an image, from its list's folder")
+        raise DatasetError(f"{where}: there is no file {path}; valid: the path of an image, relative to {folder}")
     return path
 
 
 def read_image(path: Path, camera: Camera) -> Image:
-    """The RGB image of a file. Raises DatasetError where it is unreadable or of another size than the camera's."""
+    """Read an RGB image from a file. Raises DatasetError if it is unreadable or does not have the camera's size."""
     return decode_image(np.frombuffer(read_bytes(path, _IMAGE_FILE), np.uint8), str(path), camera)
 
 
 def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) -> Image:
-    """The RGB image of the bytes of a PNG or JPEG. Raises DatasetError as `read_image` does.
+    """Decode the bytes of a PNG or JPEG to an RGB image. Raises DatasetError as `read_image` does.
 
-    The size that the content states is looked at first: a few bytes can state gigabytes of pixels.
+    The size in the header is checked first, because a few bytes can decode to gigabytes of pixels.
     """
     size = image_size(content.tobytes())
     if size is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
-    # Sorted, because an image may say that it lies on its side, and is then turned when it is decoded.
+    # Sorted, because an image may state that it is rotated by 90 degrees; decoding then turns it.
     if sorted(size) != sorted((camera.intrinsics.width, camera.intrinsics.height)):
-        raise DatasetError(_misfit(where, size, camera))
+        raise DatasetError(_size_message(where, size, camera))
     try:
         pixels = cv2.imdecode(content, cv2.IMREAD_COLOR)
     except cv2.error:
@@ -149,20 +149,20 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
 
 
 def fitting(image: Image, where: str, camera: Camera) -> Image:
-    """The image itself. Raises DatasetError where it is of another size than the camera's."""
+    """Return the image unchanged. Raises DatasetError if it does not have the camera's size."""
     height, width = image.shape[:2]
     if (width, height) != (camera.intrinsics.width, camera.intrinsics.height):
-        raise DatasetError(_misfit(where, (width, height), camera))
+        raise DatasetError(_size_message(where, (width, height), camera))
     return image
 
 
-def _misfit(where: str, size: tuple[int, int], camera: Camera) -> str:
+def _size_message(where: str, size: tuple[int, int], camera: Camera) -> str:
     k = camera.intrinsics
-    return f"{where}: is {size[0]}x{size[1]} px; the calibrated camera makes {k.width}x{k.height} px"
+    return f"{where}: is {size[0]}x{size[1]} px; valid: {k.width}x{k.height} px, as in the camera's calibration"
 
 
 def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
-    """Raise DatasetError unless the coefficients are none, or as many as OpenCV has models for, and plausible."""
+    """Raise DatasetError unless the coefficients are finite, of plausible size, and as many as an OpenCV model has."""
     if len(distortion) not in _COEFFICIENTS or not (np.abs(distortion) <= _MAX_COEFFICIENT).all():
         raise DatasetError(
             f"{where}: distortion {one_line(distortion.tolist(), 80)}; "
@@ -171,7 +171,7 @@ def check_distortion(where: str, distortion: Float64[np.ndarray, "k"]) -> None:
 
 
 def rectifier(camera: Camera, distortion: Float64[np.ndarray, "k"]) -> Callable[[Image], Image]:
-    """Takes the radial-tangential distortion out of images; without distortion it leaves every bit alone."""
+    """A function that removes the radial-tangential distortion of images; without distortion, it changes no image."""
     if not distortion.any():
         return lambda image: image
     size = camera.intrinsics.width, camera.intrinsics.height

@@ -1,15 +1,16 @@
-"""Recorded runs as ROS 2 bags, sqlite3 or MCAP, read without ROS by the package `rosbags` (`pip install lexis-sim[ros]`).
+"""Recorded runs in ROS 2 bags (sqlite3 or MCAP), read without ROS by the package `rosbags` (`pip install lexis-sim[ros]`).
 
     /cam0/image_raw              sensor_msgs/Image (rgb8, bgr8 or mono8), or
     /cam0/image_raw/compressed   sensor_msgs/CompressedImage (PNG or JPEG)
     /cam0/camera_info            sensor_msgs/CameraInfo: pinhole, plumb_bob
     /odom                        nav_msgs/Odometry: T_O_B
-    /odom/increment_covariance   std_msgs/Float64MultiArray, optional: one message for every one of the odometry, in its
-                                 order: 6x6, of the increment since the message before, rotation first [rad², m²]
+    /odom/increment_covariance   std_msgs/Float64MultiArray, optional: one message per odometry message, in the same order,
+                                 with the 6x6 covariance of the increment since the previous odometry message, rotation
+                                 first [rad², m²]
     /tf_static                   tf2_msgs/TFMessage: from the odometry's child frame to the camera's frame
 
-Stamps are those of the headers. Odometry's own covariances are not read: they are of the pose, and differences of theirs
-need not be covariances.
+Stamps are those of the headers. The covariances in the odometry messages are not read: they are covariances of the pose,
+and the difference of two such matrices need not be a covariance.
 """
 
 from collections.abc import Callable, Iterator
@@ -46,7 +47,7 @@ _INFO, _ODOMETRY = "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
 _MATRIX, _TRANSFORMS = "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"
 
 Message: TypeAlias = Any
-"""Of a class that `rosbags` makes at run time."""
+"""A message, whose class `rosbags` creates at run time."""
 
 _CHANNELS: dict[str, Callable[[Image], Image]] = {
     "rgb8": lambda image: image,
@@ -56,12 +57,12 @@ _CHANNELS: dict[str, Callable[[Image], Image]] = {
 
 
 def is_bag(directory: Path) -> bool:
-    """Whether a folder is a bag, or holds one named `bag`."""
+    """Whether a folder is a bag, or contains a bag named `bag`."""
     return (directory / METADATA).is_file() or (directory / "bag" / METADATA).is_file()
 
 
 def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
-    """A bag with the topics above. Raises LexisError, naming the topic, where it is incomplete or contradicts itself."""
+    """Read a bag with the topics parents. Raises LexisError, with the topic, if it is incomplete or inconsistent."""
     bag = _Bag(directory if (directory / METADATA).is_file() else directory / "bag")
     name = f"/{(config.camera or CAMERA).strip('/')}"
     raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"
@@ -78,12 +79,13 @@ def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
     stamps = np.array([_stamp(message) for message in bag.messages(topic, kind)])
     check_ascending(f"{bag.path}: {topic}", stamps)
     covariances = _read_covariances(bag, f"{config.odometry or ODOMETRY}/increment_covariance", len(track.stamps))
+    # The covariances are of the increments between odometry poses, which are those between images only at equal stamps.
     at_images = covariances is not None and np.array_equal(track.stamps, stamps)
     return Recorded(camera, stamps, images, track, covariances if at_images else None)
 
 
 class _Bag:
-    """The messages of a bag by topic."""
+    """A bag, whose messages are read by topic."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -99,9 +101,10 @@ class _Bag:
             self.topics = sorted({topic for c in reader.connections if isinstance(topic := c.topic, str)})
 
     def _check_files(self) -> None:
-        """Raise DatasetError unless the metadata are plain YAML, and all files of the bag regular ones.
+        """Raise DatasetError unless the metadata are plain YAML, and all files of the bag are regular and uncompressed.
 
-        The package reads aliases, pipes and devices too, and unpacks files that are compressed as a whole, without end.
+        The check is needed because `rosbags` would follow YAML aliases, read from pipes and devices without end, and unpack
+        compressed files without a limit on their size.
         """
         path = self.path / METADATA
         bag = read_yaml(path, _METADATA_FILE).get("rosbag2_bagfile_information")
@@ -115,7 +118,7 @@ class _Bag:
                 pass
 
     def first_of(self, *topics: str) -> str:
-        """The first of the topics that is in the bag."""
+        """The first of the given topics that is in the bag. Raises DatasetError if none is."""
         present = [topic for topic in topics if topic in self.topics]
         if not present:
             found = ", ".join(self.topics) or "nothing"
@@ -123,7 +126,7 @@ class _Bag:
         return present[0]
 
     def messages(self, topic: str, kind: str) -> Iterator[Message]:
-        """Messages of one topic, in the order of writing. Raises DatasetError for messages of another type than `kind`."""
+        """The messages of a topic, in the order of writing. Raises DatasetError if their type is not `kind`."""
         with self._open() as reader:
             wanted = [connection for connection in reader.connections if connection.topic == topic]
             if other := [connection.msgtype for connection in wanted if connection.msgtype != kind]:
@@ -133,12 +136,12 @@ class _Bag:
                 yield message
 
     def _next(self, stored: Iterator[Any], topic: str, kind: str) -> Message | None:
-        """The next message; None after the last."""
+        """The next message, or None after the last."""
         try:
             found = next(stored, None)
             return None if found is None else self._types.deserialize_cdr(found[2], kind)
         except Exception as error:
-            # Damaged bytes make the package and those below it (SQLite, zstd, LZ4, numpy) raise nearly everything.
+            # For damaged bytes, rosbags and its libraries (SQLite, zstd, LZ4, numpy) raise almost any type of error.
             raise DatasetError(f"{self.path}: {topic}: {kind} is not readable: {one_line(error, 120)}") from None
 
     @contextmanager
@@ -148,7 +151,7 @@ class _Bag:
         reader = Reader(self.path)
         try:
             reader.open()
-        except Exception as error:  # sqlite, YAML, MCAP: the package lets the errors of all of them through
+        except Exception as error:  # rosbags passes on the errors of SQLite, YAML and MCAP
             raise DatasetError(f"{self.path}: is not a readable bag: {one_line(error, 120)}") from None
         try:
             yield reader
@@ -157,7 +160,7 @@ class _Bag:
 
 
 def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
-    """The odometry, and the name of the frame that it moves."""
+    """The odometry and the name of its child frame, the body."""
     messages = list(bag.messages(bag.first_of(topic), _ODOMETRY))
     where = f"{bag.path}: {topic}"
     stamps = np.array([_stamp(message) for message in messages])
@@ -165,7 +168,7 @@ def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
     rows = np.array([_pose_row(m.pose.pose.position, m.pose.pose.orientation) for m in messages])
     bad = ~np.isfinite(rows).all(axis=1) | ~(np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
     if bad.any():
-        raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position and unit quaternion")
+        raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position with a unit quaternion")
     return Track(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
 
 
@@ -175,18 +178,18 @@ def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarra
     matrices = [np.asarray(message.data, float) for message in bag.messages(topic, _MATRIX)]
     usable = all(m.size == 36 and bool(usable_covariances(m.reshape(6, 6))) for m in matrices)
     if not usable or len(matrices) != expected:
-        raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per odometry")
+        raise DatasetError(f"{bag.path}: {topic}: valid: {expected} positive semi-definite 6x6 matrices, one per pose")
     return np.array(matrices).reshape(-1, 6, 6)
 
 
 def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.ndarray, "k"]]:
-    """The pinhole at its place on the frame `body`, and its distortion coefficients."""
+    """The camera, posed in the frame `body`, and its distortion coefficients."""
     info = next(bag.messages(bag.first_of(topic), _INFO), None)
     if info is None or info.distortion_model not in ("", "plumb_bob"):
         raise DatasetError(f"{bag.path}: {topic}: valid: a CameraInfo with the distortion model plumb_bob")
     k = np.asarray(info.k, float)
     intrinsics = Intrinsics(int(info.width), int(info.height), *(float(k[i]) for i in (0, 4, 2, 5)))
-    camera = Camera(intrinsics, _place(bag, body, str(info.header.frame_id)))
+    camera = Camera(intrinsics, _static_transform(bag, body, str(info.header.frame_id)))
     try:
         check_camera(camera)
     except LexisError as error:
@@ -196,18 +199,18 @@ def _read_camera(bag: _Bag, topic: str, body: str) -> tuple[Camera, Float64[np.n
     return camera, distortion
 
 
-def _place(bag: _Bag, body: str, frame: str) -> Pose:
-    """T_body_frame by the static transforms."""
-    above: dict[str, tuple[str, Pose]] = {}
+def _static_transform(bag: _Bag, body: str, frame: str) -> Pose:
+    """T_body_frame, composed from the static transforms."""
+    parents: dict[str, tuple[str, Pose]] = {}
     for message in bag.messages("/tf_static", _TRANSFORMS):
         for link in message.transforms:
             row = np.array([_pose_row(link.transform.translation, link.transform.rotation)])
-            above[link.child_frame_id] = link.header.frame_id, poses_of(row)[0]
+            parents[link.child_frame_id] = link.header.frame_id, poses_of(row)[0]
     T, here = np.eye(4), frame
-    for _ in range(len(above)):
-        if here == body or here not in above:
+    for _ in range(len(parents)):
+        if here == body or here not in parents:
             break
-        here, T_parent = above[here]
+        here, T_parent = parents[here]
         T = T_parent @ T
     if here != body:
         raise DatasetError(f"{bag.path}: /tf_static does not lead from {frame!r} up to {body!r}, the frame of the odometry")

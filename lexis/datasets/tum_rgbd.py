@@ -1,11 +1,11 @@
-"""Recorded runs as the TUM RGB-D benchmark lays them out.
+"""Recorded runs in the format of the TUM RGB-D benchmark.
 
     rgb.txt                    lines of "stamp file"; # begins a comment
-    odometry.tum               lines of "stamp tx ty tz qx qy qz qw": T_O_B, at any rate over the same time
+    odometry.tum               lines of "stamp tx ty tz qx qy qz qw": T_O_B, at any rate over the time of the images
     camera.json                width, height, fx, fy, cx, cy [px] and T_B_C, row by row; optionally distortion, the
-                               radial-tangential coefficients k1, k2, p1, p2, which are taken out of the images
+                               radial-tangential coefficients k1, k2, p1, p2, by which the images are undistorted
     odometry_covariance.txt    optional: per image, "stamp" and the 36 numbers of the covariance of the odometry's increment
-                               since the image before, rotation first [rad², m²]
+                               since the previous image, rotation first [rad², m²]
 
 Images are 8-bit PNG or JPEG.
 """
@@ -35,7 +35,7 @@ _COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, Data
 
 
 def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
-    """A dataset of this form. Raises LexisError, naming file and line, where it is incomplete or contradicts itself."""
+    """Read a dataset in this format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     camera, distortion = _read_camera(directory / (config.camera or CAMERA))
     rectified = rectifier(camera, distortion)
     stamps, paths = _read_image_list(directory)
@@ -45,13 +45,13 @@ def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
         return (rectified(read_image(path, camera)) for path in paths)
 
     track = Track(str(odometry), *read_tum(odometry))
-    # The covariances are of LEXIS-sim's odometry and say nothing of another one.
+    # The file of covariances belongs to the default odometry and does not describe another one.
     covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
     return Recorded(camera, stamps, images, track, covariances)
 
 
 def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observation]) -> None:
-    """Record observations, images as PNG; the folder appears whole or not at all. Raises LexisError."""
+    """Write observations as a dataset with PNG images; the folder appears complete or not at all. Raises LexisError."""
     with replaced_folder(directory, IMAGE_LIST) as folder:
         (folder / "rgb").mkdir()
         write_camera(folder / CAMERA, camera)
@@ -71,14 +71,14 @@ def write_dataset(directory: Path, camera: Camera, observations: Iterable[Observ
 
 
 class _LensCameraData(CameraData):
-    """A camera whose images are distorted."""
+    """A camera with distorted images."""
 
     distortion: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    """Radial-tangential: k1, k2, p1, p2."""
+    """Radial-tangential coefficients k1, k2, p1, p2."""
 
 
 def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -> None:
-    """Write a camera as JSON, with the distortion of its images where there is one. Raises OSError."""
+    """Write a camera as JSON, with the distortion of its images if there is any. Raises OSError."""
     data = CameraData.of(camera)
     if any(distortion):
         data = _LensCameraData.model_validate({**data.model_dump(), "distortion": distortion})
@@ -86,12 +86,12 @@ def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -
 
 
 def odometry_line(stamp: str, observation: Observation) -> str:
-    """A line of the odometry's file, with every digit."""
+    """A line of the odometry file, with all digits of the numbers."""
     return f"{stamp} {' '.join(map(repr, pose_rows(observation.T_O_B[None])[0].tolist()))}\n"
 
 
 def covariance_line(stamp: str, observation: Observation) -> str:
-    """A line of the covariances' file, with every digit."""
+    """A line of the covariance file, with all digits of the numbers."""
     return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
 
 
@@ -122,7 +122,7 @@ def _read_image_list(directory: Path) -> tuple[Float64[np.ndarray, "n"], tuple[P
 
 
 def _read_covariances(path: Path, stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 6 6"] | None:
-    """Covariances of the odometry's increments, one per image; None without the file."""
+    """Covariances of the odometry's increments, one per image; None if the file does not exist."""
     if not path.exists():
         return None
     lines = list(numbered_lines(path, _COVARIANCE_FILE))
@@ -150,5 +150,5 @@ def _stamp_and_rest(path: Path, number: int, line: str) -> tuple[float, str]:
     except ValueError:
         stamp = math.nan
     if not math.isfinite(stamp) or not rest.strip():
-        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and what belongs to it")
+        raise DatasetError(f"{path}:{number}: {line[:80]!r}; valid: a stamp in seconds, a blank, and its data")
     return stamp, rest.strip()

@@ -1,4 +1,4 @@
-"""Files of the Hugging Face hub: from the local cache where they are, else fetched whole or not at all."""
+"""Files of the Hugging Face hub, taken from the local cache if they are there, and downloaded otherwise."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -11,42 +11,43 @@ from lexis.errors import EncoderError, one_line
 
 
 def fetch(repo: str, names: Sequence[str]) -> Path:
-    """The first of these files that the repository has; what is cached is taken without asking the network.
+    """The local path of the first of these files that the repository has; cached files are used without network access.
 
-    Raises EncoderError, at once where nothing answers: the hub's own client retries for the better part of a minute.
+    Raises EncoderError. If the hub does not answer, this happens at once, whereas the hub's own client would retry for most
+    of a minute.
     """
     try:
         for name in names:
             if isinstance(cached := try_to_load_from_cache(repo, name), str):
                 return Path(cached)
-        return _fetched(repo, names)
-    except Exception as error:  # the client lets through those of its HTTP library, which has changed with its versions
-        raise EncoderError(_said(repo, names, error)) from None
+        return _download_first(repo, names)
+    except Exception as error:  # the client passes on errors of its HTTP library, which differs between its versions
+        raise EncoderError(_error_text(repo, names, error)) from None
 
 
-def _fetched(repo: str, names: Sequence[str]) -> Path:
-    """Raise what the hub's client raises; EntryNotFoundError where the repository has none."""
+def _download_first(repo: str, names: Sequence[str]) -> Path:
+    """Download the first of these files. Raises the errors of the hub's client; EntryNotFoundError if there is no file."""
     *others, last = names
     for name in others:
         with suppress(EntryNotFoundError):
-            return _whole(repo, name)
-    return _whole(repo, last)
+            return _download(repo, name)
+    return _download(repo, last)
 
 
-def _whole(repo: str, name: str) -> Path:
-    get_hf_file_metadata(hf_hub_url(repo, name), timeout=constants.HF_HUB_ETAG_TIMEOUT)  # asks once, and does not try again
+def _download(repo: str, name: str) -> Path:
+    get_hf_file_metadata(hf_hub_url(repo, name), timeout=constants.HF_HUB_ETAG_TIMEOUT)  # asks once, without retries
     return Path(hf_hub_download(repo, name))
 
 
-def _said(repo: str, names: Sequence[str], error: Exception) -> str:
+def _error_text(repo: str, names: Sequence[str], error: Exception) -> str:
     line, hub = one_line(error), constants.ENDPOINT
     if isinstance(error, HFValidationError):
-        return f"{repo!r} is no repository: {line}; valid: OWNER/NAME"
+        return f"{repo!r} is not a repository name: {line}; valid: OWNER/NAME"
     if isinstance(error, EntryNotFoundError) and not isinstance(error, LocalEntryNotFoundError):
-        return f"{hub}/{repo} has none of {', '.join(names)}; valid: a repository of open_clip's"
+        return f"{hub}/{repo} has none of {', '.join(names)}; valid: a repository of an open_clip model"
     if isinstance(error, HfHubHTTPError):
-        return f"{hub} refuses {repo}: {line}; valid: a public repository, or HF_TOKEN of one who may"
+        return f"{hub} refuses {repo}: {line}; valid: a public repository, or an HF_TOKEN with access to it"
     return (
-        f"{repo} is not in the local cache and cannot be had from {hub}: {line}; "
+        f"{repo} is not in the local cache and cannot be downloaded from {hub}: {line}; "
         "valid: mini, which needs no network; MODEL:PATH of a checkpoint; HF_ENDPOINT=URL of a mirror"
     )

@@ -1,6 +1,6 @@
-"""Embeddings of images kept on disk, so that to encode a dataset again costs next to nothing.
+"""A cache on disk for embeddings of images, so that encoding a dataset again takes almost no time.
 
-One SQLite file for each encoder: safe with several processes, and an entry is there whole or not at all.
+Each encoder has its own SQLite file, because SQLite allows access by several processes and never stores partial entries.
 """
 
 import hashlib
@@ -16,36 +16,39 @@ from lexis.errors import EncoderError
 from lexis.types import Image
 
 MOST_IMAGES = 1_000_000
-"""Of one encoder; the oldest make room."""
+"""Largest number of images cached per encoder; the oldest entries are deleted first."""
 _WAIT_S = 30.0
-"""For another process that is writing."""
+"""Longest wait for another process that is writing [s]."""
 
 
 class ImageCache:
-    """What one encoder made of images, by their content."""
+    """A cache of one encoder's embeddings, with hashes of the images as keys."""
 
     def __init__(self, folder: Path, encoder: str, most: int = MOST_IMAGES) -> None:
-        """Open or make the cache in `folder` of the encoder that this digest names. Raises EncoderError where that fails."""
+        """Open or create the cache in `folder` for the encoder with this hash. Raises EncoderError if that fails.
+
+        `most` is the largest number of entries.
+        """
         self._path = folder / f"{encoder}.sqlite"
         self._most = most
         with self._reported():
             folder.mkdir(parents=True, exist_ok=True)
             self._connection = sqlite3.connect(self._path, timeout=_WAIT_S, check_same_thread=False)
             self._connection.execute("PRAGMA journal_mode = WAL")
-            self._connection.execute("PRAGMA synchronous = NORMAL")  # a power cut loses the last entries at most
+            self._connection.execute("PRAGMA synchronous = NORMAL")  # fast; a power cut loses at most the last entries
             self._connection.execute(
                 "CREATE TABLE IF NOT EXISTS images (age INTEGER PRIMARY KEY, key BLOB UNIQUE, row BLOB)"
             )
 
     def find(self, keys: Sequence[bytes]) -> dict[bytes, Float32[np.ndarray, "d"]]:
-        """The embeddings of those that are known; a damaged entry counts as unknown."""
+        """The embeddings that are cached under these keys; damaged entries are left out."""
         with self._reported():
             query = "SELECT row FROM images WHERE key = ?"
             rows = {key: _row(self._connection.execute(query, (key,)).fetchone()) for key in keys}
         return {key: row for key, row in rows.items() if row is not None}
 
     def add(self, rows: Mapping[bytes, Float32[np.ndarray, "d"]]) -> None:
-        """Keep embeddings of unit norm."""
+        """Store embeddings of unit norm, and delete the oldest entries beyond the largest number."""
         entries = [(key, row.astype("<f4").tobytes()) for key, row in rows.items()]
         with self._reported(), self._connection:
             self._connection.executemany("INSERT OR REPLACE INTO images (key, row) VALUES (?, ?)", entries)
@@ -56,19 +59,19 @@ class ImageCache:
         try:
             yield
         except (sqlite3.Error, OSError) as error:
-            told = "another folder, or to delete this file"
-            raise EncoderError(f"{self._path}: unusable cache: {error}; valid: {told}") from None
+            valid = "another folder, or the same after deleting this file"
+            raise EncoderError(f"{self._path}: unusable cache: {error}; valid: {valid}") from None
 
 
 def image_key(image: Image) -> bytes:
-    """Of the content: equal for equal images only."""
+    """Hash of an image's shape and pixels."""
     digest = hashlib.sha256(repr(image.shape).encode())
     digest.update(np.ascontiguousarray(image).data)
     return digest.digest()
 
 
 def _row(found: tuple[object] | None) -> Float32[np.ndarray, "d"] | None:
-    """The embedding that was found, if any and if it is one of unit norm."""
+    """The embedding in a row of the database; None if there is no row, or if it does not hold a vector of unit norm."""
     if found is None or not isinstance(stored := found[0], bytes) or len(stored) % 4:
         return None
     row = np.frombuffer(stored, "<f4").astype(np.float32)

@@ -1,4 +1,7 @@
-"""open_clip's networks with weights, tokenizer and preprocessing that belong to each other; one clear line where not."""
+"""Loading of open_clip networks, with checks that weights, tokenizer and preprocessing belong together.
+
+open_clip itself only logs some mismatches, and passes on the errors of many libraries. Here, each ends in one EncoderError.
+"""
 
 import logging
 from collections.abc import Iterator
@@ -20,7 +23,7 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.posit
 
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
-    """A network, its tokenizer and its preprocessing. `model` is its name in messages. Raises EncoderError."""
+    """Load a network with its tokenizer and preprocessing. `model` names it in messages. Raises EncoderError."""
     with open_clip_quiet():
         try:
             weights = source.weights()
@@ -39,15 +42,18 @@ def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessi
             return network, tokenizer, _preprocessing(source, network)
         except EncoderError as error:
             raise EncoderError(f"encoder {model}: {error}") from None
-        except Exception as error:  # a damaged or foreign file makes torch, timm and open_clip raise nearly everything
+        except Exception as error:  # for damaged or foreign files, torch, timm and open_clip raise almost any type of error
             raise EncoderError(
                 f"encoder {model}: {source.kind} cannot be loaded: {one_line(error)}; "
-                "valid: whole weights of this very architecture, in safetensors or as torch.save writes tensors"
+                "valid: complete weights of the same architecture, in safetensors or as torch.save writes tensors"
             ) from None
 
 
 def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
-    """As stated, resized to what the network takes. Raises ValueError where the two contradict each other."""
+    """The preprocessing that is stated for the weights, with the image size of the network.
+
+    Raises ValueError if a different size is stated.
+    """
     height, width = _pair(network.visual.image_size)
     if source.config is not None:
         return squashing(height, width)
@@ -59,12 +65,15 @@ def _preprocessing(source: ModelSource, network: Any) -> Preprocessing:
 
 
 def _check_positions(network: Any, checkpoint: Path) -> None:
-    """Raise ValueError where open_clip has resized embeddings of positions: it would only log that."""
+    """Raise ValueError if the checkpoint's positional embeddings have another size than the network's.
+
+    open_clip resizes them to fit, and only logs that.
+    """
     stored, own = _shapes(checkpoint), network.state_dict()
     for name, shape in stored.items():
-        mine = own.get(name, own.get(f"text.{name}"))  # in some architectures the text tower is a module of its own
+        mine = own.get(name, own.get(f"text.{name}"))  # in some architectures, the text tower is a separate module
         if mine is not None and shape != tuple(mine.shape):
-            raise ValueError(f"of another architecture: its {name} is {shape}, that of the model {tuple(mine.shape)}")
+            raise ValueError(f"of another architecture: its {name} is {shape}, the model's is {tuple(mine.shape)}")
 
 
 def _shapes(checkpoint: Path) -> dict[str, tuple[int, ...]]:
@@ -81,7 +90,7 @@ def _pair(size: Any) -> tuple[int, int]:
 
 @contextmanager
 def open_clip_quiet() -> Iterator[None]:
-    """Drop open_clip's and the hub's log lines (retries, fallbacks): what matters of them is in the error."""
+    """Suppress the log lines of open_clip and the hub (retries, fallbacks); errors contain what matters of them."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

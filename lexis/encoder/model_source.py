@@ -1,4 +1,7 @@
-"""Where an encoder's weights come from: one string, resolved and checked before anything is fetched or loaded."""
+"""Resolution of a model's name, such as "ViT-B-32:openai", to the source of its weights and its preprocessing.
+
+The name is checked before weights are downloaded or loaded.
+"""
 
 import difflib
 import math
@@ -17,12 +20,12 @@ from lexis.errors import EncoderError, one_line
 from lexis.files.reading import FileKind, read_json
 
 MINI = "mini"
-"""The model that ships with the package."""
+"""Name of the model that ships with the package."""
 MINI_CONFIG = Path(__file__).parents[1] / "models" / "lexis-mini.json"
-"""Its architecture; the weights lie beside it."""
+"""Architecture of that model; its weights are in the same folder."""
 
 CONFIG_FILE = "open_clip_config.json"
-"""Written by open_clip beside weights."""
+"""Name of the file that open_clip writes beside weights."""
 _HUB, _FOLDER = "hf-hub:", "local-dir:"
 _DEFAULT_TAG = "openai"
 _CHECKPOINTS = (".safetensors", ".pt", ".pth", ".bin")
@@ -34,26 +37,26 @@ _CONFIG_FILE = FileKind("the file that open_clip writes", 1_000_000, EncoderErro
 
 @dataclass(frozen=True)
 class ModelSource:
-    """What open_clip is asked for."""
+    """The source of a model: what open_clip needs to create and load it."""
 
     architecture: str
     kind: str
-    """What the weights are, for messages."""
+    """Description of the weights, for messages."""
     preprocess: Mapping[str, Any]
-    """Mean and deviation of the image and, where stated, size [px] and resizing; empty for the mini."""
+    """Mean and standard deviation of the image and, if stated, size [px] and resizing; empty for a `mini` model."""
     checkpoint: Path | None = None
-    """None where the weights come from the hub, and where a folder has none."""
+    """Local file with the weights; None if they come from the hub, or if a folder has none."""
     hub: tuple[str, tuple[str, ...]] | None = None
-    """Repository, and the names that the weights may have there."""
+    """Repository on the hub, and the possible names of the weights there."""
     config: Path | None = None
-    """Of a mini alone: its architecture, for open_clip to register under the name of the file."""
+    """For a `mini` model only: the file with its architecture, which open_clip registers under the name of the file."""
     published: bool = False
     """Whether open_clip itself lists these weights for this architecture."""
     quick_gelu: bool = False
-    """Whether these weights were trained with OpenAI's activation; open_clip would only warn."""
+    """Whether these weights were trained with OpenAI's activation; open_clip would only warn of a mismatch."""
 
     def weights(self) -> Path | None:
-        """The checkpoint, fetched if need be; None where a folder has none. Raises EncoderError."""
+        """The checkpoint, downloaded if necessary; None if a folder has none. Raises EncoderError."""
         return fetch(*self.hub) if self.hub else self.checkpoint
 
 
@@ -66,7 +69,7 @@ def parse_model(model: str) -> ModelSource:
         return _folder(Path(model.removeprefix(_FOLDER)), model)
     if model.startswith(_HUB):
         repo = model.removeprefix(_HUB)
-        stated = _stated(fetch(repo, (CONFIG_FILE,)))
+        stated = _read_config(fetch(repo, (CONFIG_FILE,)))
         return ModelSource(model, "the hub's model", stated["preprocess_cfg"], hub=(repo, _HUB_WEIGHTS))
     architecture, _, rest = model.partition(":")
     if architecture not in open_clip.list_models():
@@ -87,8 +90,8 @@ def parse_model(model: str) -> ModelSource:
 
 
 def _folder(path: Path, model: str) -> ModelSource:
-    """With the checkpoint that open_clip takes of those in the folder."""
-    stated = _stated(path / CONFIG_FILE)
+    """The source of a local folder, with the checkpoint that open_clip chooses in it."""
+    stated = _read_config(path / CONFIG_FILE)
     found = _find_checkpoint_in_dir(path)
     return ModelSource(model, "the folder", stated["preprocess_cfg"], checkpoint=Path(found) if found else None)
 
@@ -109,7 +112,7 @@ def _published(architecture: str, tag: str) -> ModelSource:
 
 
 def _mini(path: Path, model: str) -> ModelSource:
-    """Of the architecture that is written beside the weights, else of the package's."""
+    """The source of a `mini` model; its architecture is in the JSON file beside the weights, else the package's."""
     _check_exists(path, model)
     beside = path.with_suffix(".json")
     config = beside if os.path.isfile(beside) else MINI_CONFIG
@@ -124,34 +127,37 @@ def _check_exists(path: Path, model: str) -> None:
 def _checkpoint(architecture: str, path: Path, model: str) -> ModelSource:
     _check_exists(path, model)
     beside = path.parent / CONFIG_FILE
-    stated = _stated(beside) if os.path.isfile(beside) else {}
-    preprocess = stated.get("preprocess_cfg") or _agreed(architecture)
+    stated = _read_config(beside) if os.path.isfile(beside) else {}
+    preprocess = stated.get("preprocess_cfg") or _common_preprocessing(architecture)
     if preprocess is None:
         raise EncoderError(
-            f"encoder {model}: nothing tells the image's mean and deviation that {path.name} was trained with; "
-            f"put the {CONFIG_FILE} that belongs to it into {path.parent}"
+            f"encoder {model}: the image's mean and deviation that {path.name} was trained with are unknown; "
+            f"valid: a {CONFIG_FILE} with them in {path.parent}"
         )
-    return ModelSource(architecture, "the checkpoint", preprocess, path, quick_gelu=_activation(architecture, stated, path))
+    return ModelSource(architecture, "the checkpoint", preprocess, path, quick_gelu=_quick_gelu(architecture, stated, path))
 
 
-def _activation(architecture: str, stated: Mapping[str, Any], path: Path) -> bool:
-    """Whether OpenAI's: as stated beside the weights, else by the architecture's name, else as all published weights."""
+def _quick_gelu(architecture: str, stated: Mapping[str, Any], path: Path) -> bool:
+    """Whether the weights need OpenAI's activation (QuickGELU).
+
+    The configuration beside the weights decides, else the architecture, else the published weights if they all agree.
+    """
     if "model_cfg" in stated:
         return bool(stated["model_cfg"].get("quick_gelu"))
     tags = open_clip.list_pretrained_tags_by_model(architecture)
     if open_clip.get_model_config(architecture).get("quick_gelu") or not tags:
-        return False  # that is: no other than the architecture has
+        return False  # the activation of the architecture is kept
     known = {bool(open_clip.get_pretrained_cfg(architecture, tag).get("quick_gelu")) for tag in tags}
     if len(known) > 1:
         raise EncoderError(
-            f"encoder {architecture}:{path}: weights of this architecture come with two activations, and nothing tells "
-            f"which is meant; valid: {architecture}-quickgelu:{path}, or the {CONFIG_FILE} that belongs to it beside it"
+            f"encoder {architecture}:{path}: weights of this architecture exist with two activations, and it is unknown "
+            f"which these need; valid: {architecture}-quickgelu:{path}, or the {CONFIG_FILE} of the weights beside them"
         )
     return known.pop()
 
 
-def _stated(path: Path) -> dict[str, dict[str, Any]]:
-    """The configuration that belongs to weights; its `preprocess_cfg` states mean and std. Raises EncoderError."""
+def _read_config(path: Path) -> dict[str, dict[str, Any]]:
+    """Read the configuration of weights, whose `preprocess_cfg` must state mean and std. Raises EncoderError."""
     config = read_json(path, _CONFIG_FILE)
     try:
         preprocess = config["preprocess_cfg"]
@@ -169,8 +175,8 @@ def _stated(path: Path) -> dict[str, dict[str, Any]]:
         ) from None
 
 
-def _agreed(architecture: str) -> dict[str, Any] | None:
-    """The preprocessing that all published weights of the architecture share; None where they disagree or there are none."""
+def _common_preprocessing(architecture: str) -> dict[str, Any] | None:
+    """The preprocessing shared by all published weights of the architecture; None if they disagree or there are none."""
     tags = open_clip.list_pretrained_tags_by_model(architecture)
     settings = [open_clip.get_pretrained_cfg(architecture, tag) for tag in tags]
     chosen = [{key: known[key] for key in _SETTINGS} for known in settings if all(key in known for key in _SETTINGS)]
@@ -178,7 +184,7 @@ def _agreed(architecture: str) -> dict[str, Any] | None:
 
 
 def _similar(architecture: str) -> str:
-    """The models whose names share most with what was asked for."""
+    """The models with the most similar names, for messages."""
     names = open_clip.list_models()
     return ", ".join(difflib.get_close_matches(architecture, names, n=3, cutoff=0.4) or ("RN50x16", "ViT-B-32", "ViT-L-14"))
 

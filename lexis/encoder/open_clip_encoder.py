@@ -1,6 +1,7 @@
-"""The vision-language model: images and room names as unit vectors in one space (paper, Sec. III-A).
+"""The vision-language model, which embeds images and room names as unit vectors in one space (paper, Sec. III-A).
 
-Any open_clip model works. `lexis-mini`, a small one trained on renders, ships with the package and needs no network.
+Any open_clip model works. `lexis-mini`, a small model trained on rendered images, ships with the package and needs no
+network.
 """
 
 import hashlib
@@ -25,18 +26,18 @@ from lexis.types import Image
 
 _DTYPES = {"fp32": torch.float32, "bf16": torch.bfloat16, "fp16": torch.float16}
 Images = Sequence[UInt8[np.ndarray, "_ _ 3"]] | UInt8[np.ndarray, "images h w 3"]
-"""Of any sizes, or an array of equal ones."""
+"""Several images of any sizes, or an array of images of equal size."""
 _TEXT_LISTS = 1024
-"""Lists of texts whose embeddings are kept."""
+"""Number of lists of texts whose embeddings are cached in memory."""
 
 
 class OpenClipEncoder:
-    """An open_clip model; the same input gives the same output, whatever was encoded before."""
+    """An open_clip model as an encoder. The output for an input does not depend on what was encoded before."""
 
     def __init__(
         self, name: str, model: Any, tokenizer: Any, preprocessing: Preprocessing, options: EncoderOptions | None = None
     ) -> None:
-        """Wrap a loaded model. Raises EncoderError where the options' device is absent or their cache unusable."""
+        """Wrap a loaded model. Raises EncoderError if the device is absent, the cache unusable, or compilation fails."""
         self._options = options or EncoderOptions()
         self._name = name
         self._device = _device(self._options)
@@ -48,18 +49,18 @@ class OpenClipEncoder:
         if self._options.compiled:
             self._image_tower, self._text_tower = torch.compile(self._image_tower), torch.compile(self._text_tower)
             self._compile()
-        self._texts = lru_cache(_TEXT_LISTS)(self._embedded_texts)
+        self._texts = lru_cache(_TEXT_LISTS)(self._embed_texts)
         folder = self._options.cache
         self._cache = None if folder is None else ImageCache(folder, f"{self.fingerprint}-{self._options.precision}")
 
     @property
     def name(self) -> str:
-        """What `load_encoder` was asked for."""
+        """Argument with which `load_encoder` loaded this encoder."""
         return self._name
 
     @cached_property
     def fingerprint(self) -> str:
-        """Hex digest over weights, activation and preprocessing, whatever file they came from and however they compute."""
+        """Hash of weights, activation and preprocessing as hex digits; independent of the file, device and precision."""
         digest = hashlib.sha256(self._preprocessing.description.encode())
         digest.update(str(any(type(module).__name__ == "QuickGELU" for module in self._model.modules())).encode())
         for name, weights in sorted(self._model.state_dict().items()):
@@ -69,7 +70,7 @@ class OpenClipEncoder:
 
     @property
     def temperature(self) -> float:
-        """The model's own: softmax(similarities / temperature) are its probabilities."""
+        """Temperature that the model was trained with: softmax(similarities / temperature) gives its probabilities."""
         return float(1.0 / self._model.logit_scale.detach().float().exp())
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
@@ -77,40 +78,43 @@ class OpenClipEncoder:
         return np.asarray(self.encode_images([image])[0])
 
     def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
-        """f_CLIP of RGB images, unit norm: in batches, less what the cache knows. Raises EncoderError without any image."""
+        """f_CLIP of RGB images, unit norm; computed in batches, without the images that are in the cache.
+
+        Raises EncoderError if there is no image.
+        """
         if self._cache is None or len(images) == 0:
-            return self._embedded_images(images)
+            return self._embed_images(images)
         keys = [image_key(image) for image in images]
         known = self._cache.find(keys)
         if new := {key: image for key, image in zip(keys, images, strict=True) if key not in known}:
-            found = dict(zip(new, self._embedded_images(list(new.values())), strict=True))
+            found = dict(zip(new, self._embed_images(list(new.values())), strict=True))
             self._cache.add(found)
             known |= found
         return np.stack([known[key] for key in keys])
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """f_TEXT of every room name: the unit mean over an ensemble of prompts. Raises EncoderError for a blank name."""
+        """f_TEXT of every room name, unit norm: the mean over several prompts. Raises EncoderError for a blank name."""
         if not names or not all(name.strip() for name in names):
             raise EncoderError(f"room names are {list(names)}; valid: at least one, none blank")
         means = np.stack([self.encode_texts(prompts(name, self._options.templates)).mean(axis=0) for name in names])
         return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """f_TEXT of every text as it stands, unit norm; for questions in free words. The same list twice costs nothing."""
+        """f_TEXT of every text, unchanged by prompts, unit norm; results for recent lists of texts are cached."""
         return self._texts(tuple(texts)).copy()
 
     def _compile(self) -> None:
-        """By a first use, so that what fails does so here. Raises EncoderError."""
+        """Trigger compilation by a first use, so that it fails here if at all. Raises EncoderError."""
         try:
-            self._embedded_images([np.zeros((64, 64, 3), np.uint8)])
-            self._embedded_texts(("room",))
+            self._embed_images([np.zeros((64, 64, 3), np.uint8)])
+            self._embed_texts(("room",))
         except RuntimeError as error:
             raise EncoderError(f"encoder {self._name} cannot be compiled: {one_line(error)}") from None
 
-    def _embedded_texts(self, texts: tuple[str, ...]) -> Float32[np.ndarray, "texts d"]:
+    def _embed_texts(self, texts: tuple[str, ...]) -> Float32[np.ndarray, "texts d"]:
         return self._in_batches(texts, lambda batch: self._text_tower(self._tokenizer(list(batch)).to(self._device)))
 
-    def _embedded_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
+    def _embed_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
         prepare = self._preprocessing.apply
         return self._in_batches(
             list(images), lambda batch: self._image_tower(torch.stack([prepare(image) for image in batch]).to(self._device))
@@ -121,21 +125,21 @@ class OpenClipEncoder:
             raise EncoderError("nothing to encode; valid: at least one image or text")
         size = self._options.batch
         with _inference(self._options, self._device):
-            return np.concatenate([_units(tower(items[i : i + size])) for i in range(0, len(items), size)])
+            return np.concatenate([_normalised(tower(items[i : i + size])) for i in range(0, len(items), size)])
 
 
 def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> OpenClipEncoder:
     """Load `mini`, MODEL (with its OpenAI weights), MODEL:PRETRAINED, MODEL:PATH, hf-hub:OWNER/NAME or local-dir:PATH.
 
     Args:
-        model: MODEL is an open_clip architecture, PRETRAINED one of its tags, PATH a checkpoint (.safetensors, or .pt and
-            .bin holding nothing but tensors). Where open_clip lists no tag of MODEL, or its tags disagree on the image's
-            mean and deviation or on the activation, PATH needs an `open_clip_config.json` beside it that states them.
-        options: device, precision, batches, prompts, cache.
+        model: MODEL is an open_clip architecture, PRETRAINED one of its tags, PATH a checkpoint (.safetensors, or .pt, .pth
+            or .bin with nothing but tensors). If open_clip lists no tag of MODEL, or if its tags disagree on the image's
+            mean and deviation or on the activation, an `open_clip_config.json` beside PATH must state them.
+        options: device, precision, batch size, prompts and cache.
 
     Raises:
-        EncoderError: the model is unknown, cannot be fetched, or its checkpoint is damaged or of another architecture; or
-            there is no such device.
+        EncoderError: the model is unknown, cannot be downloaded, or its checkpoint is damaged or of another architecture; or
+            the device is absent.
     """
     options = options or EncoderOptions()
     _device(options)
@@ -144,14 +148,14 @@ def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> Op
 
 
 def _device(options: EncoderOptions) -> torch.device:
-    """The device, if it is there and can do what the options ask of it. Raises EncoderError."""
+    """The device of the options. Raises EncoderError if it is absent or does not support the precision."""
     device = torch.device(options.device)
     if device.type == "cuda" and (device.index or 0) >= torch.cuda.device_count():
         raise EncoderError(
             f"encoder device {options.device} is absent: torch sees {torch.cuda.device_count()} GPUs; valid: cpu"
         )
     if device.type == "cuda" and options.precision == "bf16" and not torch.cuda.is_bf16_supported():
-        raise EncoderError(f"encoder precision is bf16, which {options.device} cannot do; valid: fp32, fp16")
+        raise EncoderError(f"encoder precision is bf16, which {options.device} does not support; valid: fp32, fp16")
     return device
 
 
@@ -167,8 +171,8 @@ def _inference(options: EncoderOptions, device: torch.device) -> Iterator[None]:
         torch.set_num_threads(before)
 
 
-def _units(rows: Float[Tensor, "n d"]) -> Float32[np.ndarray, "n d"]:
-    """Rows of unit norm. Raises EncoderError where a row has none."""
+def _normalised(rows: Float[Tensor, "n d"]) -> Float32[np.ndarray, "n d"]:
+    """Rows scaled to unit norm. Raises EncoderError if a row is not finite."""
     units = torch.nn.functional.normalize(rows.float(), dim=-1).cpu().numpy()
     if not np.isfinite(units).all():
         raise EncoderError("the encoder's output is not finite: its weights are damaged; valid: another checkpoint, or fp32")

@@ -1,18 +1,18 @@
-"""Room names as sentences: CLIP reads captions better than bare nouns."""
+"""Prompts for room names: captions such as "a photo of a kitchen", which CLIP understands better than bare nouns."""
 
 from collections.abc import Sequence
 
 from lexis.errors import EncoderError
 
 TEMPLATES = ("a photo of {}", "a picture of {}", "{} in a house", "a view of {}", "inside {}")
-"""Averaged over, so that no single wording decides."""
+"""Prompts whose embeddings are averaged, so that no single wording decides."""
 
 _CONSONANT_SOUND = ("uni", "use", "uti", "eu", "one ")
 _VOWEL_SOUND = ("hour", "honour", "honor")
 
 
 def prompts(name: str, templates: Sequence[str] = TEMPLATES) -> tuple[str, ...]:
-    """The captions of a room: `prompts("office")` begins with "a photo of an office"."""
+    """The prompts for a room name: the first for "office" is "a photo of an office"."""
     return tuple(template.format(with_article(name)) for template in templates)
 
 
@@ -24,7 +24,7 @@ def check_template(template: str) -> None:
 
 
 def with_article(name: str) -> str:
-    """The name with the article it takes: "a kitchen", "an office", "a utility room", plain "stairs"."""
+    """The name with its article: "a kitchen", "an office", "a utility room", and plain "stairs"."""
     name = name.strip()
     lowered = name.lower()
     if lowered.endswith("s") and not lowered.endswith(("ss", "'s", "us")):

@@ -1,19 +1,19 @@
-"""How much of a walk a map is about: every other figure is silent on what the keyframes missed."""
+"""Coverage: the share of a walk that a map describes. All other metrics ignore the parts without keyframes."""
 
 import numpy as np
 from jaxtyping import Float64
 
 GAP_M = 3.0
-"""Between two consecutive keyframes farther apart than this along the walk, the map knows nothing of the way [m]."""
+"""Largest path between consecutive keyframes that counts as covered [m]."""
 
 
 def path_covered(distances_m: Float64[np.ndarray, "n"], length_m: float) -> float | None:
-    """Share of a walk that lies between its first and its last keyframe and in no gap longer than 3 m, in [0, 1].
+    """Share of the walk between its first and last keyframe, without gaps longer than 3 m, in [0, 1].
 
-    A single keyframe covers nothing. None for a walk without length.
+    A single keyframe covers nothing. The result is None for a walk without length.
 
     Args:
-        distances_m: how far along the true path every keyframe was taken, in any order [m].
+        distances_m: distance of every keyframe along the true path, in any order [m].
         length_m: length of the true path [m].
     """
     if length_m <= 0:

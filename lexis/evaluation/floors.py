@@ -1,4 +1,4 @@
-"""Whether the floors are the true ones."""
+"""Accuracy of the floors."""
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -9,13 +9,13 @@ Floors = Int[np.ndarray, "n"]
 def floor_accuracy(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> float | None:
     """Share of the keyframes truly off the stairs that have the right floor; None without such keyframes.
 
-    Both count from 0 for the lowest floor; a keyframe that is wrongly held to be on stairs (-1) counts as wrong.
+    Predicted and true floors are numbered from 0 for the lowest. A keyframe wrongly predicted on stairs (-1) is an error.
     """
     return float(np.mean(predicted[~on_stairs] == truth[~on_stairs])) if np.any(~on_stairs) else None
 
 
 def floor_count_error(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> int | None:
-    """Predicted minus true number of floors that were walked on; None without keyframes."""
+    """Predicted minus true number of floors with keyframes; None without keyframes."""
     if not len(truth):
         return None
     return len(np.unique(predicted[predicted >= 0])) - len(np.unique(truth[~on_stairs]))

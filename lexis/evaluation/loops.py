@@ -1,4 +1,4 @@
-"""Whether loop edges are true, and how many of the revisits they found."""
+"""Precision of loop edges, and their recall of true revisits."""
 
 from dataclasses import dataclass
 
@@ -10,25 +10,27 @@ from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Poses
 
 TRUE_M, TRUE_RAD = 0.5, 0.2
-"""Largest error of a true edge's relative pose."""
+"""Largest errors of the relative pose of a true edge [m, rad]."""
 REVISIT_M, REVISIT_RAD, REVISIT_S = 1.0, 0.5, 10.0
-"""A revisit is this close to an earlier keyframe, at least so long before."""
+"""A revisit is a keyframe within this distance [m] and angle [rad] of one at least this much earlier [s]."""
 
 
 @dataclass(frozen=True)
 class LoopScores:
-    """`loops` of result.json."""
+    """Metrics of loop closure; the field `loops` of result.json."""
 
     proposed: int
-    """Pairs given to verification."""
+    """Number of candidate pairs that were verified."""
     verified: int
-    """Edges that it accepted."""
+    """Number of edges that verification accepted."""
     true: int
+    """Number of edges within 0.5 m and 0.2 rad of the true relative pose."""
     false: int
+    """Number of all other edges."""
     precision: float | None
-    """True edges over all; None without an edge."""
+    """Share of edges that are true; None without an edge."""
     recall: float | None
-    """Of the true revisits, the share that got at least one true edge; None without a revisit."""
+    """Share of true revisits with at least one true edge; None without a revisit."""
 
 
 def score_loops(
@@ -39,15 +41,15 @@ def score_loops(
     T_W_B: Poses,
     stamps: Float64[np.ndarray, "n"],
 ) -> LoopScores:
-    """All figures.
+    """Compute all metrics of loop closure.
 
     Args:
         proposed: number of candidate pairs.
         query: later keyframe of every edge.
-        match: earlier keyframe.
-        T_match_query: the edge's relative pose.
+        match: earlier keyframe of every edge.
+        T_match_query: relative pose of every edge.
         T_W_B: true poses of all keyframes.
-        stamps: of all keyframes [s].
+        stamps: stamps of all keyframes [s].
     """
     is_true = true_edges(query, match, T_match_query, T_W_B)
     revisits = true_revisits(T_W_B, stamps)
@@ -65,13 +67,13 @@ def score_loops(
 def true_edges(
     query: Int[np.ndarray, "m"], match: Int[np.ndarray, "m"], T_match_query: Float64[np.ndarray, "m 4 4"], T_W_B: Poses
 ) -> Bool[np.ndarray, "m"]:
-    """Which edges' relative poses are within 0.5 m and 0.2 rad of the truth."""
+    """Whether the relative pose of each edge is within 0.5 m and 0.2 rad of the truth."""
     error = between(between(T_W_B[match], T_W_B[query]), T_match_query)
     return np.asarray((np.linalg.norm(error[:, :3, 3], axis=1) <= TRUE_M) & (rotation_angle(error) <= TRUE_RAD))
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
-    """Keyframes truly within 1 m and 0.5 rad of one at least 10 s earlier."""
+    """Keyframes whose true pose is within 1 m and 0.5 rad of that of a keyframe at least 10 s earlier."""
     later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
     near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
     later, earlier = later[near], earlier[near]

@@ -1,4 +1,7 @@
-"""Success weighted by path length (Anderson et al., 2018, "On evaluation of embodied navigation agents")."""
+"""Success rate and success weighted by path length (SPL).
+
+Source: Anderson et al., 2018, "On evaluation of embodied navigation agents".
+"""
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -14,7 +17,7 @@ def spl(
 ) -> float | None:
     """Mean over queries of success * shortest / max(travelled, shortest); None without a query.
 
-    A query that begins at its goal (both lengths 0) is worth its success.
+    A query that begins at its goal, with both lengths 0, counts as its success.
     """
     if not len(success):
         return None

@@ -1,4 +1,4 @@
-"""Distances and angles between poses: what loops and place recognition are judged by."""
+"""Distances and angles between poses, used to evaluate loops and place recognition."""
 
 import numpy as np
 from jaxtyping import Float64, Int

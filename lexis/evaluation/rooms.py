@@ -1,8 +1,8 @@
-"""How well predicted room instances are the true ones. All figures compare two partitions of the same keyframes.
+"""Accuracy of predicted room instances. All metrics compare two partitions of the same keyframes.
 
-An instance is an integer id; the true id of a keyframe is that of the room that holds the camera. So a room that was walked
-through without a keyframe, where frames were lost say, is in none of these figures, `count_error` included: how many rooms
-those are is told by `coverage` of result.json.
+An instance is an integer id; the true id of a keyframe is that of the room in which the camera was. A room without
+keyframes, for example because frames were lost, therefore enters none of these metrics, not even `count_error`. The number
+of such rooms is given by `coverage` in result.json.
 """
 
 import math
@@ -16,39 +16,42 @@ from lexis.evaluation.partitions import iou, overlap
 Instances = Int[np.ndarray, "n"]
 
 MATCH_IOU = 0.5
-"""Above it, at most one partner exists on either side, so that the matching is unique."""
+"""IoU above which two instances match; at 0.5, each instance has at most one match."""
 SHARE = 0.5
-"""A room that gives a cluster less than this share of itself, or fills less of it, is no split or merge there."""
+"""Smallest share of an instance that must lie in another one to count towards a split or merge."""
 
 
 @dataclass(frozen=True)
 class RoomScores:
-    """`rooms` of result.json. All figures are None for fewer than 2 keyframes, which cannot be grouped wrongly."""
+    """Metrics of room instances; the field `rooms` of result.json.
+
+    All are None for fewer than 2 keyframes, which cannot be grouped wrongly.
+    """
 
     pq: float | None
-    """Panoptic quality: the sum of matched IoU over (matches + half of the unmatched on both sides)."""
+    """Panoptic quality: the sum of the IoUs of matches, over the number of matches plus half the unmatched instances."""
     precision: float | None
-    """Share of predicted instances that are matched one to one at IoU > 0.5."""
+    """Share of predicted instances with a match (IoU > 0.5)."""
     recall: float | None
-    """Share of true instances that are."""
+    """Share of true instances with a match (IoU > 0.5)."""
     hydra_precision: float | None
-    """Hydra's: for every predicted instance, the largest share of it that one true instance covers; their mean."""
+    """Precision as defined by Hydra: the largest share of a predicted instance covered by one true instance, averaged."""
     hydra_recall: float | None
-    """Hydra's: for every true instance, the largest share of it that one predicted instance covers; their mean."""
+    """Recall as defined by Hydra: the largest share of a true instance covered by one predicted instance, averaged."""
     ari: float | None
     """Adjusted Rand index: agreement on pairs of keyframes, 0 for chance and 1 for equal partitions."""
     v_measure: float | None
     """Harmonic mean of homogeneity and completeness."""
     splits: int | None
-    """Predicted instances beyond the first that lie mostly (> half) in one and the same true instance."""
+    """Number of predicted instances that lie mostly (> half) in a true instance which already contains another one."""
     merges: int | None
-    """True instances beyond the first that lie mostly (> half) in one and the same predicted instance."""
+    """Number of true instances that lie mostly (> half) in a predicted instance which already contains another one."""
     count_error: int | None
-    """Predicted minus true number of instances, of those that hold keyframes."""
+    """Predicted minus true number of instances with keyframes."""
 
 
 def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:
-    """All figures of a partition of keyframes into rooms against the true one."""
+    """Compute all metrics of a predicted partition of keyframes into rooms."""
     if len(truth) < 2:
         return RoomScores(*[None] * 10)
     table = overlap(predicted, truth)
@@ -65,14 +68,17 @@ def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:
         hydra_recall=float(covered_of_true.max(axis=0).mean()),
         ari=adjusted_rand_index(table),
         v_measure=v_measure(table),
-        splits=_surplus(covered_of_predicted > SHARE, axis=0),
-        merges=_surplus(covered_of_true > SHARE, axis=1),
+        splits=_count_beyond_first(covered_of_predicted > SHARE, axis=0),
+        merges=_count_beyond_first(covered_of_true > SHARE, axis=1),
         count_error=p - t,
     )
 
 
 def adjusted_rand_index(table: Int[np.ndarray, "p t"]) -> float:
-    """Hubert and Arabie's index of two partitions, from their overlap; 1 where both are trivial in the same way."""
+    """Hubert and Arabie's adjusted Rand index of two partitions, from their overlap.
+
+    It is 1 if both partitions consist of a single instance, or both of single keyframes.
+    """
     together, in_predicted, in_truth = _pairs(table), _pairs(table.sum(axis=1)), _pairs(table.sum(axis=0))
     expected = in_predicted * in_truth / max(_pairs(table.sum(keepdims=True)), 1.0)
     largest = (in_predicted + in_truth) / 2
@@ -89,12 +95,12 @@ def v_measure(table: Int[np.ndarray, "p t"]) -> float:
     return float(2 * homogeneity * completeness / total) if total > 0 else 0.0
 
 
-def _surplus(belongs: Bool[np.ndarray, "p t"], axis: int) -> int:
+def _count_beyond_first(belongs: Bool[np.ndarray, "p t"], axis: int) -> int:
     return int(np.maximum(belongs.sum(axis=axis) - 1, 0).sum())
 
 
 def _pairs(counts: Int[np.ndarray, "..."]) -> float:
-    """Pairs of keyframes within groups of these sizes."""
+    """Number of pairs of keyframes within groups of the given sizes."""
     return float((counts * (counts - 1) / 2.0).sum())
 
 

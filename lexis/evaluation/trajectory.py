@@ -1,4 +1,4 @@
-"""Errors of a trajectory against the truth."""
+"""Errors of an estimated trajectory: absolute trajectory error and relative pose error."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -10,13 +10,14 @@ from lexis.types import Pose, Poses
 Points = Float64[np.ndarray, "n 3"]
 
 LEAST_POSES = 3
-"""With fewer, an alignment takes the error away, or leaves it free."""
+"""Smallest number of poses to evaluate: an alignment to fewer is ambiguous or removes the error."""
 
 
 def align(estimate: Points, truth: Points) -> Pose:
-    """T_truth_estimate: the rigid motion, without scale, that brings the estimate closest to the truth (Umeyama, 1991)."""
+    """T_truth_estimate, the rigid motion without scale that best aligns the estimate with the truth (Umeyama, 1991)."""
     centre, true_centre = estimate.mean(axis=0), truth.mean(axis=0)
     u, _, vt = np.linalg.svd((truth - true_centre).T @ (estimate - centre))
+    # Keeps the rotation right-handed where the SVD would give a reflection.
     handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
     result = np.eye(4)
     result[:3, :3] = u @ handed @ vt
@@ -25,7 +26,7 @@ def align(estimate: Points, truth: Points) -> Pose:
 
 
 def ate_rmse(estimate: Points, truth: Points) -> float | None:
-    """Absolute trajectory error: RMSE of positions after SE(3) alignment [m], as `evo_ape tum -a`; None for < 3 poses."""
+    """Absolute trajectory error: RMSE of positions after SE(3) alignment [m], as in `evo_ape tum -a`; None for < 3 poses."""
     if len(truth) < LEAST_POSES:
         return None
     T = align(estimate, truth)
@@ -36,8 +37,8 @@ def ate_rmse(estimate: Points, truth: Points) -> float | None:
 def rpe_translation(estimate: Poses, truth: Poses, delta_m: float) -> float | None:
     """Relative pose error: RMSE of the translation error over stretches of `delta_m` of true path [m].
 
-    Every pose begins a stretch, which ends at the first pose at least `delta_m` of path later; stretches may overlap. None
-    where the path is shorter.
+    Every pose begins a stretch, which ends at the first pose at least `delta_m` of path later, so stretches may overlap. The
+    result is None if the path is shorter than `delta_m`.
     """
     path = arc_length(truth[:, :3, 3])
     ends = np.searchsorted(path, path + delta_m)

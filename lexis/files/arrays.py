@@ -1,6 +1,6 @@
-"""Arrays from .npz files that are not trusted: their headers are read first, and only then what they promise.
+"""Reading of arrays from untrusted .npz files: all headers are checked before any array is read.
 
-numpy's own reader evaluates a header as Python source, and reads as much as the header says.
+numpy's own reader is not used, because it evaluates a header as Python source and allocates whatever size the header states.
 """
 
 import math
@@ -20,26 +20,26 @@ from lexis.files.reading import FileKind, open_file
 
 Arrays = Mapping[str, Shaped[np.ndarray, "..."]]
 Layout = Mapping[str, tuple[str, tuple[str | int, ...]]]
-"""Type and shape of arrays by name. The names of dimensions stand for one size each."""
+"""Types and shapes of arrays by name. A dimension is a size, or a name; dimensions of the same name have the same size."""
 
 _MAGIC = b"\x93NUMPY\x01\x00"
 _MAX_HEADER_BYTES = 4096
 _HEADER = re.compile(rb"\{'descr': '([<>|][a-zA-Z]\d{1,9})', 'fortran_order': (True|False), 'shape': \(([\d, ]*)\), \}\s*")
 _SIMPLE_KINDS = "biufU"
-"""Truth values, numbers and texts; of numpy's types none that refers to Python objects."""
+"""numpy's kinds of types that are accepted: booleans, numbers and texts, but no types that refer to Python objects."""
 
 
 def read_arrays(
     path: Path, kind: FileKind, layout: Layout | None = None, sizes: Mapping[str, int] | None = None, packed: bool = False
 ) -> dict[str, Shaped[np.ndarray, "..."]]:
-    """The arrays of an .npz file. Types, shapes and sizes are checked before any array is read. Raises the kind's error.
+    """Read the arrays of an .npz file; types, shapes and sizes are checked first. Raises the error of `kind`.
 
     Args:
-        path: of the file.
-        kind: its `max_bytes` bounds what all arrays need together, too.
-        layout: the arrays that there must be, and no others matter; None takes all.
-        sizes: of dimensions in the layout that are known beforehand.
-        packed: whether the file may be compressed; if not, the arrays cannot need more memory than the file has bytes.
+        path: the .npz file.
+        kind: expectations on the file; its `max_bytes` also bounds the total size of all arrays.
+        layout: the required arrays, which are the only ones read; None reads all arrays of the file.
+        sizes: sizes of named dimensions of the layout that are known beforehand.
+        packed: whether the file may be compressed; if not, the size of the file bounds the total size of all arrays.
     """
     with open_file(path, kind) as file:
         try:
@@ -53,8 +53,8 @@ def read_arrays(
         except _UnusableError as error:
             raise kind.refusal(path, error) from None
         except Exception as error:
-            # A damaged archive makes zipfile, its codecs and the C library raise what none of them documents: at the last
-            # count RuntimeError, NotImplementedError, EOFError, OSError and the error classes of zlib, lzma and struct.
+            # For damaged archives, zipfile and its codecs raise many undocumented types of errors: at the last count
+            # RuntimeError, NotImplementedError, EOFError, OSError and the error classes of zlib, lzma and struct.
             raise kind.refusal(path, f"{type(error).__name__}: {one_line(error, 100)}") from None
 
 
@@ -67,7 +67,7 @@ class _Header:
     """The header of an array in an archive: its type and its shape."""
 
     start: int
-    """Where the numbers begin [bytes]."""
+    """Offset of the array's data in the file [bytes]."""
     dtype: np.dtype[Any]
     shape: tuple[int, ...]
     fortran: bool
@@ -78,7 +78,7 @@ class _Header:
 
 
 def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zipfile.ZipInfo]:
-    """The members to read, by the name of their array."""
+    """The members of the archive to read, by the names of their arrays."""
     named = [(info.filename.removesuffix(".npy"), info) for info in archive.infolist() if info.filename.endswith(".npy")]
     members = dict(named)
     if len(members) < len(named):
@@ -89,7 +89,7 @@ def _members(archive: zipfile.ZipFile, wanted: set[str] | None) -> dict[str, zip
 
 
 def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
-    """The header in version 1.0 of the format, as numpy writes it; nothing of it is evaluated."""
+    """Parse a header in version 1.0 of numpy's format by a regular expression, without evaluating it."""
     with archive.open(member) as stream:
         start = stream.read(10)
         length = int.from_bytes(start[8:10], "little")
@@ -97,7 +97,7 @@ def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
             raise _UnusableError(f"array {member.filename!r} has no header of numpy's format 1.0")
         found = _HEADER.fullmatch(stream.read(length))
     if found is None:
-        raise _UnusableError(f"array {member.filename!r} has a header that says more or less than a simple type and a shape")
+        raise _UnusableError(f"array {member.filename!r} has a header with more or less than a simple type and a shape")
     dtype = np.dtype(found[1].decode())
     if dtype.kind not in _SIMPLE_KINDS:
         raise _UnusableError(f"array {member.filename!r} is of type {dtype}; valid: numbers")
@@ -115,7 +115,7 @@ def _check_sizes(headers: Mapping[str, _Header], limit: int) -> None:
 
 
 def _check_layout(headers: Mapping[str, _Header], layout: Layout, sizes: dict[str | int, int]) -> None:
-    """Raise _UnusableError unless types and shapes are those of the layout, and sizes agree."""
+    """Raise _UnusableError unless types and shapes fit the layout, and named dimensions have the same size everywhere."""
     for name, (kind, shape) in layout.items():
         found = headers[name]
         expected = tuple(size if isinstance(size, int) else sizes.get(size, size) for size in shape)

@@ -1,4 +1,4 @@
-"""A camera as JSON: intrinsics and its place on the body."""
+"""A camera as JSON: its intrinsics and its pose on the body."""
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
@@ -9,7 +9,7 @@ Row = tuple[float, float, float, float]
 
 
 class CameraData(BaseModel):
-    """A pinhole [px] and T_B_C, row by row [m]."""
+    """Intrinsics of a pinhole camera [px], and T_B_C row by row [m]."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -23,12 +23,12 @@ class CameraData(BaseModel):
 
     @staticmethod
     def of(camera: Camera) -> "CameraData":
-        """The data of a camera."""
+        """Convert a camera to its JSON data."""
         rows = [tuple(float(value) for value in row) for row in camera.T_B_C]
         return CameraData.model_validate({**vars(camera.intrinsics), "T_B_C": rows})
 
     def camera(self) -> Camera:
-        """The camera of the data; `lexis.inputs.check_camera` says whether it is usable."""
+        """Convert the JSON data to a camera; use `lexis.inputs.check_camera` to check its values."""
         values = self.model_dump(include=set(CameraData.model_fields))
         T_B_C = np.array(values.pop("T_B_C"), float)
         return Camera(Intrinsics(**values), T_B_C)

@@ -1,6 +1,6 @@
-"""The door for files from outside: regular files of bounded size alone, and one class of error for all that is wrong.
+"""Safe reading of untrusted files: only regular files of bounded size are read, and every problem raises one type of error.
 
-Nothing is unpickled, evaluated or followed into a pipe or a device, and no size is believed before it is checked.
+Nothing is unpickled or evaluated, pipes and devices are refused, and sizes stated in a file are checked before use.
 """
 
 import io
@@ -18,13 +18,13 @@ from pydantic import BaseModel, ValidationError
 from lexis.errors import LexisError, one_line
 
 MAX_LINE_CHARACTERS = 20_000
-"""A line of numbers has far fewer."""
+"""Largest length of a line; lines of numbers are far shorter."""
 _Model = TypeVar("_Model", bound=BaseModel)
 
 
 @dataclass(frozen=True)
 class FileKind:
-    """The expectations of a reader on a file, and the errors that it raises."""
+    """A reader's expectations on a file, and the errors that it raises if they are not met."""
 
     valid: str
     """A description of a valid file, for messages."""
@@ -32,21 +32,21 @@ class FileKind:
     """Largest size on disk."""
     error: type[ValueError] = LexisError
     missing: str = "cannot be read"
-    """Words of the message about a file that cannot be opened."""
+    """Words of the message if the file cannot be opened."""
     unusable: str = "cannot be used"
-    """Words of the message about a file that was opened, and whose content is wrong."""
+    """Words of the message if the file's content is wrong."""
 
     def refusal(self, path: Path, reason: object) -> ValueError:
-        """The error to raise about a file whose content is wrong; the reason is put on one short line."""
+        """The error to raise if a file's content is wrong; the reason is put on one short line."""
         return self.error(f"{path}: {self.unusable}: {one_line(reason)}; valid: {self.valid}")
 
     def unopened(self, path: Path, reason: object) -> ValueError:
-        """The error to raise about a file that cannot be opened."""
+        """The error to raise if a file cannot be opened; the reason is put on one short line."""
         return self.error(f"{path}: {self.missing}: {one_line(reason)}; valid: {self.valid}")
 
 
 def open_file(path: Path, kind: FileKind) -> IO[bytes]:
-    """Open a regular file of at most `max_bytes`. Raises the kind's error for any other.
+    """Open a regular file of at most `max_bytes`. Raises the error of `kind` for any other.
 
     Pipes and devices are refused, because reading them may never end.
     """
@@ -65,11 +65,11 @@ def _status(path: Path, kind: FileKind) -> os.stat_result:
     try:
         return os.stat(path)
     except ValueError:  # a null byte, or half of a surrogate pair
-        raise kind.unopened(path, "is no name of a file") from None
+        raise kind.unopened(path, "is not a valid file name") from None
 
 
 def read_bytes(path: Path, kind: FileKind) -> bytes:
-    """The content of a file. Raises the kind's error, also where the file is larger than its size says."""
+    """The content of a file. Raises the error of `kind`, also if the file turns out larger than its stated size."""
     with open_file(path, kind) as file:
         try:
             content = file.read(kind.max_bytes + 1)
@@ -81,7 +81,7 @@ def read_bytes(path: Path, kind: FileKind) -> bytes:
 
 
 def read_text(path: Path, kind: FileKind) -> str:
-    """The content of a text file in UTF-8, with or without a byte order mark. Raises the kind's error."""
+    """The content of a text file in UTF-8, with or without a byte order mark. Raises the error of `kind`."""
     try:
         return read_bytes(path, kind).decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -89,9 +89,9 @@ def read_text(path: Path, kind: FileKind) -> str:
 
 
 def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
-    """The lines of a text file that are neither blank nor begin with #, with their numbers from 1.
+    """Iterate over the lines of a text file, with numbers from 1; blank lines and lines that begin with # are skipped.
 
-    Raises the kind's error, which happens while the lines are taken.
+    Raises the error of `kind` during iteration, not at the call.
     """
     with open_file(path, kind) as file, io.TextIOWrapper(file, encoding="utf-8-sig") as text:
         try:
@@ -107,7 +107,7 @@ def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
 
 
 def read_json(path: Path, kind: FileKind) -> Any:
-    """The data of a JSON file. Raises the kind's error."""
+    """The data of a JSON file. Raises the error of `kind`."""
     text = read_text(path, kind)
     try:
         return json.loads(text)
@@ -115,12 +115,12 @@ def read_json(path: Path, kind: FileKind) -> Any:
         raise kind.refusal(path, "is nested too deeply") from None
     except json.JSONDecodeError as error:
         raise kind.refusal(path, f"is not JSON: {error}") from None
-    except ValueError:  # Python converts no whole numbers of more than 4300 digits
+    except ValueError:  # Python refuses to convert integers of more than 4300 digits
         raise kind.refusal(path, "has a number of too many digits") from None
 
 
 def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
-    """The data of a JSON file, validated. Raises the kind's error, which names the first field that is wrong."""
+    """The data of a JSON file, validated by `model`. Raises the error of `kind`, which names the first wrong field."""
     try:
         return model.model_validate_json(read_bytes(path, kind))
     except ValidationError as error:
@@ -130,15 +130,15 @@ def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
 
 
 def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
-    """The mapping of a YAML file, in which every scalar is text. Raises the kind's error.
+    """The mapping of a YAML file, in which every scalar is read as text. Raises the error of `kind`.
 
-    Anchors, merges and tags mean nothing here: files of calibration need none, and a few lines of them can stand for more
-    than memory holds.
+    Aliases are refused and tags are ignored: calibration files need neither, and a few lines with aliases can expand to more
+    data than memory holds.
     """
     text = read_text(path, kind).removeprefix("%YAML:1.0")
     try:
         data = yaml.load(text, Loader=_TextLoader)
-    except Exception as error:  # PyYAML raises its own errors, and Python's where the file is nested deeply or breaks a type
+    except Exception as error:  # PyYAML also passes on Python's errors, for deep nesting or wrong types
         raise kind.refusal(path, f"is not YAML: {one_line(error, 100)}") from None
     if not isinstance(data, dict):
         raise kind.refusal(path, "holds no keys")
@@ -146,7 +146,7 @@ def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
 
 
 class _TextLoader(yaml.BaseLoader):  # type: ignore[misc]
-    """Makes mappings, lists and texts, and refuses aliases."""
+    """Loads mappings, lists and texts, and refuses aliases."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):

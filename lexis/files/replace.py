@@ -1,4 +1,11 @@
-"""Files and folders that appear whole or not at all: written beside their place, then renamed."""
+"""Atomic writing of files and folders, which appear complete or not at all: write beside the target, then rename.
+
+1. Write the new file or folder into a hidden folder beside the target (`lexis.files.workshop`), on the same file system, so
+   that it can be renamed.
+2. Sync it to the disk, so that a power cut cannot leave a renamed but empty file.
+3. Rename it to the target. For a folder that exists, exchange the two names (`lexis.files.swap`), so that the target exists
+   at any time.
+"""
 
 import errno
 import os
@@ -12,19 +19,19 @@ from lexis.files.swap import swap, sync, sync_folder
 from lexis.files.workshop import clear, workshop
 
 _TRIES = 100
-"""How often a folder is put in its place while other processes put theirs there."""
+"""Number of attempts to replace a folder that other processes keep replacing too."""
 _OCCUPIED = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR)
 
 
 @contextmanager
 def replaced_file(path: Path) -> Iterator[Path]:
-    """A path beside `path`, where nothing is yet; the file written there takes its place when the block ends well.
+    """Give a temporary path; the file written to it replaces `path` if the `with` block ends without an exception.
 
-    A symbolic link is followed. Raises LexisError where the file cannot be written. If it is written and cannot take its
-    place, it is kept under a similar name, which the error tells.
+    A symbolic link is followed. Raises LexisError if the file cannot be written. If it was written but cannot be renamed to
+    `path`, it is kept under a similar name, which the error states.
     """
-    with _written(path, "a place with room for it, in a folder that exists"):
-        target = _followed(path)
+    with _os_errors_as_lexis_errors(path, "a place with room for it, in an existing folder"):
+        target = _resolved(path)
         if target.is_dir():
             raise LexisError(f"{path}: is a folder; valid: the name of a file")
         if target.exists() and not target.is_file():
@@ -32,98 +39,98 @@ def replaced_file(path: Path) -> Iterator[Path]:
         with workshop(target.parent) as folder:
             new = folder / "new" / target.name
             yield new
-            _put(path, new, target, lambda: new.replace(target))
+            _install(path, new, target, lambda: new.replace(target))
 
 
 @contextmanager
 def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
-    """An empty folder beside `path` that takes its place when the block ends well.
+    """Give an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
-    An earlier one is only replaced if it holds the file `marker`, or nothing; whoever looks, or kills this process, finds
-    the earlier or the new one, whole. A symbolic link is followed. Raises LexisError for any other folder, and where `path`
-    cannot be written. If the new folder is written and cannot take its place, it is kept under a similar name, which the
-    error tells.
+    An existing folder is only replaced if it is empty or holds the file `marker`. At any time, even if this process is
+    killed, `path` is either the complete old folder or the complete new one. A symbolic link is followed. Raises LexisError
+    if `path` is another folder or cannot be written. If the new folder was written but cannot be renamed to `path`, it is
+    kept under a similar name, which the error states.
     """
     check_replaceable(path, marker)
-    target = _followed(path)
-    with _written(path, "a place with room for it, where a folder can be made"):
+    target = _resolved(path)
+    with _os_errors_as_lexis_errors(path, "a place with room for it, where a folder can be made"):
         target.parent.mkdir(parents=True, exist_ok=True)
         with workshop(target.parent) as folder:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
-            _put(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, marker))
+            _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, marker))
 
 
 def check_replaceable(path: Path, marker: str) -> None:
-    """Raise LexisError unless `path` is free, an empty folder, or one of ours, known by its `marker`, and can be written.
+    """Raise LexisError unless `replaced_folder` could write to `path`: it is free, an empty folder, or holds `marker`.
 
-    For long work, that it does not end in vain; nothing is left behind.
+    Call this before long work whose result is written to `path`. It leaves nothing behind.
     """
     try:
-        target = _followed(path)
+        target = _resolved(path)
         clear(target.parent)
-        _check_ours(path, target, marker)
+        _check_may_replace(path, target, marker)
     except OSError as error:
-        raise LexisError(f"{path}: cannot be looked into: {error.strerror}; valid: a folder that can be made") from None
+        raise LexisError(f"{path}: cannot be accessed: {error.strerror}; valid: a folder that can be made") from None
     if os.path.ismount(target):
         raise LexisError(f"{path}: is a mount point, which cannot be replaced; valid: a folder inside it")
-    # What may be written is best found by writing: permissions say nothing of file systems.
+    # Permissions do not tell whether a file system can be written, so try it.
     place = next(folder for folder in target.parents if folder.exists())
-    with _written(path, "a folder that can be made"), workshop(place):
+    with _os_errors_as_lexis_errors(path, "a folder that can be made"), workshop(place):
         pass
 
 
-def _followed(path: Path) -> Path:
-    """Where `path` leads, all symbolic links followed. Raises OSError for a loop of them."""
+def _resolved(path: Path) -> Path:
+    """The path with all symbolic links resolved. Raises OSError if links form a loop."""
     target = Path(os.path.realpath(path))
     with suppress(FileNotFoundError, NotADirectoryError):
-        target.stat()
+        target.stat()  # raises OSError for a loop, which realpath ignores
     return target
 
 
-def _check_ours(path: Path, target: Path, marker: str) -> None:
-    """Raise LexisError unless there is nothing at `target`, an empty folder, or one that holds `marker`."""
+def _check_may_replace(path: Path, target: Path, marker: str) -> None:
+    """Raise LexisError unless `target` does not exist, is an empty folder, or holds `marker`. `path` is for messages."""
     try:
-        # One listing: between two looks another process may have put its folder there.
+        # One listing decides: between two system calls, another process may put its folder there.
         names = os.listdir(target)
     except FileNotFoundError:
         return
     except NotADirectoryError:
-        if not os.path.lexists(target):  # a folder above it is a file: whoever writes there finds that
+        if not os.path.lexists(target):  # a parent is a file, which is reported when writing
             return
         raise LexisError(f"{path}: is a file; valid: the name of a folder") from None
     if names and marker not in names:
-        raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier one of its kind")
+        raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier folder of this kind")
 
 
 @contextmanager
-def _written(path: Path, valid: str) -> Iterator[None]:
-    """Errors of the system as LexisError."""
+def _os_errors_as_lexis_errors(path: Path, valid: str) -> Iterator[None]:
+    """Convert an OSError of the `with` block to a LexisError."""
     try:
         yield
     except OSError as error:
         raise LexisError(f"{path}: cannot be written: {error.strerror or error}; valid: {valid}") from None
 
 
-def _put(path: Path, new: Path, target: Path, replace: Callable[[], object]) -> None:
-    """Replace `target` by `new`, which is on the disk before; if that fails, keep `new` under a similar name."""
+def _install(path: Path, new: Path, target: Path, replace: Callable[[], object]) -> None:
+    """Sync `new` to the disk, then replace `target` by it; if that fails, keep `new` under a similar name."""
     sync(new)
     try:
-        with _written(path, "a name that nobody else writes to"):
+        with _os_errors_as_lexis_errors(path, "a name that no other process writes to"):
             replace()
     except LexisError as error:
         kept = next(name for i in count(1) if not os.path.lexists(name := target.with_stem(f"{target.stem}-{i}")))
         new.rename(kept)
-        raise LexisError(f"{error}; what was to be written there is kept as {kept}") from None
+        raise LexisError(f"{error}; the new content is kept as {kept}") from None
     finally:
         sync_folder(target.parent)
 
 
 def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
-    """Put the folder `new` in the place of `target`, whatever other processes put there meanwhile.
+    """Rename the folder `new` to `target`, even if other processes replace `target` meanwhile.
 
-    Raises LexisError if what is there is not ours, and OSError.
+    Raises LexisError if `target` is a folder that may not be replaced, and OSError.
     """
     for _ in range(_TRIES):
         try:
@@ -132,21 +139,21 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str)
         except OSError as error:
             if error.errno not in _OCCUPIED:
                 raise
-        _check_ours(path, target, marker)
+        _check_may_replace(path, target, marker)
         try:
-            _swap_with_ours(path, new, target, old, marker)
+            _swap_checked(path, new, target, old, marker)
             return
         except OSError as error:
             if error.errno not in (errno.ENOENT, *_OCCUPIED):
                 raise
-    raise LexisError(f"{path}: other processes keep replacing it; valid: a name that nobody else writes to")
+    raise LexisError(f"{path}: other processes keep replacing it; valid: a name that no other process writes to")
 
 
-def _swap_with_ours(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
-    """Swap two folders; swap them back, and raise LexisError, if what was there turns out not to be ours."""
+def _swap_checked(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
+    """Swap two folders; if the old one turns out not to be replaceable, swap them back and raise LexisError."""
     replaced = swap(new, target, old)
     try:
-        _check_ours(path, replaced, marker)
+        _check_may_replace(path, replaced, marker)
     except LexisError:
         swap(replaced, target, old if replaced == new else new)
         raise

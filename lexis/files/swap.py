@@ -1,4 +1,4 @@
-"""Names of files and folders exchanged in one step where the system can, and contents brought to the disk before."""
+"""Operations for atomic replacement: exchange of two names in one step if the system can, and syncing to the disk."""
 
 import ctypes
 import errno
@@ -9,15 +9,15 @@ from contextlib import suppress
 from pathlib import Path
 
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
-"""Constants of Linux, the same on every architecture."""
+"""Linux constants, which are the same on all architectures."""
 _UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM, errno.EXDEV)
-"""Errors of a kernel, a file system or a sandbox that cannot exchange names."""
+"""Errors if the kernel, the file system or a sandbox does not support the exchange of names."""
 
 
 def swap(new: Path, target: Path, old: Path) -> Path:
-    """Give the folder `new` the name `target`; where the folder that had it is then: `new` or `old`.
+    """Rename the folder `new` to `target`; return the new path of the folder that was at `target`: `new` or `old`.
 
-    Where names cannot be exchanged, there is a moment at which nothing has the name and the earlier folder is at `old`.
+    If the system cannot exchange names, the earlier folder is first moved to `old`, and for a moment there is no `target`.
     Raises OSError, and FileNotFoundError if there is no `target`.
     """
     if exchange(new, target):
@@ -30,7 +30,7 @@ def swap(new: Path, target: Path, old: Path) -> Path:
 
 
 def move_folder(folder: Path, to: Path) -> None:
-    """Rename a folder, or copy and delete it where it cannot be renamed, as in a lower layer of an overlay file system."""
+    """Rename a folder, or copy and delete it if renaming fails, as in a lower layer of an overlay file system."""
     try:
         folder.rename(to)
     except OSError as error:
@@ -41,7 +41,7 @@ def move_folder(folder: Path, to: Path) -> None:
 
 
 def exchange(a: Path, b: Path) -> bool:
-    """Exchange what two paths name, in one step. False where the system cannot; raises OSError where it fails."""
+    """Exchange two paths in one step. Returns False if the system does not support it; raises OSError if it fails."""
     rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if sys.platform == "linux" else None
     if rename is None:
         return False
@@ -54,7 +54,7 @@ def exchange(a: Path, b: Path) -> bool:
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or a folder with all that it holds, is on the disk. Raises OSError."""
+    """Wait until a file, or a folder with all its contents, is on the disk. Raises OSError."""
     if path.is_dir():
         for inside in path.rglob("*"):
             if inside.is_dir():
@@ -67,7 +67,7 @@ def sync(path: Path) -> None:
 
 
 def sync_folder(path: Path) -> None:
-    """Wait until the names in a folder are on the disk, where the file system can do that."""
+    """Wait until the names in a folder are on the disk, if the file system supports that."""
     with suppress(OSError):
         _sync_file(path)
 

@@ -17,7 +17,7 @@ _FILE = FileKind("lines of 'stamp tx ty tz qx qy qz qw'", 200_000_000)
 
 
 def write_tum(path: Path, stamps: Sequence[float] | Float64[np.ndarray, "n"], poses: Poses) -> None:
-    """Write "stamp tx ty tz qx qy qz qw" lines, beside `path` first. Raises LexisError where that cannot be done."""
+    """Write stamps [s] and poses as lines of "stamp tx ty tz qx qy qz qw". Raises LexisError if writing fails."""
     quaternions = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True) if len(poses) else np.zeros((0, 4))
     rows = np.column_stack([stamps, poses[:, :3, 3], quaternions])
     text = "".join(f"{row[0]:.6f} {' '.join(f'{value:.9f}' for value in row[1:])}\n" for row in rows)
@@ -26,10 +26,11 @@ def write_tum(path: Path, stamps: Sequence[float] | Float64[np.ndarray, "n"], po
 
 
 def read_tum(path: Path) -> tuple[Float64[np.ndarray, "n"], Poses]:
-    """Stamps [s] and poses of a TUM file; lines that begin with # are skipped.
+    """Read stamps [s] and poses from a TUM file; lines that begin with # are skipped.
 
     Raises:
-        LexisError: it cannot be read, a line has not eight finite numbers or no unit quaternion, or stamps do not ascend.
+        LexisError: the file cannot be read, a line is not eight finite numbers with a unit quaternion, or stamps do not
+            ascend.
     """
     rows = np.array([_numbers(path, number, line) for number, line in numbered_lines(path, _FILE)]).reshape(-1, 8)
     if not len(rows):

@@ -1,11 +1,11 @@
-"""Hidden folders in which files and folders are made beside the place that they are for.
+"""Hidden temporary folders, in which files and folders are written before they are renamed to their target.
 
-    .lexis-PID-RANDOM/lock        locked as long as the process lives
-    .lexis-PID-RANDOM/new/NAME    what is being made; after an exchange of names, what it has replaced
-    .lexis-PID-RANDOM/old/NAME    where names cannot be exchanged: what is being replaced
+    .lexis-PID-RANDOM/lock        file that is locked as long as the process lives
+    .lexis-PID-RANDOM/new/NAME    the new content while it is written; after an exchange of names, the old content
+    .lexis-PID-RANDOM/old/NAME    the old content, only if the system cannot exchange names
 
-A process that was killed leaves its folder behind. The next one that writes to the same place removes it, and first gives
-back to a name what the killed process had taken away from it.
+A killed process leaves its temporary folder behind. The next process that writes to the same place removes it. If the killed
+process had moved the old content away from its target, the old content is moved back first.
 """
 
 import fcntl
@@ -22,15 +22,16 @@ _NAME = re.compile(r"\.lexis-(\d+)-\w+")
 
 @contextmanager
 def workshop(place: Path) -> Iterator[Path]:
-    """A hidden folder in `place`, with an empty folder `new` in it, that is removed at the end. Raises OSError."""
+    """Create a hidden folder in `place`, with an empty folder `new` in it; it is removed at the end. Raises OSError."""
     clear(place)
     folder = Path(tempfile.mkdtemp(prefix=f".lexis-{os.getpid()}-", dir=place))
     try:
         (folder / "new").mkdir()
         with (folder / "unlocked").open("w") as lock:
-            # Where locks do not work, nobody else gets this one either, and leaves the folder alone.
+            # If locking does not work here, other processes cannot lock the file either and leave the folder alone.
             with suppress(OSError):
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # Renamed only now, so that a file `lock` is never seen before it is locked.
             (folder / "unlocked").rename(folder / "lock")
             yield folder
     finally:
@@ -38,7 +39,7 @@ def workshop(place: Path) -> Iterator[Path]:
 
 
 def clear(place: Path) -> None:
-    """Remove from `place` what killed processes have left there; what they were replacing gets its name back."""
+    """Remove the temporary folders that killed processes left in `place`; old content is moved back to its target."""
     with suppress(OSError):
         for folder in place.iterdir():
             if _is_abandoned(folder):
@@ -46,27 +47,27 @@ def clear(place: Path) -> None:
 
 
 def restore(path: Path) -> None:
-    """Bring back the file or folder `path` if a process was killed while it replaced it."""
+    """Move the old content back to `path` if a process was killed while it replaced `path`."""
     target = Path(os.path.realpath(path))
     if not os.path.lexists(target):
         clear(target.parent)
 
 
 def _remove(folder: Path) -> None:
-    # Where a name cannot be given back, nothing may be deleted; the next process tries again.
+    # If old content cannot be moved back, nothing may be deleted; the next process tries again.
     with suppress(OSError):
         old = folder / "old"
         if old.is_dir():
             for kept in old.iterdir():
                 if not os.path.lexists(folder.parent / kept.name):
                     kept.rename(folder.parent / kept.name)
-            # Under another name, or a half-deleted one might be given back later.
+            # Renamed before deletion, because otherwise a half-deleted folder might be moved back later.
             old.rename(folder / "replaced")
         shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is_abandoned(folder: Path) -> bool:
-    """Whether a path is a workshop of this user whose process is dead."""
+    """Whether a path is a temporary folder of this user whose process no longer runs."""
     name = _NAME.fullmatch(folder.name)
     if name is None or folder.is_symlink() or folder.stat().st_uid != os.getuid():
         return False
@@ -75,12 +76,12 @@ def _is_abandoned(folder: Path) -> bool:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             return True
     except FileNotFoundError:
-        return not _lives(int(name[1]))
+        return not _is_running(int(name[1]))
     except OSError:
         return False
 
 
-def _lives(pid: int) -> bool:
+def _is_running(pid: int) -> bool:
     try:
         os.kill(pid, 0)
     except (ProcessLookupError, OverflowError):

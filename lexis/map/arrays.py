@@ -1,6 +1,7 @@
-"""A map's numbers as flat arrays, and back: the layout of `arrays.npz`.
+"""Conversion between a map and the flat arrays of `arrays.npz`.
 
-Ragged data lie behind one another, with a count per owner. The names of dimensions in `LAYOUT` stand for one size each.
+Data of varying length per keyframe or query are concatenated, with an array of their counts. In `LAYOUT`, dimensions of the
+same name have the same size.
 """
 
 import numpy as np
@@ -44,12 +45,12 @@ LAYOUT: Layout = {
 """Type and shape of every array."""
 
 _COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
-"""The array whose rows are counted by the owner."""
+"""For each array of counts, `feature_count` for example, the array whose rows it counts."""
 _ROUNDING = 1e-9
 
 
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
-    """The map's arrays; without `features` the keyframes lose their key points and landmarks."""
+    """The arrays of a map; without `features`, the key points and landmarks of the keyframes are left out."""
     keyframes, loops = map.keyframes, map.loops
     seen = keyframes if features else ()
     nothing = np.zeros(len(keyframes))
@@ -86,7 +87,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
 
 
 def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
-    """The keyframes of arrays that `check` has passed."""
+    """The keyframes of arrays that passed `check`."""
     keypoints = _split(arrays["keypoints"], arrays["feature_count"])
     descriptors = _split(arrays["descriptors"], arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
@@ -107,20 +108,23 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
 
 
 def unpack_loops(arrays: Arrays) -> tuple[LoopEdge, ...]:
-    """The loop edges."""
+    """The loop edges of arrays that passed `check`."""
     columns = zip(arrays["loop_query"].tolist(), arrays["loop_match"].tolist(), arrays["loop_inliers"].tolist(), strict=True)
     poses, covariances = arrays["loop_pose"], arrays["loop_covariance"]
     return tuple(LoopEdge(q, m, poses[i], covariances[i], inliers) for i, (q, m, inliers) in enumerate(columns))
 
 
 def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """The keyframes proposed for every query."""
+    """The query keyframes, each with the keyframes proposed for it, of arrays that passed `check`."""
     matches = _split(arrays["candidate_match"], arrays["candidate_count"])
     return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
 
 
 def check(arrays: Arrays) -> None:
-    """Raise MapError unless arrays of the layout's types and sizes are finite, and refer to what exists."""
+    """Raise MapError unless the values are finite and plausible, and all indices and counts fit the arrays they refer to.
+
+    The arrays must have the types and shapes of `LAYOUT`.
+    """
     for name, array in arrays.items():
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise MapError(f"array {name} has values that are not finite")
@@ -134,7 +138,7 @@ def check(arrays: Arrays) -> None:
         if not is_rigid(arrays[name], tolerance=1e-5).all():
             raise MapError(f"array {name} has a matrix that is no rigid motion")
         if np.abs(arrays[name]).max(initial=0.0) > MAX_POSITION_M:
-            raise MapError(f"array {name} has a place beyond {MAX_POSITION_M:g} m; valid: places on Earth")
+            raise MapError(f"array {name} has a position beyond {MAX_POSITION_M:g} m; valid: positions on Earth")
     for name in ("step_covariance", "loop_covariance"):
         if not usable_covariances(arrays[name]).all():
             raise MapError(f"array {name} has a matrix that is no covariance; valid: symmetric, positive semi-definite ones")
@@ -174,7 +178,7 @@ def _check_counts(arrays: Arrays, name: str) -> None:
 def _as_laid_out(name: str, column: object) -> Shaped[np.ndarray, "..."]:
     kind, shape = LAYOUT[name]
     array = np.asarray(column, kind)
-    # An empty list has lost the sizes of its elements.
+    # An array of an empty list has one dimension only.
     return array if array.ndim == len(shape) else array.reshape([s if isinstance(s, int) else 0 for s in shape])
 
 

@@ -1,4 +1,4 @@
-"""The encoder that belongs to a map: texts are compared with its keyframes by the model that saw them, and by no other."""
+"""A check that an encoder is the one that made a map, because embeddings of different models cannot be compared."""
 
 from lexis.errors import MapError
 from lexis.perception import Encoder
@@ -10,7 +10,7 @@ def check_encoder(map: LexisMap, encoder: Encoder) -> None:
     own = map.encoder
     if encoder.fingerprint != own.fingerprint:
         raise MapError(
-            f"the map was made with encoder {own.name!r}, weights {own.fingerprint[:8]}, but {encoder.name!r} at hand has "
+            f"the map was made with encoder {own.name!r}, weights {own.fingerprint[:8]}, but the given {encoder.name!r} has "
             f"weights {encoder.fingerprint[:8]}: similarities across weights mean nothing; valid: --encoder with the map's "
-            "own weights, or the recording mapped anew"
+            "own weights, or a new map of the recording"
         )

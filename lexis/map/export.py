@@ -1,4 +1,4 @@
-"""A map in the formats of other tools."""
+"""Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON and SVG."""
 
 import json
 from collections.abc import Callable
@@ -18,28 +18,28 @@ from lexis.maths.se3 import between
 from lexis.types import Covariance, LexisMap, Pose
 
 TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
-"""Order of our rotation-first tangents in g2o's information matrices."""
+"""Indices that reorder our rotation-first tangents for g2o's information matrices, which have translation first."""
 
 
 def export_map(map: LexisMap, format: str, path: Path) -> None:
-    """Write the map to a file in one of `FORMATS`. Raises LexisError for another, or where it cannot be written."""
+    """Write the map to a file in one of `FORMATS`. Raises LexisError if the format is unknown or writing fails."""
     if format not in FORMATS:
         raise LexisError(f"unknown format {format!r}; valid: {', '.join(FORMATS)}")
     FORMATS[format](map, path)
 
 
 def _tum(map: LexisMap, path: Path) -> None:
-    """Optimised poses: "stamp tx ty tz qx qy qz qw"."""
+    """Write the optimised poses as lines of "stamp tx ty tz qx qy qz qw"."""
     write_tum(path, [keyframe.stamp for keyframe in map.keyframes], map.T_W_B)
 
 
 def _kitti(map: LexisMap, path: Path) -> None:
-    """Optimised poses: the upper three rows of every T_W_B."""
+    """Write the optimised poses, the upper three rows of each T_W_B as one line."""
     _write(path, [" ".join(f"{value:.9e}" for value in pose[:3].ravel()) for pose in map.T_W_B])
 
 
 def _g2o(map: LexisMap, path: Path) -> None:
-    """The pose graph: optimised vertices, odometry edges, loop edges (all, whatever weight the kernel gave them)."""
+    """Write the pose graph: optimised vertices, odometry edges, and all loop edges whatever their robust weight."""
     vertices = [f"VERTEX_SE3:QUAT {i} {_pose(pose)}" for i, pose in enumerate(map.T_W_B)]
     steps = [_edge(a.id, b.id, between(a.T_O_B, b.T_O_B), b.step_covariance) for a, b in pairwise(map.keyframes)]
     loops = [_edge(loop.match, loop.query, loop.T_match_query, loop.covariance) for loop in map.loops]
@@ -47,12 +47,12 @@ def _g2o(map: LexisMap, path: Path) -> None:
 
 
 def _json(map: LexisMap, path: Path) -> None:
-    """Rooms, keyframes and loops with names, for people and for scripts in other languages."""
+    """Write rooms, keyframes and loops with their names, for people and for scripts in other languages."""
     _write(path, [json.dumps(summary(map), indent=1)])
 
 
 def _svg(map: LexisMap, path: Path) -> None:
-    """A picture: the plan of every floor with keyframes, rooms and loop edges."""
+    """Write a picture: the plan of every floor with keyframes, rooms and loop edges."""
     _write(path, [map_svg(map)])
 
 
@@ -66,7 +66,7 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
 
 
 def summary(map: LexisMap) -> dict[str, Any]:
-    """The map's meaning as plain data: positions in W [m], quaternions as x, y, z, w."""
+    """Rooms, keyframes and loops as plain data for JSON: positions in W [m], quaternions as x, y, z, w."""
     names = instance_names(map.rooms)
     room_of = {i: name for room, name in zip(map.rooms, names, strict=True) for i in room.keyframes}
     quaternions = Rotation.from_matrix(map.T_W_B[:, :3, :3]).as_quat(canonical=True)
@@ -100,9 +100,9 @@ def summary(map: LexisMap) -> dict[str, Any]:
 
 
 def _edge(a: int, b: int, T_a_b: Pose, covariance: Covariance) -> str:
-    """An EDGE_SE3:QUAT, its information in g2o's order and of the tangent as GTSAM reads and writes it.
+    """A line EDGE_SE3:QUAT, with the information matrix in g2o's order, of the tangent as GTSAM reads and writes it.
 
-    A step of exact odometry has no finite information: its covariance is raised to (0.1 mm, 0.1 mrad)².
+    (0.1 mm, 0.1 mrad)² is added to the covariance, because exact odometry would have infinite information.
     """
     information = np.linalg.inv(covariance + 1e-8 * np.eye(6))[np.ix_(TRANSLATION_FIRST, TRANSLATION_FIRST)]
     upper = " ".join(f"{value:.9g}" for value in information[np.triu_indices(6)])

@@ -1,4 +1,4 @@
-"""A map as a folder: `map.json` for what is few and named, `arrays.npz` for the numbers. Nothing is ever unpickled."""
+"""A map as a folder: `map.json` with camera, encoder and rooms, and `arrays.npz` with all arrays. Nothing is unpickled."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,7 @@ _ARRAYS_FILE = FileKind(_WRITTEN, 8_000_000_000, MapError, missing="no arrays of
 _STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
 _Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
 _EncoderName = Annotated[str, Field(max_length=10_000)]
-"""It may hold the path of a checkpoint."""
+"""The name of an encoder, which is long where it contains the path of a checkpoint."""
 
 
 class _Room(BaseModel):
@@ -55,10 +55,11 @@ class _Map(BaseModel):
 
 
 def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
-    """Write the map to a folder, which appears whole or not at all; an earlier map there is replaced.
+    """Write the map to a folder, which appears complete or not at all; an earlier map there is replaced.
 
-    Without `features`, key points and landmarks are left out: smaller, but no later walk can close loops with it.
-    Raises LexisError where the folder cannot be written, or holds something that is no map.
+    Without `features`, key points and landmarks are left out. The map is then smaller, but no later walk can close loops
+    with it.
+    Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
         schema=2,
@@ -75,7 +76,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
 
 
 def load_map(directory: Path) -> LexisMap:
-    """Read a map that `save_map` has written. Raises MapError for anything else."""
+    """Read a map that was written by `save_map`. Raises MapError for anything else."""
     restore(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
     sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names)}

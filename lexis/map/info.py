@@ -1,4 +1,4 @@
-"""A summary of a map: its figures as plain data, and as text for people."""
+"""A summary of a map, as plain data and as text."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from lexis.types import LexisMap
 
 
 def map_info(map: LexisMap) -> dict[str, Any]:
-    """The figures of a map as plain data: lengths in [m], times in [s]."""
+    """Numbers of keyframes, rooms and loops, and other properties of a map, as plain data; lengths in [m], times in [s]."""
     steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
     size = map.camera.intrinsics
     rooms = [
@@ -34,7 +34,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
 
 
 def info_text(info: dict[str, Any]) -> str:
-    """The figures of `map_info` as lines for people."""
+    """The data of `map_info` as lines of text."""
     width = max([4, *(len(room["name"]) for room in info["rooms"])])
     floors = ["stairs" if room["floor"] is None else room["floor"] for room in info["rooms"]]
     rooms = [

@@ -1,4 +1,4 @@
-"""A plan as directions for people: the rooms that the path passes through, its turns, and its stairs."""
+"""Directions in words for a planned path: the rooms that it passes through, its turns, and its stairs."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,27 +16,27 @@ from lexis.types import LexisMap
 TURN_RAD = np.radians(45.0)
 """Smallest change of heading that counts as a turn [rad]."""
 AROUND_RAD = np.radians(135.0)
-"""Smallest change of heading that is turning around [rad]."""
+"""Smallest change of heading that counts as turning around [rad]."""
 ALONG_M = 1.0
-"""Path before and after a point over which its two headings are taken [m]."""
+"""Length of path before and after a point over which the two headings at the point are measured [m]."""
 SAMPLE_M = 0.1
-"""Spacing of the points at which headings are compared [m]."""
+"""Spacing along the path of the points at which headings are compared [m]."""
 MIN_CLIMB_M = 0.5
-"""Smallest difference of height of keyframes on stairs that counts as going up or down [m]."""
+"""Smallest height difference over stairs that counts as going up or down [m]."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One direction."""
+    """One direction and its position on the path."""
 
     at_m: float
-    """Path from the start [m]."""
+    """Distance along the path from the start [m]."""
     text: str
     """The direction itself, for example "turn left" or "enter corridor 1 (floor 0)"."""
 
 
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
-    """Everything that happens along the path, in order: start, rooms, turns, stairs and arrival."""
+    """The directions along the path, in order: start, rooms entered, turns, stairs and arrival."""
     positions = map.T_W_B[list(plan.keyframes), :3, 3]
     path = arc_length(positions)
     steps = [*_rooms(map, plan, path), *_stairs(map, plan, path), *_turns(positions, path)]
@@ -44,7 +44,7 @@ def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
 
 
 def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
-    """A plan as plain data: rooms, length [m], directions, and keyframes with positions in W [m]."""
+    """A plan as plain data for JSON: rooms, length [m], directions, and keyframes with positions in W [m]."""
     names = (*instance_names(map.rooms), None)
     keyframes = [
         {"id": i, "position_m": map.T_W_B[i, :3, 3].tolist(), "room": names[map.room_of[i]], "label": map.label_of(i)}
@@ -67,7 +67,10 @@ def place(map: LexisMap, room: int) -> str:
 
 
 def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Start, arrival, and every room that is entered in between; keyframes of no room count as the room before."""
+    """Directions for the start, the arrival, and every room entered in between.
+
+    A keyframe that belongs to no room counts as part of the previous room.
+    """
     rooms = map.room_of[list(plan.keyframes)]
     known = np.maximum.accumulate(np.where(rooms >= 0, np.arange(len(rooms)), 0))
     rooms = _from_start_to_goal(rooms[known], plan)
@@ -77,7 +80,10 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
 
 
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
-    """Rooms along a path, where keyframes of a neighbour at its ends count as the plan's own rooms; see `innermost`."""
+    """Rooms along a path, changed so that they begin with the start and end with the goal.
+
+    This is necessary because the first and last keyframes of a plan may belong to neighbouring rooms; see `innermost`.
+    """
     rooms = rooms.copy()
     runs = stretches_of(rooms)
     starts = np.flatnonzero(rooms == plan.start.id)
@@ -88,7 +94,7 @@ def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarr
 
 
 def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """Every stretch on stairs that climbs, with the floor that it leads to where the path goes on there."""
+    """Directions for every stretch on stairs with a climb, with the floor that it leads to if the path continues there."""
     floors, heights = map.floors[list(plan.keyframes)], map.T_W_B[list(plan.keyframes), 2, 3]
     steps = []
     for run in stretches_of(np.equal(floors, NO_FLOOR)):
@@ -101,7 +107,11 @@ def _stairs(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[S
 
 
 def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]) -> list[Step]:
-    """The sharpest turn first, then the sharpest that does not overlap it, and so on."""
+    """Directions for the turns.
+
+    The sharpest turn is found first, then the sharpest that does not overlap it, and so on, since a turn changes the heading
+    at all samples around it but must be announced once.
+    """
     at = np.arange(ALONG_M / 2, path[-1] - ALONG_M / 2, SAMPLE_M)
     change = _heading_changes(positions, path, at)
     steps = []
@@ -116,7 +126,7 @@ def _turns(positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"]
 def _heading_changes(
     positions: Float64[np.ndarray, "n 3"], path: Float64[np.ndarray, "n"], at: Float64[np.ndarray, "k"]
 ) -> Float64[np.ndarray, "k"]:
-    """How much the heading differs after and before points of the path, positive to the left [rad]."""
+    """Change of heading from before to after points of the path, positive to the left [rad]."""
     before, here, after = (
         np.stack([np.interp(at + offset, path, positions[:, axis]) for axis in (0, 1)], axis=1)
         for offset in (-ALONG_M, 0.0, ALONG_M)

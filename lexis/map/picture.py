@@ -1,4 +1,4 @@
-"""A picture of a map as SVG: the plan of every floor side by side, keyframes in the colours of their rooms."""
+"""A picture of a map as SVG: the plans of all floors side by side, with keyframes in the colours of their rooms."""
 
 import colorsys
 from html import escape
@@ -12,9 +12,9 @@ from lexis.planner import MAX_STEP_M, MIN_LOOP_WEIGHT
 from lexis.types import LexisMap
 
 MARGIN_M = 1.5
-"""Free space around the keyframes [m]."""
+"""Width of the free space around the keyframes [m]."""
 TITLE_M = 1.0
-"""Height of the line above every plan [m]."""
+"""Height of the title above every plan [m]."""
 _GREY = "#8a8a8a"
 _STYLE = """text{font-family:sans-serif;text-anchor:middle}.name{font-size:.5px;paint-order:stroke;stroke:#fff;\
 stroke-width:.08px}.title{font-size:.6px;fill:#555}path{fill:none;stroke-linecap:round}.walk{stroke:#ccc;stroke-width:.06px}\
@@ -22,14 +22,14 @@ stroke-width:.08px}.title{font-size:.6px;fill:#555}path{fill:none;stroke-linecap
 
 
 def map_svg(map: LexisMap) -> str:
-    """An SVG file; x to the right and y up, all plans at one scale with a bar of one metre.
+    """The text of an SVG file, with x to the right and y up, and all plans at the same scale with a scale bar of one metre.
 
-    Keyframes on stairs are drawn small on every floor. Solid red lines are trusted loop edges, dashed ones are not trusted.
+    Keyframes on stairs are drawn on every floor as small dots. Red lines are loop edges: solid if trusted, dashed if not.
     """
     low = map.T_W_B[:, :2, 3].min(axis=0) - MARGIN_M
     size = map.T_W_B[:, :2, 3].max(axis=0) + MARGIN_M - low
     floors = sorted({int(floor) for floor in map.floors} - {NO_FLOOR}) or [NO_FLOOR]
-    # Seen from the upper left corner of its own plan, with y down.
+    # SVG coordinates: the origin is the upper left corner of each plan, and y points down.
     points = (map.T_W_B[:, :2, 3] - low) * [1, -1] + [0, size[1] + TITLE_M]
     plans = [
         f'<g transform="translate({i * size[0]:.2f} 0)">\n{_plan(map, points, f, size)}\n</g>' for i, f in enumerate(floors)
@@ -45,7 +45,7 @@ def map_svg(map: LexisMap) -> str:
 
 
 def _plan(map: LexisMap, points: Float64[np.ndarray, "n 2"], floor: int, size: Float64[np.ndarray, "2"]) -> str:
-    """The drawing of one floor."""
+    """The SVG elements of one floor."""
     here = np.asarray((map.floors == floor) | (map.floors == NO_FLOOR))
     title = "stairs alone" if floor == NO_FLOOR else f"floor {floor}"
     bar = f'<path d="M.5 {size[1] + TITLE_M - 0.4:.2f}h1" stroke="#555" stroke-width=".08"/>'
@@ -62,7 +62,7 @@ def _edges(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndar
     kinds = ["loop" if weight >= MIN_LOOP_WEIGHT else "doubted" for weight in map.loop_weights]
     edges = [*((edge, "walk") for edge in walked), *zip(loops, kinds, strict=True)]
     return [
-        f'<path class="{kind}" d="M{_at(points[a])}L{_at(points[b])}"/>' for (a, b), kind in edges if here[a] and here[b]
+        f'<path class="{kind}" d="M{_xy(points[a])}L{_xy(points[b])}"/>' for (a, b), kind in edges if here[a] and here[b]
     ]
 
 
@@ -78,7 +78,7 @@ def _dots(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarr
 
 
 def _names(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndarray, "n"]) -> list[str]:
-    """Names of rooms at the means of their keyframes, in their colours."""
+    """Room names, each at the mean of the room's keyframes and in the room's colour."""
     texts = []
     for room, name, colour in zip(map.rooms, instance_names(map.rooms), _colours(map), strict=False):
         members = [i for i in room.keyframes if here[i]]
@@ -89,11 +89,14 @@ def _names(map: LexisMap, points: Float64[np.ndarray, "n 2"], here: Bool[np.ndar
 
 
 def _colours(map: LexisMap) -> list[str]:
-    """A colour for every room, hues by the golden ratio so that neighbours in number differ; the last one for no room."""
+    """A colour for every room, and grey for no room at the end.
+
+    Hues are spaced by the golden ratio, so that rooms with consecutive ids get clearly different colours.
+    """
     hues = [(0.6 + 0.618034 * i) % 1.0 for i in range(len(map.rooms))]
     rgb = [colorsys.hls_to_rgb(hue, (0.35, 0.45)[i % 2], 0.75) for i, hue in enumerate(hues)]
     return [*("#" + "".join(f"{round(255 * value):02x}" for value in colour) for colour in rgb), _GREY]
 
 
-def _at(point: Float64[np.ndarray, "2"]) -> str:
+def _xy(point: Float64[np.ndarray, "2"]) -> str:
     return f"{point[0]:.2f} {point[1]:.2f}"

@@ -1,4 +1,4 @@
-"""Other room names for a map that exists: labels, rooms and floors anew from the stored embeddings, no image encoded."""
+"""Relabelling of an existing map with other room names, from the stored embeddings and without encoding images again."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,16 +14,16 @@ from lexis.types import LexisMap
 
 
 def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: Config | None = None) -> LexisMap:
-    """The map as it would be labelled with another vocabulary; poses, loops and candidates stay as they are.
+    """Derive labels, rooms and floors for another vocabulary; poses, loops and candidates stay as they are.
 
     Args:
-        map: keeps its embeddings; its old room names play no part.
+        map: the map to relabel; its old room names are ignored.
         room_names: the new vocabulary.
-        encoder: the one that made the map.
-        config: of labels and segmentation, as the map was made with.
+        encoder: the encoder that made the map.
+        config: should have the settings of labels and segmentation that the map was made with.
 
     Raises:
-        LexisError: the room names are unusable, or the encoder is another.
+        LexisError: the room names are unusable, or the encoder is not the one that made the map.
     """
     check_room_names(room_names)
     check_encoder(map, encoder)

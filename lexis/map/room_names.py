@@ -1,4 +1,4 @@
-"""Names of room instances: "office 1" and "office 2" where there are several, "kitchen" where there is one."""
+"""Names of room instances: "office 1" and "office 2" if there are several rooms of a label, "kitchen" if there is one."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from lexis.types import RoomInstance
 
 
 def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
-    """One unique name per room, in order; rooms of a label are numbered from 1 by their first keyframes."""
+    """One unique name per room, in the order of the rooms; several rooms of a label are numbered from 1 in that order."""
     total = Counter(room.label for room in rooms)
     seen: Counter[str] = Counter()
     names = []
@@ -18,13 +18,13 @@ def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
 
 
 def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
-    """The names of a vocabulary that no room got, in order."""
+    """The names of a vocabulary that no room has, in the order of the vocabulary."""
     used = {room.label for room in rooms}
     return tuple(name for name in names if name not in used)
 
 
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
-    """The room of that name, or all rooms of that label; none where nothing has it. Case and outer blanks do not matter."""
+    """The room of that name, else all rooms of that label; empty if there are none. Case and outer blanks are ignored."""
     wanted = name.strip().lower()
     exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)
     return exact or tuple(room for room in rooms if room.label.lower() == wanted)

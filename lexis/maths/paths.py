@@ -1,4 +1,4 @@
-"""Lengths along paths."""
+"""Arc length of paths."""
 
 import numpy as np
 from jaxtyping import Float64

@@ -1,4 +1,4 @@
-"""The pinhole: between pixels and points of the camera frame C."""
+"""The pinhole camera model: conversions between pixels and points in the camera frame C."""
 
 import numpy as np
 from jaxtyping import Float, Float64
@@ -7,13 +7,13 @@ from lexis.types import Intrinsics
 
 
 def project(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics) -> Float64[np.ndarray, "*batch 2"]:
-    """Pixels of points in C; points behind the camera are mirrored through it, so check ``z > 0`` as well."""
+    """Project points in C to pixels. Points behind the camera get pixels too, mirrored, so check ``z > 0`` as well."""
     focal, centre = _calibration(intrinsics)
     return np.asarray(points[..., :2] / points[..., 2:] * focal + centre)
 
 
 def project_jacobian(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrinsics) -> Float64[np.ndarray, "*batch 2 3"]:
-    """Derivative of `project` by the point [px/m]."""
+    """Jacobian of `project` with respect to the point [px/m]."""
     x, y, z = np.moveaxis(points, -1, 0)
     zero = np.zeros_like(x)
     u = np.stack([1 / z, zero, -x / z**2], axis=-1) * intrinsics.fx
@@ -22,7 +22,7 @@ def project_jacobian(points: Float64[np.ndarray, "*batch 3"], intrinsics: Intrin
 
 
 def rays(pixels: Float[np.ndarray, "*batch 2"], intrinsics: Intrinsics) -> Float64[np.ndarray, "*batch 3"]:
-    """Directions in C at depth 1 of pixels (not of unit length)."""
+    """Viewing rays of pixels in C, scaled to depth 1 (not to unit length)."""
     focal, centre = _calibration(intrinsics)
     plane = (pixels.astype(np.float64) - centre) / focal
     return np.concatenate([plane, np.ones((*plane.shape[:-1], 1))], axis=-1)

@@ -1,8 +1,8 @@
-"""Rotations as unit quaternions x y z w that give the same matrix, bit by bit, however often they are written and read.
+"""Rotations as unit quaternions x y z w that can be written and read any number of times without changing a bit.
 
-A matrix does not survive the way through a quaternion by itself: rounding moves its last digits every time. Here all
-components but one are multiples of 2**-40, which rounding errors cannot hide; that turns a rotation by 1e-12 rad at most,
-and after the first time by nothing.
+Usually, each conversion from a matrix to a quaternion and back changes the last digits by rounding. Here, all components of
+a quaternion but one are rounded to multiples of 2**-40, which is coarser than the rounding errors of a conversion. The first
+conversion thus changes a rotation by at most 1e-12 rad, and further conversions leave it as it is.
 """
 
 import numpy as np
@@ -15,11 +15,14 @@ Quaternions = Float64[np.ndarray, "n 4"]
 
 _GRID = 2.0**40
 _LARGE = 0.49
-"""Some component of every unit quaternion is larger."""
+"""Bound that at least one component of every unit quaternion exceeds in magnitude."""
 
 
 def as_quaternions(rotations: Float64[np.ndarray, "n 3 3"]) -> Quaternions:
-    """Unit quaternions x y z w, with w >= 0, of rotations that are orthonormal within 1e-6."""
+    """Unit quaternions x y z w, with w >= 0, of rotation matrices that are orthonormal within 1e-6.
+
+    One large component follows from the unit norm; the others are rounded to multiples of 2**-40.
+    """
     if not len(rotations):
         return np.zeros((0, 4))
     exact = Rotation.from_matrix(rotations).as_quat(canonical=True)
@@ -38,12 +41,12 @@ def as_rotations(quaternions: Quaternions) -> Float64[np.ndarray, "n 3 3"]:
 
 
 def pose_rows(poses: Poses) -> Float64[np.ndarray, "n 7"]:
-    """Poses as rows of tx ty tz qx qy qz qw [m]."""
+    """Convert poses to rows of tx ty tz qx qy qz qw [m]."""
     return np.column_stack([poses[:, :3, 3], as_quaternions(poses[:, :3, :3])])
 
 
 def poses_of(rows: Float64[np.ndarray, "n 7"]) -> Poses:
-    """The poses of rows of tx ty tz qx qy qz qw [m]; gives `pose_rows` the same rows back."""
+    """Convert rows of tx ty tz qx qy qz qw [m] to poses; `pose_rows` converts these back to exactly the same rows."""
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, :3] = as_rotations(rows[:, 3:])
     poses[:, :3, 3] = rows[:, :3]

@@ -8,7 +8,7 @@ Transforms = Float64[np.ndarray, "*batch 4 4"]
 
 
 def inverse(T_a_b: Transforms) -> Transforms:
-    """``T_b_a``, by the transpose instead of a general inversion."""
+    """The inverse ``T_b_a``, computed by transposing the rotation instead of a general matrix inversion."""
     rotation = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
     result = np.zeros_like(T_a_b)
     result[..., :3, :3] = rotation
@@ -20,17 +20,17 @@ def inverse(T_a_b: Transforms) -> Transforms:
 def between(
     T_a_b: Float64[np.ndarray, "*first 4 4"], T_a_c: Float64[np.ndarray, "*second 4 4"]
 ) -> Float64[np.ndarray, "*out 4 4"]:
-    """``T_b_c``: the second pose seen from the first. Leading axes broadcast."""
+    """The relative pose ``T_b_c`` of the second pose in the frame of the first. Leading axes broadcast."""
     return np.asarray(inverse(T_a_b) @ T_a_c)
 
 
 def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
-    """Points of frame b in frame a."""
+    """Transform points from frame b to frame a."""
     return np.asarray(points @ T_a_b[:3, :3].T + T_a_b[:3, 3])
 
 
 def skew(vectors: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3 3"]:
-    """``[v]x``, so that ``skew(v) @ w == cross(v, w)``."""
+    """The skew-symmetric matrix ``[v]x`` with ``skew(v) @ w == cross(v, w)``."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)
     rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
@@ -38,17 +38,17 @@ def skew(vectors: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batc
 
 
 def exp(tangents: Float64[np.ndarray, "*batch 6"]) -> Transforms:
-    """The motion that a constant twist ``(rotation [rad], translation [m])`` makes in unit time."""
+    """The exponential map: the motion of a constant twist ``(rotation [rad], translation [m])`` in unit time."""
     return RigidTransform.from_exp_coords(tangents).as_matrix()
 
 
 def log(T: Transforms) -> Float64[np.ndarray, "*batch 6"]:
-    """The inverse of `exp`."""
+    """The logarithm, the inverse of `exp`."""
     return RigidTransform.from_matrix(T).as_exp_coords()
 
 
 def adjoint(T: Transforms) -> Float64[np.ndarray, "*batch 6 6"]:
-    """``Ad`` with ``T @ exp(x) == exp(Ad @ x) @ T``."""
+    """The adjoint matrix ``Ad`` with ``T @ exp(x) == exp(Ad @ x) @ T``."""
     rotation = T[..., :3, :3]
     result = np.zeros((*T.shape[:-2], 6, 6))
     result[..., :3, :3] = result[..., 3:, 3:] = rotation
@@ -59,7 +59,7 @@ def adjoint(T: Transforms) -> Float64[np.ndarray, "*batch 6 6"]:
 def compose_covariance(
     first: Float64[np.ndarray, "6 6"], T_second: Float64[np.ndarray, "4 4"], second: Float64[np.ndarray, "6 6"]
 ) -> Float64[np.ndarray, "6 6"]:
-    """Covariance of ``T_first @ T_second`` to first order, both perturbed independently on the right [rad², m²]."""
+    """Covariance of ``T_first @ T_second`` to first order, for independent perturbations on the right [rad², m²]."""
     Ad = adjoint(inverse(T_second))
     return np.asarray(Ad @ first @ Ad.T + second)
 
@@ -72,9 +72,9 @@ def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
 
 
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
-    """Whether the matrices are finite, orthonormal, right-handed and homogeneous within the tolerance."""
+    """Whether matrices are finite, with 0 0 0 1 as last row and a right-handed, orthonormal (within tolerance) rotation."""
     R = T[..., :3, :3]
-    with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN are an answer here
+    with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
         orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
         right_handed = np.einsum("...i,...i", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0
     homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)

@@ -1,4 +1,4 @@
-"""Runs: maximal stretches of equal values in a sequence."""
+"""Division of a sequence into stretches (runs): maximal sequences of equal consecutive values."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -8,19 +8,19 @@ from jaxtyping import Shaped
 
 
 class Stretch(NamedTuple):
-    """Indices ``start`` to ``stop - 1``."""
+    """A stretch of a sequence: the indices ``start`` to ``stop - 1``."""
 
     start: int
     stop: int
 
     @property
     def slice(self) -> slice:
-        """For indexing arrays."""
+        """The stretch as a slice, for indexing arrays."""
         return slice(self.start, self.stop)
 
 
 def stretches_of(values: Shaped[np.ndarray, "n"]) -> list[Stretch]:
-    """The runs of equal consecutive values, in order; together they cover the sequence."""
+    """The stretches of equal consecutive values, in order; together they cover the sequence."""
     if not len(values):
         return []
     changes = np.flatnonzero(values[1:] != values[:-1]) + 1

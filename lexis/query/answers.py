@@ -1,4 +1,12 @@
-"""Rooms and keyframes that fit a question in free words, such as "where can I wash my hands"."""
+"""Answers to questions in natural language, such as "where can I wash my hands": rooms and keyframes that fit.
+
+1. Turn the question into captions, the texts that the encoder was trained on (`lexis.query.questions`). A question may have
+   several readings.
+2. Embed each reading as the mean of its captions, and compare it with the embeddings of all keyframes.
+3. Score each room by the mean similarity of its best views, because most of its views may not show what is asked for.
+4. With a calibration, convert the scores to probabilities (`lexis.query.calibration`).
+5. Return the rooms and keyframes of the reading that some room fits best.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,27 +24,27 @@ from lexis.query.questions import Captions, read_question
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5
-"""Images that speak for a room: most of its views may show nothing of what is asked for."""
+"""Number of best views that a room is scored by; most of its views may not show what is asked for."""
 FITS = 0.5
-"""Probability from which on a room is an answer."""
+"""Smallest probability of a room that counts as an answer."""
 
 
 class RoomFit(NamedTuple):
-    """A room, and how well it fits."""
+    """A room and how well it fits the question."""
 
     room: RoomInstance
     similarity: float
-    """Mean cosine similarity of the text with the room's best views."""
+    """Mean cosine similarity between the text and the room's best views."""
     probability: float | None
-    """That the room is, or shows, what was asked for; None without a calibration."""
+    """Probability that the room is, or shows, what was asked for; None without a calibration."""
     keyframe: int
-    """Where it fits best."""
+    """Id of the room's keyframe that fits best."""
     negated: bool = False
-    """Whether the probability is that of the contrary, and the similarity is with what is not wanted."""
+    """Whether the question is negated; then `similarity` is with what is not wanted, and `probability` of not fitting it."""
 
 
 class KeyframeFit(NamedTuple):
-    """A keyframe, and the cosine similarity of its image with the text."""
+    """A keyframe and the cosine similarity between its image and the text."""
 
     keyframe: int
     similarity: float
@@ -44,42 +52,42 @@ class KeyframeFit(NamedTuple):
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything in the map by how well it fits, the best first."""
+    """All rooms and keyframes of the map, the best-fitting first."""
 
     rooms: tuple[RoomFit, ...]
     keyframes: tuple[KeyframeFit, ...]
 
     @property
     def unknown(self) -> bool:
-        """Whether nothing in the map fits; never without a calibration."""
+        """Whether no room fits; always False without a calibration."""
         best = self.rooms[0].probability
         return best is not None and best < FITS
 
 
 def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration | None = None) -> Answer:
-    """Rank all rooms and keyframes of the map; its room names play no part.
+    """Rank all rooms and keyframes of the map by how well they fit a question; the map's room names are not used.
 
-    Of the readings of a question, the one that a room fits best counts.
-    A negated question ("not a kitchen") ranks the other way round: similarities are those with what is not wanted, and a
-    probability is that of the contrary.
+    If a question has several readings, the one that some room fits best is used.
+    For a negated question ("not a kitchen"), similarities are with what is not wanted, the smallest come first, and
+    probabilities are those of not fitting.
 
     Args:
-        map: where to search.
-        text: in any words that the encoder understands.
-        encoder: the one that made the map.
-        calibration: of that encoder, for probabilities.
+        map: the map to search.
+        text: the question.
+        encoder: the encoder that made the map.
+        calibration: the encoder's calibration, needed for probabilities.
 
     Raises:
-        LexisError: the text is blank or negates a part of itself, the map has no rooms, or the encoder is another than the
-            map's.
+        LexisError: the text is blank, too long or negates only a part of itself, the map has no rooms, or the encoder is not
+            the one that made the map.
     """
     question = read_question(text)
     if not map.rooms:
         raise LexisError("the map has no rooms; valid: one with at least one")
     check_encoder(map, encoder)
-    readings = np.stack([_embedded(captions, encoder) for captions in question.readings])
+    readings = np.stack([_embed(captions, encoder) for captions in question.readings])
     images = np.array([keyframe.embedding for keyframe in map.keyframes])
-    answers = [_ranked(map, settled(images.astype(np.float64) @ reading), question.negated) for reading in readings]
+    answers = [_rank(map, settled(images.astype(np.float64) @ reading), question.negated) for reading in readings]
     if calibration is None:
         return max(answers, key=lambda answer: answer.rooms[0].similarity)
     likely = [_likely(answer, calibration, reading, encoder) for answer, reading in zip(answers, readings, strict=True)]
@@ -87,20 +95,20 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
 
 
 def embed_questions(texts: Sequence[str], encoder: TextEncoder) -> Float32[np.ndarray, "texts d"]:
-    """Embed every question, of unit norm: the mean over the captions of its first reading.
+    """Embed every question by the normalised mean over the captions of its first reading.
 
     Raises LexisError for a question that `read_question` refuses.
     """
-    return np.stack([_embedded(read_question(text).readings[0], encoder) for text in texts])
+    return np.stack([_embed(read_question(text).readings[0], encoder) for text in texts])
 
 
-def _embedded(captions: Captions, encoder: TextEncoder) -> Float32[np.ndarray, "d"]:
+def _embed(captions: Captions, encoder: TextEncoder) -> Float32[np.ndarray, "d"]:
     mean = encoder.encode_texts(captions).mean(axis=0)
     return np.asarray(mean / np.linalg.norm(mean), np.float32)
 
 
-def _ranked(map: LexisMap, fits: Float[np.ndarray, "n"], negated: bool) -> Answer:
-    """Rooms and keyframes by similarity: the greatest first, or the least where the question is negated."""
+def _rank(map: LexisMap, fits: Float[np.ndarray, "n"], negated: bool) -> Answer:
+    """Rank rooms and keyframes by similarity: the largest first, or the smallest first if the question is negated."""
     sign = -1.0 if negated else 1.0
     of_rooms = [float(best_views(fits[list(room.keyframes), None])[0]) for room in map.rooms]
     best_keyframes = [room.keyframes[int((sign * fits[list(room.keyframes)]).argmax())] for room in map.rooms]
@@ -114,7 +122,7 @@ def _ranked(map: LexisMap, fits: Float[np.ndarray, "n"], negated: bool) -> Answe
 
 
 def _likely(answer: Answer, calibration: Calibration, question: Float32[np.ndarray, "d"], encoder: TextEncoder) -> Answer:
-    """The answer with probabilities."""
+    """Add probabilities to an answer."""
     similarities = np.array([[fit.similarity] for fit in answer.rooms])
     p = calibration.probabilities(similarities, question[None], encoder)[:, 0]
     rooms = (fit._replace(probability=float(1.0 - q if fit.negated else q)) for fit, q in zip(answer.rooms, p, strict=True))
@@ -122,5 +130,5 @@ def _likely(answer: Answer, calibration: Calibration, question: Float32[np.ndarr
 
 
 def best_views(similarities: Float[np.ndarray, "n texts"]) -> Float[np.ndarray, "texts"]:
-    """How well a room fits every text: the mean over the best of its n views."""
+    """Score of a room for every text: the mean over the best of its n views."""
     return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))

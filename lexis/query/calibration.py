@@ -1,9 +1,9 @@
-"""Probabilities of answers: fitted to an encoder where the truth is known, kept beside its weights.
+"""Calibration of an encoder: a model that converts similarities to probabilities, fitted where the truth is known.
 
     p = sigmoid((similarity - threshold) / temperature),  threshold = base + slope * familiarity
 
-The familiarity of a text is its greatest cosine similarity with the names of rooms that the encoder was calibrated with:
-what an encoder knows well, it resembles more where it is and where it is not.
+The familiarity of a text is its largest cosine similarity to the room names that were used for the calibration. The
+threshold depends on it, because texts that an encoder knows well have larger similarities to all images, right or wrong.
 """
 
 import json
@@ -29,12 +29,12 @@ _FILE = FileKind("a file of calibrate-queries", 1_000_000)
 
 @dataclass(frozen=True)
 class Calibration:
-    """Of one encoder's similarities between a text and the best views of a room."""
+    """Calibration of one encoder's similarities between a text and the best views of a room."""
 
     fingerprint: str
-    """Of the encoder's weights."""
+    """Fingerprint of the encoder."""
     room_names: tuple[str, ...]
-    """That familiarity is measured by."""
+    """Room names from which the familiarity of a text is computed."""
     base: float
     slope: float
     temperature: float
@@ -42,12 +42,12 @@ class Calibration:
     def probabilities(
         self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """Probabilities that rooms are, or show, the thing that texts ask for, if every second question has an answer.
+        """Probabilities that rooms are, or show, what the texts ask for, if half of the questions have an answer.
 
         Args:
-            similarities: of every room's best views with every text.
+            similarities: mean similarity of every room's best views to every text.
             questions: embeddings of the texts, unit norm.
-            encoder: the one that is calibrated.
+            encoder: the encoder that was calibrated.
         """
         thresholds = self.base + self.slope * familiarity(questions, self.room_names, encoder)
         return np.asarray(expit((similarities - thresholds) / self.temperature))
@@ -56,7 +56,7 @@ class Calibration:
 def familiarity(
     questions: Float32[np.ndarray, "texts d"], room_names: Sequence[str], encoder: TextEncoder
 ) -> Float[np.ndarray, "texts"]:
-    """How near every text, by its embedding, comes to the name of a room: cosine similarity with the nearest."""
+    """Familiarity of every text: the cosine similarity of its embedding to the most similar room name."""
     return np.asarray((questions @ encoder.encode_texts(room_names).T).max(axis=1))
 
 
@@ -74,22 +74,22 @@ class _Calibration(BaseModel):
 
 
 def save_calibration(calibration: Calibration, path: Path) -> None:
-    """Write a file that `load_calibration` reads. Raises LexisError where it cannot be written."""
+    """Write a file that `load_calibration` reads. Raises LexisError if it cannot be written."""
     data = _Calibration(schema=1, **vars(calibration)).model_dump(by_alias=True)
     with replaced_file(path) as beside:
         beside.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
 
 def load_calibration(path: Path) -> Calibration:
-    """Read what `save_calibration` wrote. Raises LexisError for anything else."""
+    """Read a file that was written by `save_calibration`. Raises LexisError for anything else."""
     data = read_model(path, _FILE, _Calibration)
     return Calibration(**data.model_dump(exclude={"schema_version"}))
 
 
 def calibration_of(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
-    """The calibration at `path`, else the one that ships with `mini` if it is this encoder's; None where there is none.
+    """The calibration at `path`, or without a path the one that ships with `mini` if it belongs to this encoder, or None.
 
-    Raises LexisError for a file that cannot be used, or was fitted to other weights.
+    Raises LexisError if the file is unusable or was fitted to another encoder.
     """
     if path is None:
         shipped = load_calibration(MINI_CALIBRATION) if MINI_CALIBRATION.exists() else None

@@ -1,7 +1,13 @@
-"""The content of a question, apart from its wording: "where can I cook?" and "a place to cook" are one question.
+"""Conversion of a question to captions: "where can I cook?" and "a place to cook" give the same captions.
 
-An encoder that reads captions takes every word for a part of the picture, so that "I need the toilet" resembles neither a
-toilet nor its room. The words that only ask are therefore taken off, and what is left is put into captions again.
+An encoder that was trained on captions takes every word for a part of the picture, so that "I need the toilet" resembles
+neither a toilet nor its room. The conversion therefore has these steps:
+
+1. Normalise the text: lower case, no punctuation at the end, no contractions.
+2. Strip the words that only ask ("where can I", "please"), which leaves the content: a thing, a room or an activity.
+3. Recognise a negation ("not a kitchen"), because encoders do not understand negations.
+4. Put the content into several captions, so that no single wording decides.
+5. Add readings for rooms and things that serve the same need, such as the bathroom for a question about the toilet.
 """
 
 import re
@@ -11,16 +17,16 @@ from lexis.encoder.prompts import with_article
 from lexis.errors import LexisError
 
 MAX_CHARACTERS = 500
-"""Longest question that is read: the time to read one grows with the square of its length."""
+"""Length of the longest accepted question; the time to convert a question grows with the square of its length."""
 THING_CAPTIONS = ("{}", "{a}", "a photo of {a}", "a view of {a}")
-"""Around a thing or the name of a room, {a} with its article."""
+"""Captions for a thing or the name of a room, {a} with its article."""
 ACTIVITY_CAPTIONS = (
     "{}", "a place to {}", "where can I {}", "a room to {} in", "where to {}", "I want to {}", "a room where people {}",
 )  # fmt: skip
-"""Around what somebody does."""
+"""Captions for an activity."""
 
 Captions: TypeAlias = tuple[str, ...]
-"""Texts that say the same, of which the mean embedding counts."""
+"""Captions with the same meaning, which are embedded together as the mean of their embeddings."""
 
 _THE = r"(?:the|a|an|my|our|your|his|her|their|some|any|this|that)"
 _WHO = r"(?:i|we|you|one|people|they|somebody|someone|anybody|anyone)"
@@ -30,11 +36,11 @@ _VAGUE = r"(?:good|best|better|nice|quiet|calm|cosy|cozy|comfortable|suitable|ri
 _PLACE = rf"(?:(?:an?|the|some|any) )?(?:{_VAGUE} )*(?:place|spot|room|area|space|corner|somewhere|anywhere)(?: {_VAGUE})?"
 
 
-def _leads(*alternatives: str) -> re.Pattern[str]:
+def _lead_in(*alternatives: str) -> re.Pattern[str]:
     return re.compile(f"(?:{'|'.join(alternatives)}) ")
 
 
-_TO_A_THING = _leads(
+_TO_A_THING = _lead_in(
     rf"where (?:is|are|was|were)(?= {_THE} )",
     rf"where {_CAN} {_WHO} (?:find|see|put|leave|keep|look for|get to|go for)(?= {_THE} )",
     rf"{_WANT}(?= {_THE} )",
@@ -48,20 +54,20 @@ _TO_A_THING = _leads(
     rf"{_PLACE} (?:with|(?:that|which) (?:has|contains))(?! (?:no|not) )",
     rf"inside(?= {_THE} )|an? (?:wide )?(?:photo|picture|photograph|image|view) (?:of|taken in)",
 )
-"""Words that stand before a thing or a room."""
-_TO_AN_ACTIVITY = _leads(
+"""Words before a thing or a room."""
+_TO_AN_ACTIVITY = _lead_in(
     rf"(?:where|how|when) {_CAN} {_WHO}(?: best)?|(?:can|could|may) {_WHO}|where to|{_WANT} to",
     rf"{_PLACE} (?:to|where {_WHO}(?: {_CAN})?)",
 )
-"""Words that stand before an activity."""
-_POLITE = _leads(
+"""Words before an activity."""
+_POLITE = _lead_in(
     r"please,?|hello,?|hi,?|hey,?|robot,?|excuse me,?", r"(?:can|could|would|will) you(?: please)?(?= \w+ (?:me|us|to) )"
 )
 _TRAILING = re.compile(
     r"(?:,? (?:please|here|there|now|somewhere|anywhere|around|nearby|in it|in a room"
     r"|in (?:a|this|the|my|our) (?:house|home|flat|building)))+$"
 )
-_NEGATION = _leads(
+_NEGATION = _lead_in(
     rf"not(?: in)?(?= {_THE} )|not(?= \w+$)",
     r"(?:any|every)(?:thing|where) (?:but|except|other than)",
     r"(?:all|any|every)(?: rooms?)? (?:but|except|other than)",
@@ -70,7 +76,7 @@ _NEGATION = _leads(
 _NEGATED_PART = re.compile(r"\b(?:without|with no|except|but not|not(?= (?:an?|the|in|my|our) ))\b")
 _ARTICLE = re.compile(rf"^{_THE} (?=\w)")
 _ROOM_TO = re.compile(r".*\broom to .* in$")
-_SHORT = {"’": "'", "i'm": "i am", "i'd": "i would", "we'd": "we would", "we're": "we are", "where's": "where is"}
+_CONTRACTIONS = {"’": "'", "i'm": "i am", "i'd": "i would", "we'd": "we would", "we're": "we are", "where's": "where is"}
 
 _SERVED_BY = (
     (re.compile(r"\b(?:toilet|loo|wc|lavatory)\b"), ("bathroom",)),
@@ -79,52 +85,55 @@ _SERVED_BY = (
     (re.compile(r"\b(?:hungry|something to eat)\b"), ("kitchen", "dining room")),
     (re.compile(r"\b(?:relax|unwind)\b"), ("sofa",)),
 )
-"""Words, and the rooms and things that also serve whoever says them."""
+"""Words of a question, each with rooms or things that serve the same need."""
 
 
 class Question(NamedTuple):
-    """A question as an encoder shall read it."""
+    """A question as captions for an encoder."""
 
     readings: tuple[Captions, ...]
-    """Meanings of the question: first the literal one, then those that serve the same need. One that fits is enough."""
+    """The literal reading of the question, then readings that serve the same need. A room need only fit one of them."""
     negated: bool
-    """Whether it asks for what does not fit the first of them."""
+    """Whether the question asks for rooms that do not fit the first reading."""
 
 
 def read_question(text: str) -> Question:
-    """The content of a question, as captions.
+    """Convert a question to captions.
 
-    Words that no rule knows stay as they are: one reading of one caption, the text itself.
+    If no rule applies, the question has one reading with one caption: the text itself.
 
     Raises:
         LexisError: the text is blank or too long, or negates only a part of what it asks for.
     """
     if len(text) > MAX_CHARACTERS:
         raise LexisError(f"the question has {len(text)} characters; valid: at most {MAX_CHARACTERS} characters")
-    plain = _plain(text)
+    plain = _normalise(text)
     if not plain:
         raise LexisError("the question is blank; valid: some words")
-    content, captions = _peeled(plain)
+    content, captions = _strip_lead_ins(plain)
     if negation := _NEGATION.match(content):
         content, captions = _ARTICLE.sub("", content[negation.end() :], count=1), THING_CAPTIONS
     if part := _NEGATED_PART.search(content):
         raise LexisError(
-            f"the question {text.strip()!r} says {part[0]!r} of a part of it, which images do not show; "
-            'valid: what to look for, or "not a kitchen" for all rooms that are none'
+            f"the question {text.strip()!r} negates a part of itself by {part[0]!r}, and images do not show what is absent; "
+            'valid: what to look for, or "not a kitchen" for all rooms that are no kitchen'
         )
-    first = _filled(captions, content) if captions else (text.strip() if content == plain else content,)
+    first = _fill(captions, content) if captions else (text.strip() if content == plain else content,)
     if negation:
         return Question((first,), negated=True)
     names = [name for words, names in _SERVED_BY if words.search(content) for name in names if name not in content]
-    return Question((first, *(_filled(THING_CAPTIONS, name) for name in names)), negated=False)
+    return Question((first, *(_fill(THING_CAPTIONS, name) for name in names)), negated=False)
 
 
-def _filled(captions: Captions, content: str) -> Captions:
+def _fill(captions: Captions, content: str) -> Captions:
     return tuple(caption.format(content, a=with_article(content)) for caption in captions)
 
 
-def _peeled(plain: str) -> tuple[str, Captions | None]:
-    """The rest without the words that only ask, and its captions; None where nothing tells a thing from an activity."""
+def _strip_lead_ins(plain: str) -> tuple[str, Captions | None]:
+    """The content without the words that only ask, and the captions for it.
+
+    The captions are None if the wording does not show whether the content is a thing or an activity.
+    """
     captions: Captions | None = None
     rest = plain
     while lead := _POLITE.match(rest) or _TO_A_THING.match(rest) or _TO_AN_ACTIVITY.match(rest):
@@ -136,10 +145,10 @@ def _peeled(plain: str) -> tuple[str, Captions | None]:
     return rest, captions
 
 
-def _plain(text: str) -> str:
-    """Small letters, single spaces, no punctuation at the end, no short forms."""
+def _normalise(text: str) -> str:
+    """The text in lower case, with single spaces, without contractions and without punctuation or fillers at the end."""
     plain = " ".join(text.lower().split())
-    for short, full in _SHORT.items():
+    for short, full in _CONTRACTIONS.items():
         plain = plain.replace(short, full)
     plain = _TRAILING.sub("", plain.rstrip(" ?.!,;"))
     return plain.removesuffix(" in") if _ROOM_TO.match(plain) else plain

@@ -124,7 +124,7 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
 
 def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
     assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
-    assert f"note: {mapped} holds an earlier one" in capsys.readouterr().err
+    assert f"note: {mapped} holds an earlier result" in capsys.readouterr().err
 
 
 def test_a_map_whose_encoder_is_gone_says_so(mapped, capsys):
@@ -192,7 +192,7 @@ def test_a_plan_says_which_rooms_on_which_floors_it_joins(rng, tmp_path, capsys,
         (["query", "{tmp}/map", "x", "--top", "0"], "from 1"),
         (["export", "{tmp}/map", "--format", "spark-dsg", "-o", "{tmp}/x"], "invalid choice"),
         (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/nowhere/x"], "cannot be written"),
-        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "{tmp}/{long}"], "cannot be looked into"),
+        (["run", "{tmp}/run", "--rooms", "kitchen", "-o", "{tmp}/{long}"], "cannot be accessed"),
         (["run", "{tmp}/{long}", "--rooms", "kitchen", "-o", "{tmp}/out"], "no dataset there"),
         (["plan", "{tmp}/{long}", "--from", "office", "--to", "corridor"], "no map there"),
         (["export", "{tmp}/map", "--format", "tum", "-o", "{tmp}/{long}"], "cannot be written"),

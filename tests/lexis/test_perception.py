@@ -90,5 +90,5 @@ def test_bad_percepts_are_refused(observations, percept, message):
 
 def test_pixels_are_those_of_the_image(observations):
     assert pixels(observations[0]) is observations[0].image
-    with pytest.raises(ObservationError, match="brings no image"):
+    with pytest.raises(ObservationError, match="has a percept but no image"):
         pixels(percept_of(observations[0]))

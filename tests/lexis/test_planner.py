@@ -245,7 +245,7 @@ def test_unknown_rooms_and_missing_ways_are_named(rng):
         plan(lexis_map, "garage", "office")
     torn = lexis_map.T_W_B.copy()
     torn[30:, 0, 3] += 100.0
-    with pytest.raises(PlanError, match="no way from corridor to office 2"):
+    with pytest.raises(PlanError, match="no path from corridor to office 2"):
         plan(replace(lexis_map, T_W_B=torn), "corridor", "office 2")
 
 

@@ -74,7 +74,7 @@ MERGES = "".join(f"m{i}: &m{i} {{<<: [{', '.join([f'*m{i - 1}'] * 9)}]}}\n" for 
         (sensor(RESOLUTION, "[.inf, 24]"), "could not convert string to float"),
         (sensor(RESOLUTION, "[inf, 24]"), "cannot convert float infinity"),
         (sensor(RESOLUTION, "[1000000, 1000000]"), "at most 50 megapixels"),
-        (sensor(RESOLUTION, "32"), "no list of numbers"),
+        (sensor(RESOLUTION, "32"), "not a list of numbers"),
         (sensor(RESOLUTION, "[[32, 24], {a: b}]"), "sensor.yaml: cannot be used"),
         (sensor(RESOLUTION, "[" * 3000), "is not YAML"),
         (sensor(RESOLUTION, f"{RESOLUTION}\nm0: &m0 {{k: v}}\n{MERGES}"), "aliases are not read"),
@@ -102,5 +102,5 @@ def test_an_image_that_states_gigapixels_is_not_decoded(tmp_path, monkeypatch):
     images = iter(open_dataset(tmp_path / "run"))
     next(images)
     monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("decoded"))
-    with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; the calibrated camera makes 32x24 px"):
+    with pytest.raises(LexisError, match=r"000001\.png: is 40000x40000 px; valid: 32x24 px"):
         next(images)

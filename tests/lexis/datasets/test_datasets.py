@@ -105,7 +105,7 @@ def gap(folder):
         (lambda f: edited(f, "rgb.txt", "rgb/000001.png", "/etc/shadow.png"), "inside the dataset"),
         (lambda f: edited(f, "rgb.txt", "100.100000 ", "soon "), r"rgb\.txt:3: .*stamp"),
         (lambda f: (f / "rgb" / "000004.png").unlink(), r"rgb\.txt:6: there is no file"),
-        (outside, "covers 100.0 s to 100.5 s, but image 5 is of 107.0 s"),
+        (outside, "covers 100.0 s to 100.5 s, but image 5 is at 107.0 s"),
         (gap, "a gap of 0.700 s around image 0"),
         (lambda f: edited(f, "odometry_covariance.txt", "100.200000", "100.210000"), r"odometry_covariance\.txt:4"),
         (lambda f: edited(f, "odometry_covariance.txt", "\n100.5", "\n#"), "5 covariances"),
@@ -140,7 +140,7 @@ def forbidden(folder):
     [
         (shutil.rmtree, "run: no dataset there: No such file or directory; valid: a folder with rgb.txt, odometry.tum and"),
         (empty, r"run: is empty; valid: .* with mav0 \(EuRoC\), or with metadata.yaml \(ROS 2 bag\)"),
-        (a_file, "run: is a file, no dataset; valid: a folder with rgb.txt"),
+        (a_file, "run: is a file and not a dataset; valid: a folder with rgb.txt"),
         (lambda f: (f / "camera.json").unlink(), "run: holds no camera.json; valid: a folder with"),
         (lambda f: [(f / n).unlink() for n in ("rgb.txt", "odometry.tum")], "run: holds no rgb.txt, no odometry.tum; valid"),
     ],

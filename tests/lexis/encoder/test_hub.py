@@ -70,7 +70,7 @@ def test_a_file_is_fetched_once_and_then_needs_no_network(asked):
 
 def test_of_a_broken_download_nothing_is_left(asked, cache, monkeypatch):
     monkeypatch.setattr("huggingface_hub.file_download.time.sleep", lambda seconds: None)
-    with pytest.raises(EncoderError, match="cannot be had"):
+    with pytest.raises(EncoderError, match="cannot be downloaded"):
         fetch("a/broken", NAMES)
     assert not [path for path in cache.rglob("*") if path.is_file() and CONTENT[:7] in path.read_bytes()]
 

@@ -188,7 +188,7 @@ def test_a_symbolic_link_is_followed_and_stays(tmp_path, way, earlier):
 def test_a_loop_of_links_is_one_clear_error(tmp_path):
     (tmp_path / "a").symlink_to(tmp_path / "b")
     (tmp_path / "b").symlink_to(tmp_path / "a")
-    with pytest.raises(LexisError, match="a: cannot be looked into: Too many levels of symbolic links"):
+    with pytest.raises(LexisError, match="a: cannot be accessed: Too many levels of symbolic links"):
         write(tmp_path / "a", "new")
     with pytest.raises(LexisError, match="a: cannot be written: Too many levels"), replaced_file(tmp_path / "a"):
         pass

@@ -106,7 +106,7 @@ def test_a_long_text_keeps_its_ends_on_one_line(most):
 
 @pytest.mark.parametrize("name", ["a\0.json", "a\ud800.json"])
 def test_what_cannot_be_the_name_of_a_file_is_no_foreign_exception(tmp_path, name):
-    with pytest.raises(LexisError, match="is no name of a file"):
+    with pytest.raises(LexisError, match="is not a valid file name"):
         read_bytes(tmp_path / name, FileKind("a file", 10))
 
 

@@ -109,7 +109,7 @@ def test_a_room_is_as_good_as_its_best_views():
 def test_another_encoder_and_a_blank_question_are_refused(lexis_map):
     encoder = encoder_for(lexis_map, 3)
     other = ReadingEncoder(encoder.vectors, replace(ENCODER, fingerprint="1" * 64))
-    with pytest.raises(MapError, match="weights 00000000, but 'test' at hand has weights 11111111"):
+    with pytest.raises(MapError, match="weights 00000000, but the given 'test' has weights 11111111"):
         ask(lexis_map, "what it shows", other)
     with pytest.raises(LexisError, match="blank"):
         ask(lexis_map, " ", encoder)

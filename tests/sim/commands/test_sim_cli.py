@@ -208,9 +208,8 @@ def test_what_will_be_replaced_is_said_before_the_work(command, marker, tmp_path
     assert capsys.readouterr().err == "lexis-sim: so far\n"
     (tmp_path / marker).write_text("{}")
     assert status_of([command, "--out", tmp_path]) == 2
-    assert (
-        capsys.readouterr().err == f"note: {tmp_path} holds an earlier one; the new one will replace it\nlexis-sim: so far\n"
-    )
+    note = f"note: {tmp_path} holds an earlier result; the new one will replace it\n"
+    assert capsys.readouterr().err == f"{note}lexis-sim: so far\n"
 
 
 @pytest.mark.parametrize(("command", "work"), [("run", "sim.harness.run"), ("record", "sim.record.record")])
