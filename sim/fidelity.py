@@ -1,5 +1,5 @@
-"""Names of what LEXIS is given in a run: images, or what a model of the encoder makes of what is truly in view."""
+"""Fidelities of the simulated camera: rendered images, or embeddings that a feature model predicts from the true view."""
 
 FIDELITIES = ("render", "features")
 ORACLE = "oracle"
-"""An encoder that is told the truth: for tests of what comes after the encoder, never for a figure of LEXIS."""
+"""Name of an encoder that reads the ground truth. For tests of the later stages; never report its results as LEXIS's."""
