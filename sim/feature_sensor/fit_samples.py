@@ -1,4 +1,4 @@
-"""What feature models are fitted to: walks through houses, what the cameras truly see, and what the encoder makes of it."""
+"""Samples that embedding models are fitted to: frames of walks, with true visible shares and the encoder's embeddings."""
 
 from dataclasses import dataclass
 
@@ -20,13 +20,13 @@ from worlds.walkable import Walkable
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Frames of a walk through one house."""
+    """Frames of a walk through one house, with ground truth and embeddings."""
 
     around: Surroundings
     T_W_B: Float64[np.ndarray, "n 4 4"]
     views: VisibleShares
     embeddings: Float32[np.ndarray, "n d"]
-    """Of the rendered images."""
+    """The encoder's embeddings of the rendered images."""
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
@@ -37,7 +37,7 @@ class Sample:
 
 
 def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
-    """A mixture of families, openness and clutter; every house has a seed of its own, from `first_seed` on."""
+    """Choose a mixture of families, openness and clutter. Each house has its own seed, from `first_seed` up."""
     presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
     openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
     return tuple(
@@ -52,7 +52,7 @@ def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
 
 
 def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
-    """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
+    """Render and encode up to `frames` frames at even intervals of a tour through the house."""
     camera = camera or wide_camera()
     house = build_house(choice.spec())
     tour = tour_through(house, choice.seed)
@@ -66,5 +66,5 @@ def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | No
 
 
 def tour_through(house: House, seed: int, kind: str = "rooms") -> Tour:
-    """The tour that samples and benchmarks of a house take."""
+    """Plan the tour that samples and benchmarks use in a house."""
     return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))
