@@ -42,7 +42,7 @@ class RenderableWorld:
 
     @property
     def scene(self) -> Scene:
-        """The static part, ready to render."""
+        """The compiled scene of the static part."""
         return self.stand.scene
 
 
