@@ -24,10 +24,10 @@ NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)
 
 
 class FeatureSensor:
-    """Simulates percepts, which LEXIS receives instead of images. Equal poses in a house give equal percepts."""
+    """Simulates percepts, which LEXIS receives instead of images. A pose in a house always gives the same percept."""
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
-        """`seed` is the seed of the run. With `oracle`, embeddings hold the ground truth; loops are verified as otherwise."""
+        """`seed` is that of the run. With `oracle`, embeddings hold the ground truth; loops are verified as without it."""
         self._model, self._camera, self._oracle = model, camera, oracle
         self._seed = (seed, _STREAM)
         self._surroundings: dict[int, tuple[House, Surroundings]] = {}

@@ -56,7 +56,7 @@ def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> 
     """
     if not np.isfinite([*offset_m, *rpy_deg]).all() or np.linalg.norm(offset_m) > LEVER_ARM_M:
         raise SimError(
-            f"rig: lever arm {offset_m} m, {rpy_deg} deg; valid: finite numbers and an offset of up to {LEVER_ARM_M} m"
+            f"rig: lever arm {offset_m} m, {rpy_deg} deg; valid: finite numbers, cameras up to {LEVER_ARM_M} m from the IMU"
         )
     T = np.eye(4)
     T[:3, :3] = Rotation.from_euler("xyz", rpy_deg, degrees=True).as_matrix()
