@@ -1,6 +1,7 @@
-"""The console script `lexis-sim`: every group of commands is a file in `sim/commands/`.
+"""The console script `lexis-sim`. Each group of commands is a module of `sim/commands/`.
 
-Exit status: 0 on success, 1 on a failed check, 2 on bad input, with one line on stderr that says what would be valid.
+Exit status: 0 on success, 1 if a check failed, 2 on invalid input. For invalid input, one line on stderr says what would be
+valid.
 """
 
 import argparse
@@ -14,19 +15,19 @@ from sim.errors import SimError
 from worlds.errors import WorldsError
 
 GROUPS = (run, house, record, bench, training, calibration, features, doctor)
-"""In the order of the help."""
+"""Groups of commands, in the order in which the help lists them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; return the exit status."""
+    """Run the command that `argv` names (None: the process's arguments) and return its exit status."""
     return run_command(parser(), argv, (WorldsError, SimError, LexisError))
 
 
 def parser() -> Parser:
-    """The parser of all commands."""
+    """Build the parser of all commands."""
     root = Parser(
         "lexis-sim",
-        description="Test indoor semantic SLAM in generated houses, against exact truth.",
+        description="Test indoor semantic SLAM in generated houses, against exact ground truth.",
         epilog="example:\n  lexis-sim demo --seed 7",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

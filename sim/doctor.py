@@ -1,4 +1,4 @@
-"""`lexis-sim doctor`: what this machine can do, and what to change where it cannot."""
+"""`lexis-sim doctor`: checks whether this machine can run LEXIS-sim, and says what to change where it cannot."""
 
 import os
 import platform
@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_info
 
 _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
-"""Of a rendered run: at most 1.2 GB apart from torch, and torch."""
+"""Memory that a rendered run needs: at most 1.2 GB without torch, plus torch itself."""
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP_MAX, _CGROUP_USED = Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")
 PACKAGES = (
@@ -23,36 +23,36 @@ PACKAGES = (
 PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
 _OTHERS = ("cv2", "opencv", "scipy")
-"""Folders of packages that bring an OpenBLAS of their own."""
+"""Prefixes of the folders of packages that ship an OpenBLAS of their own, which numpy does not use."""
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One thing that was looked at."""
+    """The result of one check of the machine."""
 
     subject: str
     fine: bool
     detail: str
-    """What is there, or what to change."""
+    """What was found if the check passed, otherwise what to change."""
 
 
 def examine() -> list[Diagnosis]:
-    """Look at the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
+    """Check the interpreter, cores, memory, packages, linear algebra, off-screen OpenGL and the shipped encoder."""
     drawing = probe("off-screen OpenGL", "draw")
     return [
         Diagnosis("python", True, f"{platform.python_version()}, {platform.machine()}"),
         Diagnosis("cores", (os.cpu_count() or 1) >= 2, f"{os.cpu_count()}; a run uses two"),
         _memory(available_bytes()),
         *map(_package, PACKAGES),
-        Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found: numpy uses another library"),
+        Diagnosis("OpenBLAS kernels", True, _openblas_kernels() or "not found; numpy uses another linear algebra library"),
         drawing,
-        probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # a run does both in one process
+        probe("encoder mini", *(["draw"] if drawing.fine else []), "encode"),  # in one process, as in a run
     ]
 
 
 def versions() -> dict[str, str | None]:
-    """Versions that shape the last digits of a result, for result.json: packages, processor, BLAS kernels, GL back end."""
+    """Return for result.json all that affects a result's last digits: packages, processor, BLAS kernels and GL back end."""
     return {
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},
@@ -63,7 +63,7 @@ def versions() -> dict[str, str | None]:
 
 
 def _openblas_kernels() -> str | None:
-    """The processor family whose kernels numpy's OpenBLAS runs: "Haswell", "Zen"; None where numpy has another library."""
+    """Name the processor family whose kernels numpy's OpenBLAS runs, e.g. "Haswell"; None if numpy uses another library."""
     for library in threadpool_info():
         folders = Path(library["filepath"]).parent.parts
         if library["internal_api"] == "openblas" and not any(folder.startswith(_OTHERS) for folder in folders):
@@ -79,8 +79,8 @@ def _package(name: str) -> Diagnosis:
 
 
 def probe(subject: str, *steps: str) -> Diagnosis:
-    """Take steps of `sim.doctor_probes` in a child process, which a broken driver or library may crash or hang."""
-    command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P ignores a folder `sim` in the working directory
+    """Run steps of `sim.doctor_probes` in a child process, because a broken driver or library may crash or hang it."""
+    command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P: do not import a folder `sim` of the working directory
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
@@ -92,7 +92,7 @@ def probe(subject: str, *steps: str) -> Diagnosis:
 
 
 def available_bytes() -> int | None:
-    """What a new process may use before it is killed: the machine's free memory, or the container's; None: unknown."""
+    """Return the memory that a new process may use: the machine's or the container's, whichever is less; None if unknown."""
     found = []
     if _MEMINFO.is_file():
         rows = (line.split() for line in _MEMINFO.read_text().splitlines())
@@ -109,5 +109,5 @@ def _memory(available: int | None) -> Diagnosis:
     if available is None:
         return Diagnosis("memory", True, "unknown on this system")
     fine, detail = available >= NEEDED_BYTES, f"{available / _GIB:.1f} GiB free"
-    needed = f"; a run needs {NEEDED_BYTES / _GIB:.1f} GiB: free some, or give the container more"
+    needed = f"; a run needs {NEEDED_BYTES / _GIB:.1f} GiB; free memory, or raise the container's limit"
     return Diagnosis("memory", fine, detail if fine else detail + needed)

@@ -1,6 +1,6 @@
-"""Steps that `sim.doctor` tries in child processes, since a broken driver or library may end the process that takes them.
+"""Steps that `sim.doctor` runs in child processes, because a broken driver or library may crash the process.
 
-`python -m sim.doctor_probes draw encode` takes both in one process and prints what the last one found.
+`python -m sim.doctor_probes draw encode` runs both steps in one process and prints the result of the last one.
 """
 
 import sys
@@ -13,24 +13,24 @@ _SCENE = '<mujoco><worldbody><light pos="0 0 3"/><geom size=".3 .3 .3" type="box
 
 
 def draw() -> str:
-    """Render a box off-screen; return the GL back end and its device. Raises `GraphicsError` where that fails."""
+    """Render a box off-screen; return the GL back end and its device. Raises `GraphicsError` if rendering fails."""
     from sim.render.gl import choose_backend, device_name, graphics_errors, mujoco, require_rendering
 
     require_rendering()
     model = mujoco.MjModel.from_xml_string(_SCENE)
-    with graphics_errors("a first picture"), mujoco.Renderer(model, 48, 64) as renderer:
+    with graphics_errors("a test image"), mujoco.Renderer(model, 48, 64) as renderer:
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         renderer.update_scene(data)
         if renderer.render().std() == 0.0:
             raise GraphicsError(
-                f"{choose_backend()} draws nothing but one colour; update its driver or try another MUJOCO_GL"
+                f"{choose_backend()} renders an image of one colour only; update its driver or try another MUJOCO_GL"
             )
-        return f"{choose_backend() or 'OpenGL of this system'} draws, on {device_name()}"
+        return f"{choose_backend() or 'OpenGL of this system'} renders on {device_name()}"
 
 
 def encode() -> str:
-    """Encode an image with the shipped encoder; return the size of the embedding. Raises `LexisError`."""
+    """Encode an image with the shipped encoder; return the size of the embedding. Raises `LexisError` if that fails."""
     import numpy as np
 
     from lexis.encoder.open_clip_encoder import load_encoder
@@ -43,7 +43,7 @@ PROBES: dict[str, Callable[[], str]] = {"draw": draw, "encode": encode}
 
 
 def main(names: list[str]) -> int:
-    """Take the named steps in this process, in this order."""
+    """Run the named steps in this process, in the given order, and return the exit status."""
     try:
         found = [PROBES[name]() for name in names]
     except (SimError, LexisError) as error:

@@ -1,9 +1,9 @@
-"""The one base class of everything that `sim` raises on purpose."""
+"""Exceptions of `sim`. All of them derive from `SimError`."""
 
 
 class SimError(ValueError):
-    """A run, argument or machine is not usable; the message says what was wrong, where, and what would be valid."""
+    """A run, an argument or the machine is unusable. The message says where, what is wrong, and what would be valid."""
 
 
 class GraphicsError(SimError):
-    """No off-screen OpenGL is at hand."""
+    """Off-screen OpenGL is missing or failed."""

@@ -1,4 +1,4 @@
-"""Many houses on one page: their plans, and a look into a room of each label."""
+"""Overview pages of many houses: their floor plans, and one view of a room of each label."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -30,15 +30,16 @@ _CAPTION_PX = 26
 _EYE_M = 1.5
 _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
+"""Pixels nearer than this reduce the score of a view."""
 _MOST_SHARE = 0.06
-"""Of the picture, that one thing is credited with: several things tell more than a large one."""
+"""Largest share of the image that one object is scored for, because several objects tell more than one large object."""
 _PITCH_RAD = math.radians(12.0)
 _ROOMS_PER_HOUSE = 2
 
 
 @dataclass(frozen=True, eq=False)
 class RoomView:
-    """A look into a room."""
+    """An image of a room, with the room's label and the name of its house."""
 
     label: str
     house: str
@@ -46,27 +47,27 @@ class RoomView:
 
 
 def plans_page(specs: Sequence[HouseSpec]) -> Picture:
-    """The plans of houses in rows of five, each with its name."""
+    """Draw the floor plans of houses in rows of five, each with the house's name."""
     tiles = [_captioned(_fitted(plan_image(build_house(spec), _PLAN_PX_PER_M), _PLAN_PX), spec.name) for spec in specs]
     return _page(tiles)
 
 
 def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
-    """Views in rows of five; without labels they have numbers, from 1: a guessing game."""
+    """Arrange views in rows of five. Without labels they are numbered from 1, for a test of human recognition."""
     return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
 
 
 def sample_page(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
-    """`count` houses, the `presets` in turn, with seeds from `seed` up. Raises `SimError` for fewer than one."""
+    """Sample `count` houses, cycling through `presets`, with seeds from `seed` up. Raises `SimError` for fewer than one."""
     if count < 1 or not presets:
-        raise SimError(f"a gallery of {count} houses of {len(presets)} presets; both must be at least 1")
+        raise SimError(f"gallery: {count} houses of {len(presets)} presets; valid: at least 1 of each")
     return [sample_house(presets[i % len(presets)], seed + i // len(presets)) for i in range(count)]
 
 
 def room_views(specs: Sequence[HouseSpec], labels: Sequence[str] = ROOM_LABELS) -> Iterator[RoomView]:
-    """A room of each label, in the order of `labels`, from the houses of `specs`, the first ones first.
+    """Render one room of each label, in the order of `labels`, taken from the first house of `specs` that has one.
 
-    At most a few come from the same house. A label that no house has is shown in a room that is built for it.
+    At most two rooms come from the same house. A label that is still missing is shown in a house built for it.
     """
     chosen: dict[str, tuple[House, Room]] = {}
     for spec in specs:
@@ -81,15 +82,15 @@ def room_views(specs: Sequence[HouseSpec], labels: Sequence[str] = ROOM_LABELS) 
 
 
 def png(page: Picture) -> bytes:
-    """A page as a PNG file."""
+    """Encode a page as a PNG file."""
     return bytes(cv2.imencode(".png", page[..., ::-1])[1])
 
 
 def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> Picture:
-    """The picture of `room`, from a corner or a side, that shows most of what tells its label."""
+    """Render `room` from the viewpoint, at a corner or a wall, that shows most of the objects typical of its label."""
     camera = wide_camera(*size_px, _VIEW_HFOV_DEG)
     scene = build_scene(house, size_px, fovy_deg(camera.intrinsics))
-    # What stands in few kinds of rooms tells more.
+    # Furniture that occurs in few kinds of rooms is more characteristic of the label.
     telling = {piece.id: 1.0 / len(kind_of(piece.kind).rooms) for piece in house.furniture if piece.room == room.id}
     if room.label == STAIRS:
         telling[STAIRS_OBJECT] = 1.0
@@ -106,7 +107,7 @@ def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> 
 
 
 def _poses(house: House, room: Room) -> Iterator[Float64[np.ndarray, "4 4"]]:
-    """From inside every corner and from the middle of every side, looking at the middle of the room and of its things."""
+    """Candidate body poses in every corner and at the middle of every side, facing the room's or its furniture's centre."""
     inner = room.polygon.buffer(-_FROM_CORNER_M, join_style="mitre")
     inner = room.polygon.buffer(-0.2, join_style="mitre") if inner.is_empty or inner.geom_type != "Polygon" else inner
     corners = np.array(inner.exterior.coords)
@@ -120,7 +121,7 @@ def _poses(house: House, room: Room) -> Iterator[Float64[np.ndarray, "4 4"]]:
 
 
 def _looking(eye: Float64[np.ndarray, "3"], yaw: float) -> Float64[np.ndarray, "4 4"]:
-    """A body pose that looks along `yaw` and a little down."""
+    """Return the body pose at `eye` that faces `yaw` and looks slightly down."""
     cos, sin, down, level = math.cos(yaw), math.sin(yaw), math.sin(_PITCH_RAD), math.cos(_PITCH_RAD)
     T_W_B = np.eye(4)
     T_W_B[:3, :3] = [[cos * level, -sin, cos * down], [sin * level, cos, sin * down], [-down, 0.0, level]]
@@ -142,7 +143,7 @@ def _lone_room(label: str, seed: int) -> tuple[House, Room]:
 
 
 def _fitted(image: Picture, size_px: tuple[int, int]) -> Picture:
-    """The whole image on white, no larger than `size_px` (width, height)."""
+    """Scale the whole image to fit `size_px` (width, height) and centre it on white."""
     width, height = size_px
     scale = min(width / image.shape[1], height / image.shape[0])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)[:height, :width]

@@ -1,4 +1,4 @@
-"""A house as a file of whatever kind the name asks for: models for other tools, and plans."""
+"""Writes a house as a 3D model, as data or as a floor plan, in the format that the file's suffix names."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -13,9 +13,9 @@ Writer = Callable[[House, Path], None]
 
 
 def writer_for(path: Path, writers: Mapping[str, Writer]) -> Writer:
-    """The one of `writers` for the suffix of `path`. Raises `SimError` where there is none."""
+    """Return the writer for the suffix of `path`. Raises `SimError` if `writers` has none."""
     if path.suffix.lower() not in writers:
-        raise SimError(f"{path}: names no kind of file that can be written; valid: a name with {' or '.join(writers)}")
+        raise SimError(f"{path}: has no suffix that can be written; valid: a name with {' or '.join(writers)}")
     return writers[path.suffix.lower()]
 
 
@@ -63,6 +63,7 @@ def _write(path: Path, content: bytes) -> None:
 MODELS: Mapping[str, Writer] = MappingProxyType(
     {".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth, ".geojson": _write_geojson}
 )
-"""glTF; MJCF, with its textures in a folder beside it; the truth as data; rooms and openings, as plan import reads them."""
+"""Writers by suffix: glTF; MJCF, with a folder of textures beside it; the ground truth as JSON; rooms and openings in the
+format that the floor plan import reads."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
-"""The plans of all storeys, side by side."""
+"""Writers by suffix, which draw the floor plans of all storeys side by side."""

@@ -1,4 +1,8 @@
-"""`lexis-sim house prove`: houses of all families, each validated, and each made again, bit by bit, in another process."""
+"""`lexis-sim house prove`: generates many houses of all families and checks each of them.
+
+Each house is validated, and generated again in another process. Both results have to be equal bit by bit, because a seed
+has to give the same house in every run.
+"""
 
 import hashlib
 import json
@@ -19,12 +23,12 @@ from worlds.validation import validate
 
 _CHUNK = 20
 _OPENNESS, _CLUTTER = (None, 0.0, 0.25, 0.5, 0.75, 1.0), (1.0, 1.0, 0.0, 2.0, 4.0)
-"""In turn; their numbers have no common divisor, so every pair of them comes up."""
+"""Values cycled through. Their counts (6 and 5) have no common divisor, so every pair of them occurs."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A house to be proved."""
+    """A house to be checked, as the arguments that generate it."""
 
     preset: str
     seed: int
@@ -38,13 +42,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Proof:
-    """What came of a house."""
+    """The result of checking one house."""
 
     case: Case
     seconds: float
-    """Of one core, for plan, openings, stairs, windows, furniture, truth and validation; whatever else the machine does."""
+    """Processor time for plan, openings, stairs, windows, furniture, truth and validation [s]. Other load does not count."""
     failure: str | None
-    """Why it is no house, or not the same house in another process."""
+    """Why the house is invalid or differs when generated again; None if it passed."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ class _Made:
 
 
 def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
-    """`count` houses with seeds from `seed` up: presets in turn, every second round with openness and clutter asked for."""
+    """List `count` houses with seeds from `seed` up, cycling through presets; every other round varies openness, clutter."""
     rounds = ((i, i // len(presets)) for i in range(count))
     return [
         Case(
@@ -69,8 +73,8 @@ def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
 
 
 def prove(wanted: Sequence[Case], processes: int) -> Iterator[Proof]:
-    """Prove houses one by one, in order, with `processes` at work (two at least: every house is made in two of them)."""
-    # Started afresh, as another run would be: with another hash seed and empty caches.
+    """Check houses in `processes` (at least two, as each house is generated in two) and yield the results in order."""
+    # Spawned processes start as another run would: with another hash seed and with empty caches.
     context = multiprocessing.get_context("spawn")
     workers = max(1, processes // 2)
     with ProcessPoolExecutor(workers, context) as first, ProcessPoolExecutor(workers, context) as second:
@@ -101,7 +105,7 @@ def _make(case: Case, validated: bool) -> _Made:
 
 @dataclass(frozen=True)
 class Summary:
-    """Of the houses of a family."""
+    """Counts and generation times of the houses of one family."""
 
     preset: str
     houses: int
@@ -111,7 +115,7 @@ class Summary:
 
 
 def summaries(proofs: Sequence[Proof]) -> Iterator[Summary]:
-    """Family by family, then all of them."""
+    """Summarise the results of each family, then of all families together (`preset` is "all")."""
     for preset in (*dict.fromkeys(proof.case.preset for proof in proofs), "all"):
         here = [proof for proof in proofs if preset in (proof.case.preset, "all")]
         milliseconds = [1e3 * proof.seconds for proof in here]

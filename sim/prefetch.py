@@ -1,9 +1,10 @@
-"""`prefetched`: items made by a thread of their own, some before they are asked for.
+"""`prefetched`: a generator that runs in a background thread, which produces some items before they are requested.
 
-The thread ends by itself: after the last item, when nobody wants more, or with the main thread. Nobody ever waits for it.
-That matters where an iterator is garbage: it is then closed by whichever thread collects, at any moment, perhaps while that
-thread holds a lock, perhaps the thread that makes the items. So all that closing does is to leave word, in a queue that may
-be entered at such a moment; an executor, whose workers are dismissed when it is collected, would never answer.
+The thread ends by itself: after the last item, when the consumer closes its iterator, or when the main thread ends. No code
+ever waits for the thread to end. The reason is garbage collection: an abandoned iterator is closed by whichever thread runs
+the collector, at any moment. That thread may hold a lock, and it may be the producing thread itself, so waiting could
+deadlock. Closing therefore only sets a flag and puts an entry into a `SimpleQueue`, whose `put` is reentrant. An executor is
+no alternative: its workers end when it is collected itself, and then no request to close is ever answered.
 """
 
 import threading
@@ -16,69 +17,70 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 THREAD = "prefetched"
-"""Name of the threads."""
+"""Name of the background threads."""
 _POLL_S = 0.25
-"""How often a thread that waits looks whether the main thread still lives [s]."""
+"""How often a waiting thread checks whether the main thread is still alive [s]."""
 
 
 def prefetched(make: Callable[[], Generator[T, None, None]], depth: int) -> Generator[T, None, None]:
-    """What `make` yields, up to `depth` items ahead. That generator runs, and is closed, in one thread of its own.
+    """Yield the items of the generator `make()`, which runs up to `depth` items ahead in a background thread.
 
-    Raises what it raises. Close it where it may be left early, for the thread goes on until then.
+    That generator is created, run and closed in the one thread. Its exceptions are raised here. A caller that may stop early
+    has to close the returned generator, because the thread runs until then.
     """
-    order = _Order[T](depth)
-    threading.Thread(target=_work, args=(make, order), name=THREAD).start()
+    shared = _Shared[T](depth)
+    threading.Thread(target=_produce, args=(make, shared), name=THREAD).start()
     try:
-        while not isinstance(made := order.made.get(), _Ended):
-            yield made.item
-            order.places.put(None)
-        if made.error is not None:
-            raise made.error
+        while not isinstance(received := shared.items.get(), _End):
+            yield received.item
+            shared.free_slots.put(None)
+        if received.error is not None:
+            raise received.error
     finally:
-        order.wanted = False
-        order.places.put(None)
+        shared.wanted = False
+        shared.free_slots.put(None)  # wakes the thread if it waits for a slot
 
 
 @dataclass(frozen=True, eq=False)
-class _Made(Generic[T]):
+class _Item(Generic[T]):
     item: T
 
 
 @dataclass(frozen=True, eq=False)
-class _Ended:
+class _End:
     error: BaseException | None
 
 
-class _Order(Generic[T]):
-    """What the two threads share."""
+class _Shared(Generic[T]):
+    """State shared by the two threads."""
 
     def __init__(self, depth: int) -> None:
-        self.made: SimpleQueue[_Made[T] | _Ended] = SimpleQueue()
-        self.places: SimpleQueue[None] = SimpleQueue()
-        """One entry for every further item that may be made."""
+        self.items: SimpleQueue[_Item[T] | _End] = SimpleQueue()
+        self.free_slots: SimpleQueue[None] = SimpleQueue()
+        """One entry for every further item that the thread may produce."""
         self.wanted = True
         for _ in range(depth - 1):
-            self.places.put(None)
+            self.free_slots.put(None)
 
 
-def _work(make: Callable[[], Generator[T, None, None]], order: _Order[T]) -> None:
+def _produce(make: Callable[[], Generator[T, None, None]], shared: _Shared[T]) -> None:
     error = None
     try:
         with closing(make()) as items:
             for item in items:
-                order.made.put(_Made(item))
-                _wait_for_place(order)
-                if not order.wanted:
+                shared.items.put(_Item(item))
+                _wait_for_slot(shared)
+                if not shared.wanted:
                     break
     except BaseException as raised:
         error = raised
-    order.made.put(_Ended(error))
+    shared.items.put(_End(error))
 
 
-def _wait_for_place(order: _Order[T]) -> None:
+def _wait_for_slot(shared: _Shared[T]) -> None:
     while threading.main_thread().is_alive():
         try:
-            return order.places.get(timeout=_POLL_S)
+            return shared.free_slots.get(timeout=_POLL_S)
         except Empty:
             continue
     raise RuntimeError("the main thread has ended")

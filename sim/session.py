@@ -1,4 +1,4 @@
-"""A session: the camera walks its tour through the house and yields what a robot would see, beside what is true."""
+"""`Session`: a simulated run along a tour, which yields each observation of the robot together with the ground truth."""
 
 import time
 from collections.abc import Generator, Sequence
@@ -25,16 +25,18 @@ from worlds.truth import NOWHERE, floor_at, room_at
 __all__ = ["Session", "Truth"]
 
 _AHEAD = 16
+"""Number of images that are rendered ahead of the consumer."""
 
 
 class Session:
-    """Iterate, once or often, to get `(Observation, Truth)` pairs in the order in which they arrive.
+    """An iterable of `(Observation, Truth)` pairs in the order of arrival. It can be iterated several times.
 
-    That is the order of time unless `faults` change it; these draw from streams of `seed`. Frames are rendered ahead by a
-    thread that owns the GL context, so that rendering and LEXIS share two cores; with a `sensor` nothing is rendered, and
-    observations bring what it senses. With a `distortion` the images are as a lens bends them; LEXIS, whose camera is a
-    pinhole, has to be given them straightened. Who may stop early closes the iterator (`contextlib.closing`). Raises
-    `SimError` where the tour leaves the house.
+    Observations arrive in order of time unless `faults` change that order. The faults draw from random streams of `seed`. A
+    background thread, which owns the GL context, renders frames ahead, so that rendering and LEXIS run on two cores. With a
+    `sensor` nothing is rendered, and each observation holds a percept of the sensor instead of an image. With a `distortion`
+    the images are distorted as by a real lens. The caller has to undistort them for LEXIS, whose camera model is a pinhole.
+    A caller that may stop early has to close the iterator (`contextlib.closing`). Raises `SimError` if the tour leaves the
+    house.
     """
 
     def __init__(
@@ -58,17 +60,17 @@ class Session:
         if sensor is None:
             self._staging.compile()
         self.truths = self._staging.marked(truths)
-        """Of every frame of the tour, without faults of the stream."""
+        """Ground truth of every frame of the tour. It records faults of the world, not faults of the observations."""
         self.render_seconds = 0.0
-        """Time spent on rendering, or on sensing, so far, in its own thread [s]."""
+        """Time that the background thread has spent on rendering or sensing so far [s]."""
 
     @property
     def scene(self) -> Scene:
-        """What there is to see at the start of the tour."""
+        """The scene at the start of the tour."""
         return self._staging.set_at(0).scene
 
     def __len__(self) -> int:
-        """Frames of the tour."""
+        """Return the number of frames of the tour."""
         return len(self.tour.stamps)
 
     def __iter__(self) -> Generator[tuple[Observation, Truth], None, None]:
@@ -76,7 +78,7 @@ class Session:
             yield from corrupted(stream, self.faults, self._seed)
 
     def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
-        # As quaternions, which is how odometry comes: a recording of the run then gives the same poses, bit by bit.
+        # Poses go through quaternions, as in recordings, so that a replayed recording gives the same poses bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
         with closing(prefetched(self._images, _AHEAD)) as images:
             for i, image in enumerate(images):
@@ -84,7 +86,7 @@ class Session:
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
     def verifier(self) -> Verifier:
-        """What verifies loops of this tour: LEXIS itself on images, the sensor where there are none."""
+        """Return the loop verifier: that of LEXIS if there are images, otherwise the sensor's model of it."""
         return verify if self._sensor is None else self._sensor.verifier(self._staging.houses, self.tour.T_W_B)
 
     def _images(self) -> Generator[Image | Percept, None, None]:
@@ -98,10 +100,10 @@ class Session:
             start = time.perf_counter()
 
     def _rendered(self) -> Generator[Image, None, None]:
-        with closing(FrameRenderer(self._staging, self.camera, self._distortion)) as painter:
+        with closing(FrameRenderer(self._staging, self.camera, self._distortion)) as renderer:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
-                image = painter.rgb(frame, T_W_B)
+                image = renderer.rgb(frame, T_W_B)
                 self.render_seconds += time.perf_counter() - start
                 yield image
 
@@ -112,7 +114,7 @@ def _truths(house: House, tour: Tour) -> tuple[Truth, ...]:
     if (outside := rooms == NOWHERE).any():
         frame = int(np.argmax(outside))
         place = ", ".join(f"{coordinate:.2f}" for coordinate in positions[frame])
-        raise SimError(f"session: frame {frame} at ({place}) m is in no room; valid: a tour inside the house")
+        raise SimError(f"session: frame {frame} at ({place}) m is in no room; valid: a tour that stays inside the house")
     return tuple(
         Truth(i, float(stamp), T, int(room), house.rooms[room].label, int(storey))
         for i, (stamp, T, room, storey) in enumerate(zip(tour.stamps, tour.T_W_B, rooms, storeys, strict=True))

@@ -1,4 +1,4 @@
-"""What a session yields: an observation beside what is true when it is made."""
+"""`Truth`: the ground truth of one observation, which a session yields beside it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,20 +12,23 @@ from lexis.types import Observation
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What is true when an observation is made. It never reaches LEXIS."""
+    """Ground truth at the time of an observation. It is never given to LEXIS."""
 
     index: int
-    """Of the tour's frame, the observation's too."""
+    """Index of the tour's frame, equal to that of the observation."""
     stamp: float
-    """True time of the image, whatever the observation says [s]."""
+    """True time of the image [s]. A fault may change the stamp of the observation, never this one."""
     T_W_B: Float64[ndarray, "4 4"]
+    """True pose of the body B in the world W."""
     room: int
     """Index into `House.rooms` of the room that holds the camera."""
     label: str
-    """Of that room."""
+    """Label of that room."""
     storey: int
+    """Index of the storey that holds the camera."""
     faults: tuple[str, ...] = ()
-    """Names of the faults that changed this observation, in the order in which they did."""
+    """Names of the faults that changed this observation, in the order in which they were applied."""
 
 
 Stream: TypeAlias = Iterator[tuple[Observation, Truth]]
+"""Observations in order of arrival, each with its ground truth."""

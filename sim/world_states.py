@@ -1,4 +1,4 @@
-"""`WorldStates`: which world there is to see at every frame of a tour, under faults that change it on the way."""
+"""`WorldStates`: the world that is rendered at every frame of a tour, where faults may change it during the tour."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,33 +21,33 @@ from worlds.visuals.meshes import Solid
 
 @dataclass(frozen=True, eq=False)
 class CompiledHouse:
-    """What stands in a world, whoever moves in it."""
+    """The static part of a world, without the actors that move in it."""
 
     house: House
     camera: Camera
 
     @cached_property
     def scene(self) -> Scene:
-        """Ready to render; compiled when it is first asked for."""
+        """The scene, ready to render. It is compiled at the first access."""
         k = self.camera.intrinsics
         return build_scene(self.house, (k.width, k.height), fovy_deg(k))
 
 
 @dataclass(frozen=True, eq=False)
 class RenderableWorld:
-    """A world to look at."""
+    """A static house and the actors that move in it."""
 
     stand: CompiledHouse
     actors: tuple[Actor, ...]
 
     @property
     def scene(self) -> Scene:
-        """What stands in it, ready to render."""
+        """The compiled scene of the static part."""
         return self.stand.scene
 
 
 class WorldStates:
-    """The sets of a tour; a house without faults of the world has one."""
+    """The worlds of a tour, one for each combination of active world faults; without such faults there is just one."""
 
     def __init__(self, house: House, tour: Tour, camera: Camera, faults: Sequence[Fault], seed: int) -> None:
         world = [(place, fault) for place, fault in enumerate(faults) if isinstance(fault, WorldFault)]
@@ -56,7 +56,7 @@ class WorldStates:
         self.active = [
             tuple(k for k, (start, end) in enumerate(spans) if start <= stamp < end) for stamp in tour.stamps.tolist()
         ]
-        """Per frame: which of the faults of the world are there."""
+        """Indices of the world faults that are active at each frame."""
         self._names = [fault.name for _, fault in world]
         self._sets: dict[tuple[int, ...], RenderableWorld] = {}
         stands: dict[int, CompiledHouse] = {}
@@ -69,25 +69,25 @@ class WorldStates:
 
     @property
     def houses(self) -> list[House]:
-        """Per frame: the house as it then is; the same object where it is the same."""
+        """The house at each frame. Frames whose house is equal share one object."""
         return [self._sets[active].stand.house for active in self.active]
 
     def compile(self) -> None:
-        """Make all scenes ready to render."""
+        """Compile all scenes, so that no frame has to wait for it."""
         for each in self._sets.values():
             each.scene  # noqa: B018
 
     def set_at(self, frame: int) -> RenderableWorld:
-        """What there is to see at a frame."""
+        """Return the world at a frame."""
         return self._sets[self.active[frame]]
 
     def solids_at(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> list[Solid]:
-        """What moves, as it stands at a frame."""
+        """Return the solids of all actors at a frame, for a body at `T_W_B`."""
         stamp = float(self._stamps[frame])
         return [solid for actor in self.set_at(frame).actors for solid in actor.solids_at(stamp, T_W_B)]
 
     def marked(self, truths: Sequence[Truth]) -> tuple[Truth, ...]:
-        """Truths of all frames with the faults of the world recorded in them."""
+        """Return the truths of all frames with the names of the active world faults recorded in them."""
         return tuple(
             replace(truth, faults=tuple(self._names[k] for k in active)) if active else truth
             for truth, active in zip(truths, self.active, strict=True)
@@ -95,9 +95,9 @@ class WorldStates:
 
 
 class FrameRenderer:
-    """Renders the frames of a tour, each in its set. Belongs to the thread that uses it, as the GL context does.
+    """Renders the frames of a tour, each in its own world. Use it in one thread only, which owns the GL context.
 
-    With a distortion, the staging has to be made for `sim.render.lens.rendered_camera`, which is larger.
+    With a distortion, `staging` has to be built for the larger pinhole of `sim.render.lens.rendered_camera`.
     """
 
     def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
@@ -107,12 +107,12 @@ class FrameRenderer:
         self._renderer: CameraRenderer | None = None
 
     def rgb(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Image:
-        """The image of a frame, seen from a pose of the body."""
+        """Render the image of a frame from a body pose."""
         image = self._set(frame, T_W_B).rgb(T_W_B)
         return image if self._lens is None else self._lens.image(image)
 
     def depth(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> Float32[ndarray, "h w"]:
-        """Its depth along the optical axis [m]. It never reaches LEXIS."""
+        """Render the depth of a frame along the optical axis [m]. It is never given to LEXIS."""
         depth = self._set(frame, T_W_B).depth(T_W_B)
         return depth if self._lens is None else self._lens.nearest(depth)
 

@@ -1,4 +1,4 @@
-"""All faults by name, and how they are written on the command line."""
+"""All faults by name, and their notation on the command line."""
 
 from collections.abc import Mapping
 from dataclasses import Field
@@ -28,9 +28,10 @@ FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
 
 
 def parse_fault(text: str) -> Fault:
-    """A fault as written: `name`, `name:value` of its first field, or `name:value,field=value,...`; units as the field's.
+    """Parse a fault: `name`, `name:value` with its first field's value, or `name:value,field=value,...`.
 
-    Raises `SimError` for an unknown name or field, and for a value that is no number or out of range.
+    Values have the units of the fields. Raises `SimError` for an unknown name or field, for a field that is given twice, and
+    for a value that is no number or out of range.
     """
     name, _, rest = text.partition(":")
     if (kind := FAULTS.get(name)) is None:
@@ -44,13 +45,13 @@ def parse_fault(text: str) -> Fault:
             guess = did_you_mean(key, known)
             raise SimError(f"fault {text!r}: {key or item!r} is no field of {name}{guess}; valid: {', '.join(known)}")
         if key in values:
-            raise SimError(f"fault {text!r}: {key} is said twice; valid: once")
+            raise SimError(f"fault {text!r}: {key} is given twice; valid: once")
         values[key] = _number(text, known[key], value)
     return kind(**values)
 
 
 def written(fault: Fault) -> str:
-    """A fault as `parse_fault` takes it, with all fields that are set."""
+    """Write a fault in the notation of `parse_fault`, with all fields that are set."""
     values = {of.name: getattr(fault, of.name) for of in settings(type(fault))}
     return f"{fault.name}:{','.join(f'{name}={value:g}' for name, value in values.items() if value is not None)}"
 
@@ -64,7 +65,7 @@ def _number(text: str, of: "Field[float]", value: str) -> int | float:
 
 
 def usage() -> str:
-    """Every fault with its fields and their defaults, as `parse_fault` takes them, one a line."""
+    """List all faults with their fields and defaults in the notation of `parse_fault`, one per line."""
     return "\n".join(f"  {name}:{','.join(map(_usage, settings(kind)))}" for name, kind in FAULTS.items())
 
 

@@ -1,4 +1,4 @@
-"""Doors that are shut unless somebody is about to go through."""
+"""`ClosingDoors`: doors that are closed unless the body is near them."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,24 +14,24 @@ from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
-"""Of the body from the door: more than a leaf's width, so that no leaf swings through the body."""
+"""Distances of the body from a door. The first exceeds a leaf's width, so that no leaf swings through the body."""
 _REACH_M = 3.0
-"""How far above the floor of a door's storey a body counts as on it."""
+"""Height above a door's lower end up to which a body counts as on the same storey."""
 
 
 @dataclass(frozen=True, eq=False)
 class ClosingDoors(Actor):
-    """Leaves that stand open only while the body is near them."""
+    """Door leaves that are open only while the body is near them."""
 
     leaves: Sequence[DoorLeaf]
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
-        """All leaves as they stand for a body at this pose."""
+        """Return all leaves, opened as far as the body's distance requires."""
         return [_solid(_turned(leaf, _openness(leaf, T_W_B[:3, 3]))) for leaf in self.leaves]
 
 
 def _openness(leaf: DoorLeaf, body: Float64[np.ndarray, "3"]) -> float:
-    """0 is shut, 1 wide open."""
+    """Return how far a leaf is open for a body: 0 is closed, 1 fully open."""
     centre = _centre(leaf, 0.0)
     if not 0.0 <= body[2] - leaf.position[2] <= _REACH_M:
         return 0.0
@@ -54,7 +54,7 @@ def _solid(leaf: DoorLeaf) -> Solid:
 
 
 def all_leaves(house: House) -> Iterator[DoorLeaf]:
-    """A leaf for every door way of a house: its own, or a new one that swings into the first of its rooms."""
+    """Yield a leaf for each doorway of a house: its own, or else a new one that swings into the opening's first room."""
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):
         hung = [_with_leaf(opening) for opening in storey.openings]

@@ -1,4 +1,4 @@
-"""Faults of delivery: frames that are lost, repeated, stuck, or arrive in the wrong order."""
+"""Faults of delivery: frames that are lost, frozen, duplicated, late, or in the wrong order."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -14,16 +14,16 @@ from sim.truth import Stream, Truth
 
 @dataclass(frozen=True)
 class Dropped(StreamFault):
-    """Frames are lost. The odometry goes on: the next frame's covariance covers the gap, and it is the one recorded."""
+    """Frames are lost. The odometry continues, so the next frame's covariance covers the gap; that frame is marked."""
 
     name = "dropped"
     share: float = setting(0.1, 0.0, 1.0)
-    """Of the frames that are lost; the first never is."""
+    """Share of the frames that are lost. The first frame is never lost."""
     burst: int = setting(1, 1)
-    """Frames lost in a row."""
+    """Number of frames lost in a row."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream without the lost frames."""
+        """Yield the stream without the lost frames."""
         lost: list[Observation] = []
         for (observation, truth), is_lost in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
             if is_lost:
@@ -36,7 +36,7 @@ class Dropped(StreamFault):
 
 
 def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool]:
-    """Of one frame after the other, whether it is in a burst, so that bursts hold that share of them; the first never is."""
+    """Yield for each frame whether it is in a burst; bursts hold `share` of the frames. The first frame is never in one."""
     rate = share / (share + burst * (1.0 - share)) if share < 1.0 else 1.0
     yield False
     left = 0
@@ -48,7 +48,7 @@ def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool
 
 
 def _bridging(lost: list[Observation], after: Observation) -> Observation:
-    """The observation after a gap, with the covariance since the one before it."""
+    """Return the observation after a gap, with the covariance of the motion since the observation before the gap."""
     covariance = lost[0].increment_covariance
     for previous, current in zip(lost, [*lost[1:], after], strict=True):
         increment = between(previous.T_O_B, current.T_O_B)
@@ -58,16 +58,16 @@ def _bridging(lost: list[Observation], after: Observation) -> Observation:
 
 @dataclass(frozen=True)
 class Frozen(StreamFault):
-    """The camera hangs: the same image again and again, while stamps and odometry go on."""
+    """The camera freezes: it repeats an image, while stamps and odometry continue."""
 
     name = "frozen"
     share: float = setting(0.05, 0.0, 1.0)
-    """Of the frames that show an old image."""
+    """Share of the frames that show an old image."""
     burst: int = setting(10, 1)
-    """Frames in a row with the image of the one before them."""
+    """Number of frames in a row that show the image of the frame before them."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with images that stay."""
+        """Yield the stream with frozen images."""
         shown: Observation | None = None
         for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
             if is_stuck and shown is not None:
@@ -79,14 +79,14 @@ class Frozen(StreamFault):
 
 @dataclass(frozen=True)
 class Duplicated(StreamFault):
-    """Frames arrive twice, all of them the same, stamp included; the second is recorded."""
+    """Frames arrive twice, including their stamps; the second one is marked."""
 
     name = "duplicated"
     share: float = setting(0.1, 0.0, 1.0)
-    """Of the frames that arrive twice."""
+    """Share of the frames that arrive twice."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with frames repeated."""
+        """Yield the stream with duplicated frames."""
         for observation, truth in stream:
             yield observation, truth
             if rng.random() < self.share:
@@ -95,16 +95,16 @@ class Duplicated(StreamFault):
 
 @dataclass(frozen=True)
 class Late(StreamFault):
-    """Frames arrive after frames that were made after them, with the right stamp."""
+    """Frames are delayed and arrive after later ones, with the right stamp."""
 
     name = "late"
     share: float = setting(0.05, 0.0, 1.0)
-    """Of the frames that are late."""
+    """Share of the frames that are late."""
     frames: int = setting(3, 1)
-    """How many overtake a late one."""
+    """Number of frames that overtake a late one."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with frames held back."""
+        """Yield the stream with late frames."""
         held: deque[tuple[int, Observation, Truth]] = deque()
         for position, (observation, truth) in enumerate(stream):
             if rng.random() < self.share:
@@ -119,16 +119,16 @@ class Late(StreamFault):
 
 @dataclass(frozen=True)
 class OutOfOrder(StreamFault):
-    """Frames arrive in groups whose order is random, with the right stamps; those not in their place are recorded."""
+    """Groups of frames arrive in random order, with the right stamps; frames that are not in their place are marked."""
 
     name = "out-of-order"
     share: float = setting(0.1, 0.0, 1.0)
-    """Of the groups that are shuffled."""
+    """Share of the groups that are shuffled."""
     group: int = setting(4, 2)
-    """Frames in a group."""
+    """Number of frames in a group."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with groups shuffled."""
+        """Yield the stream with shuffled groups."""
         waiting: list[tuple[Observation, Truth]] = []
         for pair in stream:
             waiting.append(pair)

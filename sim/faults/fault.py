@@ -1,4 +1,4 @@
-"""What a fault is: a frozen dataclass whose fields have ranges, with a name that truth and command line use."""
+"""Base classes of faults: frozen dataclasses whose fields have valid ranges, named as in truth and on the command line."""
 
 import math
 from abc import ABC, abstractmethod
@@ -13,13 +13,13 @@ from sim.truth import Stream, Truth
 
 
 def setting(default: int | float | None, low: int | float, high: int | float = math.inf, kw_only: bool = False) -> Any:
-    """A field with a default and the range that its values have to be in, both ends included."""
+    """Define a field of a fault with a default and a valid range, both ends included."""
     return field(default=default, kw_only=kw_only, metadata={"range": (low, high)})
 
 
 @dataclass(frozen=True)
 class Fault(ABC):
-    """Something that goes wrong in a run. Raises `SimError` for a field out of its range."""
+    """A disturbance that is injected into a run. Raises `SimError` for a field that is out of its range."""
 
     name: ClassVar[str]
 
@@ -33,37 +33,37 @@ class Fault(ABC):
 
 @dataclass(frozen=True)
 class StreamFault(Fault):
-    """A fault of the sensors or of what carries their data: it changes a stream, whichever scene that comes from."""
+    """A fault of the sensors or of their data transfer. It changes the stream of observations, not the world."""
 
     @abstractmethod
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with the fault; every observation that is not as it was has the fault's name in its truth."""
+        """Yield the stream with the fault. The truth of each changed observation is marked with the fault's name."""
 
     def mark(self, truth: Truth) -> Truth:
-        """The truth that this fault is recorded in."""
+        """Return `truth` with this fault's name added."""
         return replace(truth, faults=(*truth.faults, self.name))
 
 
 @dataclass(frozen=True)
 class SpanFault(StreamFault):
-    """A fault that lasts for a span of true time."""
+    """A fault of the stream that is active for a span of true time."""
 
     at_s: float = setting(0.0, 0.0, kw_only=True)
-    """When it begins, after the start of the tour [s]."""
+    """Time after the start of the tour at which the fault begins [s]."""
     for_s: float = setting(math.inf, 0.0, kw_only=True)
-    """How long it lasts [s]."""
+    """Duration of the fault [s]."""
 
     def active(self, truth: Truth) -> bool:
-        """Whether the fault is there when this is true."""
+        """Whether the fault is active at the time of `truth`."""
         return self.at_s <= truth.stamp < self.at_s + self.for_s
 
 
 @dataclass(frozen=True)
 class FrameFault(SpanFault):
-    """A fault that changes the observations of its span one by one; their number and order stay."""
+    """A fault that changes each observation of its span, but neither their number nor their order."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with the observations of the span changed."""
+        """Yield the stream with the observations of the span changed."""
         for observation, truth in stream:
             if self.active(truth):
                 yield self.change(observation, rng), self.mark(truth)
@@ -72,9 +72,9 @@ class FrameFault(SpanFault):
 
     @abstractmethod
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
-        """The observation with the fault."""
+        """Return the observation with the fault."""
 
 
 def settings(kind: type[Fault]) -> "list[Field[float]]":
-    """The fields of a kind of fault, its own before those that say when it happens."""
+    """Return the fields of a kind of fault, its own before those for its time."""
     return sorted(fields(kind), key=lambda each: bool(each.kw_only))

@@ -1,4 +1,4 @@
-"""Faults of images: blur, exposure, noise, dirt on the lens, darkness. They change no other part of an observation."""
+"""Faults of images: blur, exposure, noise, grease on the lens, darkness. They change no other part of an observation."""
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
@@ -14,48 +14,49 @@ from sim.faults.fault import FrameFault, SpanFault, setting
 from sim.truth import Stream
 
 _GAMMA = 2.2
+"""Gamma of the camera."""
 _HAZE, _HAZE_LEVEL = 0.25, 190.0
-"""Light that grease scatters: its share, and its grey level."""
+"""Share and grey level of the light that grease scatters."""
 _PATCH, _EDGE = 0.08, 0.5
-"""Size of patches in widths of the image; softness of their edges in standard deviations of the noise they are cut from."""
+"""Size of patches [image widths], and width of their soft edges [standard deviations of the underlying noise]."""
 
 
 @dataclass(frozen=True)
 class ImageFault(FrameFault):
-    """A fault that changes images."""
+    """A fault that changes the images of its span."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
-        """The observation with another image."""
+        """Return the observation with the changed image."""
         return replace(observation, image=self.edit(pixels(observation), rng))
 
     @abstractmethod
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """The image with the fault."""
+        """Return the image with the fault."""
 
 
 @dataclass(frozen=True)
 class Blur(ImageFault):
-    """Motion blur: every point becomes a line along the rows, as when the camera turns while the shutter is open."""
+    """Horizontal motion blur, as if the camera turned while the shutter is open: each point becomes a line along its row."""
 
     name = "blur"
     pixels: int = setting(9, 1, 200)
     """Length of the line [px]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """The mean along the line."""
+        """Return the image, averaged along the line."""
         return np.asarray(cv2.blur(image, (self.pixels, 1), borderType=cv2.BORDER_REPLICATE))
 
 
 @dataclass(frozen=True)
 class Exposure(ImageFault):
-    """The exposure is wrong: light is multiplied before the camera's gamma, and clipped."""
+    """Wrong exposure: the light is scaled before the camera's gamma is applied, and clipped."""
 
     name = "exposure"
     stops: float = setting(-2.0, -16.0, 16.0)
-    """Powers of two; negative is darker."""
+    """Exposure error as a power of two; negative is darker."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """The image with its light multiplied."""
+        """Return the image with scaled light."""
         return _with_light(image, 2.0**self.stops)
 
 
@@ -66,14 +67,14 @@ def _with_light(image: Image, factor: float) -> Image:
 
 @dataclass(frozen=True)
 class Noise(ImageFault):
-    """White noise of the sensor, independent in every pixel and channel."""
+    """White noise of the sensor, independent in each pixel and channel."""
 
     name = "noise"
     sigma: float = setting(12.0, 0.0, 255.0)
-    """Standard deviation [grey levels]."""
+    """Standard deviation of the noise [grey levels]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """The image with noise, clipped."""
+        """Return the image with noise, clipped."""
         return _noisy(image, self.sigma, rng)
 
 
@@ -84,7 +85,7 @@ def _noisy(image: Image, sigma: float, rng: np.random.Generator) -> Image:
 
 @dataclass(frozen=True)
 class LightsOff(ImageFault):
-    """Somebody turns the lights off: a little light is left, under the sensor's noise."""
+    """The lights are switched off: little light is left, and the sensor's noise is added to it."""
 
     name = "lights-off"
     left: float = setting(0.002, 0.0, 1.0, kw_only=True)
@@ -93,22 +94,22 @@ class LightsOff(ImageFault):
     """Standard deviation of the noise [grey levels]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """The dark image."""
+        """Return the dark image with noise."""
         return _noisy(_with_light(image, self.left), self.sigma, rng)
 
 
 @dataclass(frozen=True)
 class Smear(SpanFault):
-    """Grease on the lens: patches, the same ones in every image, in which it is blurred and hazy."""
+    """Grease on the lens: patches in which the image is blurred and hazy. They are the same in every image."""
 
     name = "smear"
     share: float = setting(0.3, 0.0, 1.0)
-    """Of the image that patches cover."""
+    """Share of the image that patches cover."""
     blur_px: float = setting(6.0, 0.1, 100.0)
-    """Standard deviation of the blur in them [px]."""
+    """Standard deviation of the blur in the patches [px]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with patches in its images."""
+        """Yield the stream with grease in its images."""
         seed = int(rng.integers(2**63))
         for observation, truth in stream:
             if self.active(truth):
@@ -125,7 +126,10 @@ class Smear(SpanFault):
 
 @lru_cache(maxsize=4)
 def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.ndarray, "h w 1"]:
-    """How much of every pixel's light goes through grease: smooth noise, cut where `share` is above."""
+    """Return the share of each pixel's light that passes through grease.
+
+    Patches are the places where smooth noise exceeds the quantile that leaves `share` of the image above it.
+    """
     noise = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), _PATCH * width)
     edge = _EDGE * float(smooth.std())

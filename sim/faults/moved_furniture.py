@@ -1,4 +1,4 @@
-"""Furniture pushed about in its room."""
+"""`with_furniture_moved`: moves furniture to other free places in its room."""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +13,13 @@ from shapely.geometry import MultiPoint
 from worlds.house import Furniture, House
 
 _TRIES = 30
+"""Number of places that are tried for a piece."""
 _WALL_M = 0.1
-"""Kept from a room's polygon, which runs along the middle of walls."""
+"""Distance kept from a room's polygon, which runs along the centre of walls."""
 _BODY_M = 0.3
-"""Kept from where the body goes."""
+"""Distance kept from the path of the body."""
 _ON_FLOOR_M = 0.02
+"""A piece that is lower than this stands on the floor."""
 _FIXED = frozenset(
     (
         *("kitchen counter", "kitchen sink", "kitchen island", "stove", "dishwasher", "washing machine", "utility sink"),
@@ -25,20 +27,22 @@ _FIXED = frozenset(
         *("tree", "hedge", "flower bed", "sandpit", "garden shed", "swing", "fume hood", "lab bench", "wall bars"),
     )
 )
-"""Kinds that nobody moves."""
+"""Kinds that are fixed in place."""
 
 
 def with_furniture_moved(
     house: House,
-    way: Float64[np.ndarray, "n 3"],
+    path: Float64[np.ndarray, "n 3"],
     share: float,
     within_m: float,
     turn_rad: float,
     rng: np.random.Generator,
 ) -> tuple[Furniture, ...]:
-    """All furniture, a share of what stands loose on the floor moved clear of walls, of the rest and of `way`.
+    """Move a share of the loose furniture on the floor, and return all furniture of the house.
 
-    What stands on a piece goes with it. A piece that finds no other place within some tries stays.
+    Moved pieces keep clear of walls, of the other pieces, of door leaves' swing areas and of `path`, the body's later
+    positions in W [m]. `within_m` and `turn_rad` bound the shift and the rotation. Objects on a piece move with it. A piece
+    for which no free place is found stays.
     """
     pieces = list(house.furniture)
     standing = [i for i, piece in enumerate(pieces) if piece.solid and _height(house, piece) < _ON_FLOOR_M]
@@ -47,7 +51,7 @@ def with_furniture_moved(
         piece = pieces[i]
         riders = [k for k, other in enumerate(pieces) if k != i and _rides(house, other, piece)]
         others = [pieces[k] for k in standing if k != i and pieces[k].storey == piece.storey]
-        free = _free_of(house, piece, others, way)
+        free = _free_of(house, piece, others, path)
         for _ in range(_TRIES):
             angle, distance, turn = rng.uniform(-math.pi, math.pi), within_m * math.sqrt(rng.random()), rng.uniform(-1, 1)
             shift = (distance * math.cos(angle), distance * math.sin(angle))
@@ -60,7 +64,7 @@ def with_furniture_moved(
 
 
 def _height(house: House, piece: Furniture) -> float:
-    """Above the floor of its storey [m]."""
+    """Return the height of a piece above the floor of its storey [m]."""
     return piece.position[2] - house.storeys[piece.storey].floor_m
 
 
@@ -69,11 +73,11 @@ def _rides(house: House, other: Furniture, piece: Furniture) -> bool:
     return above and bool(piece.footprint.covers(shapely.Point(other.position[:2])))
 
 
-def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], way: Float64[np.ndarray, "n 3"]) -> Geometry:
-    """Where the foot print of a piece may be."""
+def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], path: Float64[np.ndarray, "n 3"]) -> Geometry:
+    """Return the area of the plan in which the footprint of a piece may be."""
     storey, room = house.storeys[piece.storey], house.room_by_id[piece.room].polygon
     low, high = np.reshape(room.bounds, (2, 2)) + [[-_BODY_M], [_BODY_M]]
-    here = way[(way[:, 2] > storey.floor_m) & (way[:, 2] < storey.ceiling_m), :2]
+    here = path[(path[:, 2] > storey.floor_m) & (path[:, 2] < storey.ceiling_m), :2]
     near = here[((here > low) & (here < high)).all(axis=1)]
     shapes = [*(other.footprint for other in others), *(leaf.swing for leaf in house.leaves if leaf.storey == piece.storey)]
     within = [shape for shape in shapes if shape.intersects(room)]
@@ -82,7 +86,7 @@ def _free_of(house: House, piece: Furniture, others: Sequence[Furniture], way: F
 
 
 def _moved(piece: Furniture, about: Furniture, shift: tuple[float, float], turn: float) -> Furniture:
-    """A piece turned about the middle of another (or itself) and shifted."""
+    """Rotate a piece about the centre of `about` (another piece or itself), then shift it."""
     cos, sin = math.cos(turn), math.sin(turn)
     dx, dy = piece.position[0] - about.position[0], piece.position[1] - about.position[1]
     x = about.position[0] + shift[0] + cos * dx - sin * dy

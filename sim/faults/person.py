@@ -1,4 +1,4 @@
-"""A person of plain shapes who walks along a tour."""
+"""`Person`: a person, made of plain shapes, who walks along a tour."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from worlds.parts import Colour, Part
 from worlds.visuals.meshes import Solid
 
 _STRIDE_M = 0.45
-"""From one foot to the other, both on the floor."""
+"""Distance between the feet when both are on the floor."""
 _STEPS_HZ = 1.8
 _MANNERS_M = 0.45
-"""No nearer to the camera does a person come."""
+"""A person who is nearer to the camera than this is not drawn."""
 _SKIN: tuple[Colour, ...] = ((0.93, 0.76, 0.64), (0.78, 0.57, 0.42), (0.5, 0.34, 0.25))
 _SHIRTS: tuple[Colour, ...] = ((0.75, 0.15, 0.15), (0.15, 0.3, 0.65), (0.2, 0.5, 0.3), (0.85, 0.8, 0.7), (0.2, 0.2, 0.22))
 _TROUSERS: tuple[Colour, ...] = ((0.16, 0.2, 0.36), (0.3, 0.27, 0.24), (0.12, 0.12, 0.13))
@@ -24,7 +24,7 @@ _SHOES: Colour = (0.1, 0.09, 0.08)
 
 @dataclass(frozen=True)
 class Looks:
-    """What a person looks like."""
+    """Appearance of a person."""
 
     height_m: float
     skin: Colour
@@ -33,14 +33,18 @@ class Looks:
 
 
 def draw_person(rng: np.random.Generator) -> Looks:
-    """A person of any height between 1.55 and 1.95 m."""
+    """Draw a person's colours, and a height between 1.55 and 1.95 m."""
     skin, shirt, trousers = (shades[int(rng.integers(len(shades)))] for shades in (_SKIN, _SHIRTS, _TROUSERS))
     return Looks(float(rng.uniform(1.55, 1.95)), skin, shirt, trousers)
 
 
 @dataclass(frozen=True, eq=False)
 class Person(Actor):
-    """Walks a tour ahead of its camera; the way is free, for the camera's body fits through it too."""
+    """A person who walks along a tour ahead of its camera. The path is free of obstacles, because it is the tour's own.
+
+    At `start_s` [s] the person is at the place that the tour reaches `ahead_s` [s] later. `pace` is the person's speed, in
+    units of the tour's speed.
+    """
 
     tour: Tour
     start_s: float
@@ -49,7 +53,7 @@ class Person(Actor):
     looks: Looks
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
-        """The body in the middle of a step; nothing where it would run into the camera on the tour's way back."""
+        """Return the person's body at a phase of its step, or nothing if it would run into the camera."""
         T_W_P = self.tour.pose_at(self.start_s + self.ahead_s + self.pace * (stamp - self.start_s))
         x, y, z = T_W_P[:3, 3]
         if np.hypot(x - T_W_B[0, 3], y - T_W_B[1, 3]) < _MANNERS_M:
@@ -61,7 +65,7 @@ class Person(Actor):
 
 
 def _body(looks: Looks, swing: float) -> tuple[Part, ...]:
-    """Parts of a person who looks along y; `swing` in [-1, 1] says which foot is in front and how far."""
+    """Build a person who faces along y. `swing`, in [-1, 1], says which foot is in front and how far."""
     h = looks.height_m / 1.75
     parts = [
         Part("cylinder", (0.0, 0.0, 1.16 * h), (0.38, 0.22, 0.56 * h), looks.shirt),

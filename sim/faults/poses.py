@@ -1,4 +1,4 @@
-"""Faults of the odometry, and kidnapping, which it knows nothing of."""
+"""Faults of the odometry, and kidnapping, which the odometry does not notice."""
 
 import math
 from dataclasses import dataclass, replace
@@ -13,18 +13,18 @@ from sim.truth import Stream
 
 @dataclass(frozen=True)
 class OdometryJump(StreamFault):
-    """The odometry jumps once, in a random direction on the floor, and its covariance says nothing of it."""
+    """The odometry jumps once in a random horizontal direction, without a larger covariance."""
 
     name = "odometry-jump"
     at_s: float = setting(60.0, 0.0)
-    """When, after the start of the tour [s]."""
+    """Time of the event after the start of the tour [s]."""
     distance_m: float = setting(1.0, 0.0)
-    """How far [m]."""
+    """Length of the jump [m]."""
     turn_rad: float = setting(0.2, 0.0, math.pi)
-    """How far it turns, either way [rad]."""
+    """Change of yaw, of random sign [rad]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with all poses from then on moved as one."""
+        """Yield the stream with all poses from the jump on moved by the same rigid motion."""
         direction, sign = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 1.0])
         move = np.eye(4)
         move[:3, :3] = exp(np.array([0.0, 0.0, sign * self.turn_rad, 0.0, 0.0, 0.0]))[:3, :3]
@@ -42,16 +42,16 @@ class OdometryJump(StreamFault):
 
 @dataclass(frozen=True)
 class OdometryFreeze(SpanFault):
-    """The odometry hangs: the pose stays while the body moves, and goes on from there without what was missed."""
+    """The odometry freezes while the body moves. Afterwards it continues from the frozen pose, without the missed motion."""
 
     name = "odometry-freeze"
     at_s: float = setting(60.0, 0.0, kw_only=True)
-    """When it begins, after the start of the tour [s]."""
+    """Time after the start of the tour at which the fault begins [s]."""
     for_s: float = setting(3.0, 0.0, kw_only=True)
-    """How long it lasts [s]."""
+    """Duration of the fault [s]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with a pose that stays; all poses after it are recorded too, for they are off."""
+        """Yield the stream with frozen poses. All later observations are marked, too, because their poses are wrong."""
         before: Observation | None = None
         reported = np.eye(4)
         frozen = False
@@ -69,14 +69,14 @@ class OdometryFreeze(SpanFault):
 
 @dataclass(frozen=True)
 class OdometryNaN(SpanFault):
-    """The odometry loses track for single frames: all of the pose is not a number."""
+    """The odometry fails for single frames: all entries of the pose are NaN."""
 
     name = "odometry-nan"
     share: float = setting(0.02, 0.0, 1.0)
-    """Of the frames of its span."""
+    """Share of the frames of the span that fail."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with poses of NaN."""
+        """Yield the stream with poses of NaN."""
         for observation, truth in stream:
             if self.active(truth) and rng.random() < self.share:
                 yield replace(observation, T_O_B=np.full((4, 4), np.nan)), self.mark(truth)
@@ -86,19 +86,20 @@ class OdometryNaN(SpanFault):
 
 @dataclass(frozen=True)
 class Kidnap(StreamFault):
-    """The body is elsewhere from one frame to the next; odometry and clock do not know: a stretch of the tour is cut out.
+    """The body is moved elsewhere between two frames, which neither odometry nor clock notices.
 
-    All frames after it are recorded: their poses and stamps are those that the odometry and the clock make of it.
+    It is simulated by cutting a stretch out of the tour. All frames after it are marked: their estimated poses and their
+    stamps, also the true ones, are shifted as if the stretch had not been there.
     """
 
     name = "kidnap"
     at_s: float = setting(60.0, 0.0)
-    """When, after the start of the tour [s]."""
+    """Time of the event after the start of the tour [s]."""
     skip_s: float = setting(20.0, 0.0)
-    """How much of the tour is cut out: the body goes on from where it would have been after that time [s]."""
+    """Duration of the stretch that is cut out. The body continues from where it would have been after that time [s]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream without the stretch, its ends joined as if there had been none."""
+        """Yield the stream without the stretch, joined as if the stretch had not been there."""
         last: Observation | None = None
         unseen: Observation | None = None
         for observation, truth in stream:

@@ -1,4 +1,4 @@
-"""Faults of clocks: images that say a wrong time."""
+"""Faults of clocks: observations with wrong stamps."""
 
 from collections import deque
 from dataclasses import dataclass, replace
@@ -12,17 +12,17 @@ from sim.truth import Stream, Truth
 
 @dataclass(frozen=True)
 class StampOffset(StreamFault):
-    """Camera and odometry disagree on the time: each image is given the stamp and the pose of an earlier or later frame.
+    """The clocks of camera and odometry differ: each image gets the stamp and the pose of an earlier or later frame.
 
-    The frames at one end have no pose to go with and are lost.
+    Frames at one end of the stream have no such partner and are lost.
     """
 
     name = "stamp-offset"
     frames: int = setting(1, -100, 100)
-    """How far the image's clock is ahead of the odometry's; negative: behind."""
+    """Frames by which the camera's clock is ahead of the odometry's; negative: behind."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """The stream with images beside other frames' stamps and poses."""
+        """Yield the stream with each image beside the stamp and pose of another frame."""
         waiting: deque[tuple[Observation, Truth]] = deque()
         for pair in stream:
             waiting.append(pair)
@@ -34,25 +34,25 @@ class StampOffset(StreamFault):
 
 @dataclass(frozen=True)
 class StampJitter(FrameFault):
-    """Stamps are noisy, so that time may even go backwards; images and poses belong together."""
+    """Stamps are noisy, so that they may even descend. Images and poses still belong together."""
 
     name = "stamp-jitter"
     sigma_s: float = setting(0.02, 0.0)
-    """Standard deviation [s]."""
+    """Standard deviation of the noise [s]."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
-        """The observation with noise on its stamp."""
+        """Return the observation with noise on its stamp."""
         return replace(observation, stamp=observation.stamp + float(rng.normal(0.0, self.sigma_s)))
 
 
 @dataclass(frozen=True)
 class StampJump(FrameFault):
-    """The clock is set back, as by a time server."""
+    """The clock is set back, as a time server may do."""
 
     name = "stamp-jump"
     back_s: float = setting(2.0, 0.0)
-    """By how much [s]."""
+    """Time by which the clock is set back [s]."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
-        """The observation with an earlier stamp."""
+        """Return the observation with an earlier stamp."""
         return replace(observation, stamp=observation.stamp - self.back_s)

@@ -1,8 +1,11 @@
-"""Verification of loops without key points: by how much of one view is in the other, as rays find it.
+"""Simulated verification of loop candidates, for runs without images and hence without key points.
 
-A candidate is confirmed with a chance that is fitted over true covisibility, distance and turn. What is then measured is
-wrong by the error of a real edge, drawn with its covariance and inliers from those that the model was fitted to. One that is
-not confirmed may be confirmed falsely, at the rate and with the errors of real false edges.
+For each candidate:
+
+1. Compute the true covisibility (the share of one view that is visible in the other, by ray casts), distance and rotation.
+2. Confirm the candidate with the probability that a logistic model gives for them. The model is fitted to real verification.
+3. If confirmed, return the true relative pose with the error, covariance and inlier count of a real edge, drawn at random.
+4. Otherwise return a false edge with a small probability, with the error of a real false edge.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,15 +23,17 @@ from lexis.verification import admitted
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
-"""How far two depths of a shared point may differ: rays are coarse."""
+"""Largest relative and absolute difference between two depths of the same point. It is generous, because rays are coarse."""
 _QUERY, _PAIR = 1, 2
-"""Streams of luck. Zeros at its end leave a seed as it is: without these, a query's would be that of its pair with 0."""
+"""Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the stream of its
+pair with keyframe 0."""
 PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
+"""Inputs of the logistic model; distance [m] and turn [rad] are between the bodies."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEdges:
-    """Real edges: how wrong each is, and what it says of itself."""
+    """Loop edges that LEXIS measured on rendered images: their true errors, and the covariances and inliers they report."""
 
     error: Float64[np.ndarray, "n 6"]
     """`log` of the motion from the true to the measured relative pose, rotation first [rad, m]."""
@@ -38,27 +43,27 @@ class MeasuredEdges:
 
 @dataclass(frozen=True, eq=False)
 class LoopModel:
-    """Which candidates verification confirms, and what it measures."""
+    """A fitted model of which candidates verification confirms, and of what it measures."""
 
     weights: Float64[np.ndarray, "predictors"]
-    """Of `PREDICTORS`, for the log odds of a true edge."""
+    """Weights of `PREDICTORS`, for the log odds of a true edge."""
     query_share: float
-    """Share of chance that all candidates of one query have in common, in [0, 1)."""
+    """Share of the random variable's variance that all candidates of one query have in common, in [0, 1)."""
     false_rate: float
-    """Of candidates without a true edge, those that get a false one."""
+    """Probability of a false edge for a candidate that does not get a true one."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
-    """May be empty: then `false_rate` is 0."""
+    """False edges to draw from. They may be empty if `false_rate` is 0."""
 
     def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:
-        """Chance of a true edge. Where nothing is seen by both there is none."""
+        """Return the probability of a true edge; 0 if the views share nothing."""
         shared = predictors[..., PREDICTORS.index("covisibility")] > 0.0
         return np.asarray(np.where(shared, expit(predictors @ self.weights), 0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """What a keyframe truly is: where its camera was, and how far its rays went."""
+    """Ground truth of a keyframe: the poses of its body and camera, and the depth of its rays [m]."""
 
     T_W_B: Pose
     T_W_C: Pose
@@ -66,14 +71,14 @@ class Sight:
 
 
 def predictors(first: Sight, second: Sight, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
-    """What decides on the verification of two views."""
+    """Return the values of `PREDICTORS` for two views."""
     shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
     relative = between(first.T_W_B, second.T_W_B)
     return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
 
 
 def _seen_by(viewer: Sight, other: Sight, grid: RayGrid) -> float:
-    """Share of the other's points that the viewer sees, too."""
+    """Return the share of the other view's rays whose end points the viewer sees, too."""
     z = np.where(np.isfinite(other.depth), other.depth, 0.0).astype(float)
     points = np.stack([grid.x[:, None] * z, grid.y[None] * z, z], axis=-1)[z > 0.0]
     local = transform(inverse(viewer.T_W_C) @ other.T_W_C, points)
@@ -88,16 +93,16 @@ def _seen_by(viewer: Sight, other: Sight, grid: RayGrid) -> float:
 
 
 class CovisibilityVerifier:
-    """A `lexis.verification.Verifier` that knows the truth. Its word on a pair depends on that pair and the seed alone."""
+    """A `lexis.verification.Verifier` that uses the ground truth. Its result for a pair depends on pair and seed only."""
 
     def __init__(self, model: LoopModel, sight_of: Callable[[int], Sight], grid: RayGrid, seed: int) -> None:
-        """`sight_of` tells what an observation, by its index, truly was."""
+        """`sight_of` maps the index of an observation to its ground truth."""
         self._model, self._sight_of, self._grid, self._seed = model, sight_of, grid, seed
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> list[LoopEdge]:
-        """Edges to candidates that would be verified, as far as the odometry allows."""
+        """Return edges to the confirmed candidates, except those that contradict the odometry."""
         edges = [self._edge(query, graph.keyframes[match]) for match in candidates]
         return admitted([edge for edge in edges if edge is not None], graph, config)
 
@@ -107,8 +112,9 @@ class CovisibilityVerifier:
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
         rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
         share = self._model.query_share
-        luck = np.sqrt(share) * common + np.sqrt(1.0 - share) * rng.standard_normal()
-        if luck < ndtri(chance):
+        # A standard normal draw, correlated between the candidates of a query, because real successes of a query are.
+        drawn_value = np.sqrt(share) * common + np.sqrt(1.0 - share) * rng.standard_normal()
+        if drawn_value < ndtri(chance):
             pool = self._model.true_edges
         elif rng.random() < self._model.false_rate:
             pool = self._model.false_edges
@@ -122,7 +128,7 @@ class CovisibilityVerifier:
 def fit_logistic(
     inputs: Float64[np.ndarray, "n p"], outcome: Float[np.ndarray, "n"], ridge: float = 1e-3
 ) -> Float64[np.ndarray, "p"]:
-    """Logistic regression by Newton's method."""
+    """Fit a logistic regression with a ridge penalty by Newton's method and return its weights."""
     weights = np.zeros(inputs.shape[1])
     for _ in range(50):
         chance = expit(inputs @ weights)

@@ -1,4 +1,4 @@
-"""In the plan: which columns of which cameras cross which blocks, and from what depth to what depth."""
+"""Intersects image columns with blocks in the plan: which blocks each column crosses, and between which depths."""
 
 from dataclasses import dataclass
 
@@ -9,34 +9,35 @@ from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
-"""What is nearer is not seen: the camera is inside it."""
+"""A block that is nearer than this is ignored, because the camera is inside it."""
 FAR_M = np.float32(200.0)
+"""Depth that stands for no hit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """A row for every block that a column crosses, ordered by camera and column."""
+    """One row for each block that an image column crosses, sorted by camera and column."""
 
     camera: Int[np.ndarray, "h"]
     column: Int[np.ndarray, "h"]
     block: Int[np.ndarray, "h"]
     near: Float32[np.ndarray, "h"]
-    """Depth at which the column's line enters the block [m]."""
+    """Depth at which the column's line in the plan enters the block [m]."""
     far: Float32[np.ndarray, "h"]
-    """And at which it leaves it."""
+    """Depth at which the column's line leaves the block [m]."""
 
 
 class BlockPlan:
-    """Blocks seen from above."""
+    """The footprints of blocks, for intersection with image columns."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
-        """Nothing is seen behind blocks that are `tall`."""
+        """Blocks that are `tall` reach from floor to ceiling and occlude everything behind them."""
         self._blocks, self._tall, self._grid = blocks, tall, grid
         self._corners = _corners(blocks)
         self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)
 
     def cross(self, eyes: UprightCameras) -> Crossings:
-        """What the columns of cameras cross, up to the first tall block."""
+        """Return the blocks that each column of the cameras crosses, up to the first tall block."""
         camera, block, first, count = self._spanned(eyes)
         pair = np.repeat(np.arange(len(camera)), count)
         column = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count - first, count)
@@ -46,6 +47,7 @@ class BlockPlan:
         ray = camera * columns + column
         met = far > np.maximum(near, NEAR_M)
         wall = np.full(len(eyes.place) * columns, FAR_M)
+        # A tall block that the camera is inside of occludes nothing.
         shut = met & self._tall[block] & (near > 0.0)
         np.minimum.at(wall, ray[shut], near[shut])
         kept = np.flatnonzero(met & (near <= wall[ray]))
@@ -53,13 +55,13 @@ class BlockPlan:
         return Crossings(camera[kept], column[kept], block[kept], np.maximum(near[kept], np.float32(0.0)), far[kept])
 
     def _spanned(self, eyes: UprightCameras) -> tuple[Int[np.ndarray, "p"], ...]:
-        """(camera, block, first column, number of columns) of every block that may be in the image."""
+        """Return camera, block, first column and number of columns of each block that may be in an image."""
         offset = self._corners[None] - eyes.place[:, None, None]
         depth = np.einsum("kbcj,kj->kbc", offset, eyes.ahead)
         side = np.einsum("kbcj,kj->kbc", offset, eyes.right)
         x, last = self._grid.x, len(self._grid.x) - 1
         at = (side / np.maximum(depth, NEAR_M) - x[0]) / (x[1] - x[0])
-        beside = depth.min(axis=2) < NEAR_M  # reaches from before the camera to behind it: may be in any column
+        beside = depth.min(axis=2) < NEAR_M  # part of it is behind the camera, so it may be in any column
         first = np.where(beside, 0, np.ceil(at.min(axis=2)).clip(0, last + 1)).astype(int)
         end = np.where(beside, last, np.floor(at.max(axis=2)).clip(-1, last)).astype(int)
         seen = (depth.max(axis=2) > NEAR_M) & (end >= first)
@@ -69,7 +71,7 @@ class BlockPlan:
     def _through(
         self, block: Int[np.ndarray, "h"], place: Float32[np.ndarray, "h 2"], line: Float32[np.ndarray, "h 2"]
     ) -> tuple[Float32[np.ndarray, "h"], Float32[np.ndarray, "h"]]:
-        """Depths at which lines enter and leave the sides of blocks; entered after left where they miss."""
+        """Return the depths at which lines enter and leave blocks (slab method); the former is larger if a line misses."""
         cos, sin = (values[block] for values in self._axes)
         offset, half = place - self._blocks.centre[block], self._blocks.half[block]
         near, far = np.full(len(block), -np.inf, np.float32), np.full(len(block), np.inf, np.float32)

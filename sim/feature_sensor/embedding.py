@@ -1,9 +1,9 @@
-"""Embeddings drawn from what a camera truly sees: an expected one, and an error that is alike where views are alike.
+"""Simulated image embeddings: the expected embedding of the true view, plus an error that is similar for similar views.
 
-The error is a Gaussian field over poses. In embedding space it has a low rank; over poses its covariance is a sum of
-kernels: an offset for the whole house (its looks), one for every room and one for every object as far as they are in view,
-and smooth fields of three correlation lengths. So errors persist as the real encoder's do: neighbours in the pose graph,
-which vote on each other's labels, err together, and a place that is revisited looks the same.
+The error is a Gaussian process over poses. In embedding space it has a low rank. Over poses its covariance is a sum of
+kernels: one that is constant in a house (its appearance), one for the rooms and one for the objects in view, and smooth ones
+of three correlation lengths. Errors are therefore correlated like those of the real encoder: neighbours in the pose graph,
+which vote on each other's labels, have similar errors, and a revisited place looks the same again.
 """
 
 from collections.abc import Iterator
@@ -17,30 +17,30 @@ from sim.feature_sensor.surroundings import OBJECTS
 from sim.feature_sensor.visible_shares import VisibleShares
 
 FIELDS = ((0.3, 0.2), (1.0, 0.6), (3.0, 1.5))
-"""Correlation lengths of the smooth fields: in place [m], and in the direction of view [rad]."""
+"""Correlation lengths of the smooth kernels: in position [m] and in direction of view [rad]."""
 KERNELS = ("house", "rooms", "objects", *(f"{metres:g} m, {radians:g} rad" for metres, radians in FIELDS))
 _WAVES = 256
-"""Random cosines that a smooth field is made of (random Fourier features)."""
+"""Number of random Fourier features that approximate a smooth kernel."""
 
 
 @dataclass(frozen=True, eq=False)
 class EmbeddingModel:
-    """What an encoder makes of views, in d dimensions."""
+    """A fitted model of an encoder's embeddings of views, in d dimensions."""
 
     weights: Float32[np.ndarray, "size d"]
-    """From descriptions to expected embeddings."""
+    """Linear map from a view's description (`VisibleShares.described`) to its expected embedding."""
     offset: Float32[np.ndarray, "d"]
     errors: Float32[np.ndarray, "k d"]
-    """Directions of the error, each as long as its standard deviation."""
+    """Principal directions of the error. The length of each is its standard deviation."""
     kernels: Float64[np.ndarray, "kernels"]
-    """Share of the error's variance that each of `KERNELS` has; they sum to 1."""
+    """Share of each of `KERNELS` in the error's variance. The shares sum to 1."""
 
     def expected(self, views: VisibleShares) -> Float32[np.ndarray, "n d"]:
-        """The mean embedding of views."""
+        """Return the expected embeddings of views."""
         return np.asarray(views.described() @ self.weights + self.offset)
 
     def draw(self, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
-        """Embeddings of views from poses of the body, unit norm. A function of pose, house and seed alone."""
+        """Draw the embeddings of views from body poses, of unit norm. They depend on pose, house and seed only."""
         rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 
@@ -48,14 +48,14 @@ class EmbeddingModel:
 def error_scores(
     model: EmbeddingModel, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]
 ) -> Float32[np.ndarray, "n k"]:
-    """The field's value at every view, of unit variance in each of `k` independent dimensions."""
+    """Draw the error process at all views, with unit variance in each of `k` independent dimensions."""
     rng, k = np.random.default_rng(seed), len(model.errors)
     parts = [bases @ rng.standard_normal((bases.shape[1], k), np.float32) for bases in _bases(views, T_W_B, rng)]
     return np.asarray(sum(np.float32(np.sqrt(share)) * part for share, part in zip(model.kernels, parts, strict=True)))
 
 
 def _bases(views: VisibleShares, T_W_B: Poses, rng: np.random.Generator) -> Iterator[Float32[np.ndarray, "n m"]]:
-    """Of every kernel, rows whose inner products are its values."""
+    """Yield for each kernel a feature matrix whose rows have the kernel's values as inner products."""
     yield np.ones((len(T_W_B), 1), np.float32)
     yield _units(views.of_rooms()).astype(np.float32)
     yield _units(_objects(views)).astype(np.float32)
@@ -67,7 +67,7 @@ def _bases(views: VisibleShares, T_W_B: Poses, rng: np.random.Generator) -> Iter
 
 
 def kernel_values(views: VisibleShares, T_W_B: Poses) -> Iterator[Float64[np.ndarray, "n n"]]:
-    """The values of every kernel between all views."""
+    """Yield the matrix of each kernel between all views."""
     yield np.ones((len(T_W_B), len(T_W_B)))
     for rows in (_units(views.of_rooms()), _units(_objects(views))):
         yield rows @ rows.T
@@ -82,13 +82,13 @@ def _objects(views: VisibleShares) -> Float[np.ndarray, "n things"]:
 
 
 def _units(rows: Float[np.ndarray, "n m"]) -> Float[np.ndarray, "n m+1"]:
-    """Rows of unit length; those that see nothing get a dimension of their own, which they share."""
+    """Scale rows to unit length. Zero rows (nothing in view) become a unit vector in one added dimension."""
     rows = np.column_stack([rows, ~rows.any(axis=1)])
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
 
 def _coordinates(T_W_B: Poses, metres: float, radians: float) -> Float64[np.ndarray, "n 5"]:
-    """Place and direction, in units of a correlation length each."""
+    """Return position and direction of view, each in units of its correlation length."""
     heading = np.arctan2(T_W_B[:, 1, 0], T_W_B[:, 0, 0])
     turn = np.column_stack([np.cos(heading), np.sin(heading)])
     return np.concatenate([T_W_B[:, :3, 3] / metres, turn / radians], axis=1)

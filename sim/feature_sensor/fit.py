@@ -1,4 +1,4 @@
-"""`fit_features`: a feature model of any encoder, from renders of a few houses."""
+"""`fit_features`: fits the feature model of an encoder to rendered images of a few houses."""
 
 from collections.abc import Callable
 
@@ -13,22 +13,26 @@ from sim.feature_sensor.model import FeatureModel, fingerprint
 from sim.training.houses import HouseDraw
 
 FIRST_SEED = 600
-"""Of the houses that are fitted to: development seeds."""
+"""First seed of the houses to fit to. These seeds are reserved for development."""
 HOUSES, FRAMES = 72, 40
+"""Default number of houses, and number of frames in each, that embeddings are fitted to."""
 WALKS = (
     HouseDraw("apartment", 690), HouseDraw("uh2-apt", 691), HouseDraw("apartment", 692, openness=0.4),
 )  # fmt: skip
-"""That loops are fitted to."""
+"""Walks whose loops the loop model is fitted to."""
 _KEPT = 400
-"""Real edges that a model remembers."""
+"""Largest number of true and of false edges that a model keeps."""
 _WALK_SHARE = 0.4
-"""Of the time that fitting takes."""
+"""Approximate share of the fitting time that the walks take, for progress."""
 
 
 def fit_features(
     encoder: Encoder, houses: int = HOUSES, walks: int = len(WALKS), progress: Callable[[float], None] = lambda share: None
 ) -> FeatureModel:
-    """Fit to frames of `houses` houses and to the loops of `walks` walks; the same arguments give the same model."""
+    """Fit a model to frames of `houses` houses and to the loops of `walks` walks. The same arguments give the same model.
+
+    `progress` is called with the share of the work that is done, in [0, 1].
+    """
     trials = []
     for i, choice in enumerate(WALKS[:walks]):
         trials.append(try_verification(choice, encoder, seed=0))
@@ -47,7 +51,7 @@ def _compact(model: LoopModel) -> LoopModel:
 
 
 def _thinned(edges: MeasuredEdges) -> MeasuredEdges:
-    """Evenly chosen ones, no more than are kept."""
+    """Choose at most `_KEPT` edges at even intervals."""
     count = len(edges.inliers)
     chosen = np.unique(np.linspace(0, count - 1, min(count, _KEPT)).astype(int)) if count else np.zeros(0, int)
     return MeasuredEdges(edges.error[chosen], edges.covariance[chosen], edges.inliers[chosen])

@@ -1,4 +1,10 @@
-"""The embedding model that fits frames which a real encoder has seen."""
+"""`fit_embedding`: fits the embedding model to rendered frames that a real encoder has embedded.
+
+1. Fit the expected embedding by ridge regression. The penalty is the one with the smallest error on held-out houses.
+2. Take the principal directions of the errors on held-out houses.
+3. Fit the kernels' shares of the variance to the products of the errors of two frames.
+4. Scale the errors until drawn embeddings give the right room label as often as the encoder does.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,20 +19,23 @@ from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, 
 from sim.feature_sensor.fit_samples import Sample
 
 RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
-"""Penalties on weights that are tried, for descriptions in their own units."""
+"""Ridge penalties that are tried. They apply to unscaled descriptions."""
 RANK = 64
+"""Number of error directions that are kept."""
 _FOLDS = 5
 _SCALES = np.linspace(0.3, 1.5, 13)
+"""Scales of the error that are tried."""
 _DRAWS = 3
+"""Number of draws over which the label accuracy of a scale is averaged."""
 
 Rows = Float64[np.ndarray, "n d"]
 
 
 def fit_embedding(samples: Sequence[Sample], encoder: Encoder) -> EmbeddingModel:
-    """Ridge regression for the mean; the errors are those on houses that it was not fitted to.
+    """Fit the mean by ridge regression, and the errors to the residuals on held-out houses.
 
-    Such errors are not Gaussian: most are small, some say another room. Of Gaussian ones with their covariance more would.
-    So these are scaled until as many labels of images are right as are with the encoder.
+    The residuals are not Gaussian: most are small, and only some change the room label. Gaussian errors of the same
+    covariance would change it more often. They are therefore scaled until as many labels are right as with the encoder.
     """
     described = [sample.views.described().astype(float) for sample in samples]
     embedded = [sample.embeddings.astype(float) for sample in samples]
@@ -57,7 +66,7 @@ def _ridge(
 def _held_out(
     described: Sequence[Float64[np.ndarray, "_ size"]], embedded: Sequence[Float64[np.ndarray, "_ d"]], ridge: float
 ) -> list[Rows]:
-    """What regressions on other houses expect of every house."""
+    """Predict the embeddings of each house by a regression on other houses (cross-validation)."""
     means: list[Rows] = [np.zeros((0, 0))] * len(described)
     folds = min(_FOLDS, len(described))
     for fold in range(folds):
@@ -78,13 +87,13 @@ def _power(residuals: Sequence[Rows]) -> float:
 
 
 def _directions(residuals: Rows) -> Float64[np.ndarray, "k d"]:
-    """The principal directions of residuals, each as long as its standard deviation."""
+    """Return the principal directions of residuals. The length of each is its standard deviation."""
     _, deviations, directions = np.linalg.svd(residuals / np.sqrt(len(residuals)), full_matrices=False)
     return np.asarray(deviations[:RANK, None] * directions[:RANK])
 
 
 def _kernel_shares(samples: Sequence[Sample], residuals: Sequence[Rows]) -> Float64[np.ndarray, "kernels"]:
-    """Shares of the kernels by non-negative least squares on the products of errors of two frames of a house."""
+    """Fit the kernels' shares by non-negative least squares to the products of the errors of two frames of a house."""
     power = _power(residuals)
     columns, products = [], []
     for sample, rows in zip(samples, residuals, strict=True):
@@ -94,13 +103,13 @@ def _kernel_shares(samples: Sequence[Sample], residuals: Sequence[Rows]) -> Floa
     shares, _ = nnls(np.concatenate(columns), np.concatenate(products))
     if shares.sum() > 1.0:
         return np.asarray(shares / shares.sum())
-    # What two frames never share is the shortest field's.
+    # Variance that no two frames share goes to the kernel of the shortest correlation length.
     shares[KERNELS.index("objects") + 1] += 1.0 - shares.sum()
     return np.asarray(shares)
 
 
 def _scale(samples: Sequence[Sample], means: Sequence[Rows], model: EmbeddingModel, encoder: Encoder) -> float:
-    """Of the errors, so that images draw the right label as often as the encoder gives it."""
+    """Return the scale of errors at which drawn embeddings give the right label as often as the encoder does."""
     texts = [encoder.encode_rooms(sample.around.house.spec.room_labels) for sample in samples]
     wanted = _label_accuracy(samples, [sample.embeddings for sample in samples], texts)
     errors = [
@@ -116,7 +125,7 @@ def _scale(samples: Sequence[Sample], means: Sequence[Rows], model: EmbeddingMod
         )
         for scale in _SCALES
     ]
-    # Accuracy falls with the scale, but for the luck of the draw.
+    # Accuracy falls with the scale, apart from sampling noise, which is removed here.
     falling = np.minimum.accumulate(accuracy)
     return float(np.interp(-wanted, -falling, _SCALES))
 

@@ -1,4 +1,8 @@
-"""The loop model that fits real verification: LEXIS on renders of a few walks, its candidates and others beside them."""
+"""Fits the loop model to real verification.
+
+`try_verification` runs LEXIS on the rendered images of a walk and verifies its loop candidates, and other pairs of nearby
+keyframes beside them. `fit_loops` fits the model to the outcomes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,34 +32,35 @@ from worlds.house import build_house
 from worlds.walkable import Walkable
 
 _FRAME_RATE_HZ = 3.5
-"""A frame every 0.2 m: enough for keyframes and for those that support them."""
+"""One frame every 0.2 m. This is dense enough for keyframes and for the frames that support them."""
 _OTHERS = 4
-"""Keyframes within `_OTHERS_M` that are tried per keyframe besides LEXIS's candidates."""
+"""Number of other keyframes within `_OTHERS_M` that are verified per keyframe, besides LEXIS's candidates."""
 _OTHERS_M = 4.0
 _GAP = 20
-"""Keyframes between those."""
+"""Smallest difference of index between a query and such a keyframe."""
 _LAGS = 9
-"""Pairs of one query follow each other: from every one to the next eight."""
+"""Two trials of one query are compared if their rows are less than this apart. Trials of a query are consecutive rows."""
 _NODES = 21
-"""Of the quadrature over a query's luck."""
+"""Number of nodes of the quadrature over a query's common random variable."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Pairs of keyframes that verification was tried on."""
+    """Outcomes of verification, one row for each pair of keyframes."""
 
     query: Int[np.ndarray, "n"]
-    """Tells queries apart, over all walks."""
+    """Number of the query keyframe, unique over all walks."""
     predictors: Float64[np.ndarray, "n predictors"]
     is_true: Bool[np.ndarray, "n"]
-    """It was confirmed, and truly."""
+    """Whether the pair was confirmed and its edge is right."""
     is_false: Bool[np.ndarray, "n"]
+    """Whether the pair was confirmed and its edge is wrong."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
 
 
 def fit_loops(trials: Trials) -> LoopModel:
-    """The model that fits trials."""
+    """Fit a loop model to trials."""
     model = LoopModel(
         fit_logistic(trials.predictors, trials.is_true.astype(float)),
         0.0,
@@ -68,7 +73,7 @@ def fit_loops(trials: Trials) -> LoopModel:
 
 
 def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
-    """Map a walk on renders; then verify what was proposed, and other pairs that are near each other."""
+    """Map a walk on rendered images, then verify LEXIS's candidates and other pairs of nearby keyframes."""
     camera, config = camera or wide_camera(), Config()
     house = build_house(choice.spec())
     rng = np.random.default_rng((choice.seed, seed))
@@ -139,7 +144,7 @@ def _measured(
 
 
 def joined(parts: Sequence[Trials]) -> Trials:
-    """The trials of several walks."""
+    """Join the trials of several walks and number their queries consecutively."""
     first = np.cumsum([0, *(int(part.query.max(initial=-1)) + 1 for part in parts)])
     return Trials(
         np.concatenate([part.query + offset for part, offset in zip(parts, first, strict=False)]),
@@ -158,7 +163,7 @@ def _pooled(parts: Sequence[MeasuredEdges]) -> MeasuredEdges:
 
 
 def _query_share(chance: Float64[np.ndarray, "n"], outcome: Bool[np.ndarray, "n"], query: Int[np.ndarray, "n"]) -> float:
-    """The shared part of luck at which two candidates of a query succeed together as often as they did."""
+    """Fit `LoopModel.query_share`: with it, two candidates of a query are both confirmed as often as in the trials."""
     pairs = [(i, i + lag) for lag in range(1, _LAGS) for i in np.flatnonzero(query[lag:] == query[:-lag]).tolist()]
     a, b = np.array(pairs, int).reshape(-1, 2).T
     both = float((outcome[a] & outcome[b]).mean()) if len(a) else 0.0

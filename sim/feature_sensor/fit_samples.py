@@ -67,5 +67,5 @@ def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | No
 
 
 def tour_through(house: House, seed: int, kind: TourKind = "rooms") -> Tour:
-    """The tour that samples and benchmarks of a house take."""
+    """Plan the tour that samples and benchmarks use in a house."""
     return plan_tour(house, Walkable(house), np.random.default_rng(seed), TourConfig(kind))

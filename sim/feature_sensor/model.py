@@ -1,4 +1,4 @@
-"""`FeatureModel`: all that is fitted of the feature sensor, and its file. Nothing is ever unpickled."""
+"""`FeatureModel`: all fitted parameters of the feature sensor, and their file format. Loading never unpickles."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -17,7 +17,7 @@ from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.visible_shares import SIZE
 
 MINI_FEATURES = Path(__file__).parent / "mini.npz"
-"""Fitted to the encoder that ships with the package."""
+"""File of the model for the encoder that ships with the package."""
 _FILE = FileKind(
     "a file of 'lexis-sim fit-features'",
     100_000_000,
@@ -48,33 +48,34 @@ _LAYOUT: Layout = {
     **_edges("false_edges"),
 }
 _MOST = 1e6
-"""Largest of the values that embeddings and errors are drawn from: those of real models are below 100."""
+"""Largest valid parameter of embeddings and errors. Those of real models are below 100."""
 _SAME = 0.999
-"""Least cosine of fingerprints of one encoder: on other machines it rounds differently."""
+"""Least cosine between two fingerprints of one encoder, because rounding differs between machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
+"""Texts that are encoded for the fingerprint."""
 
 
 @dataclass(frozen=True, eq=False)
 class FeatureModel:
-    """What stands for images and their encoder."""
+    """A fitted model that replaces images, their encoder and the verification of loops."""
 
     fingerprint: Float32[np.ndarray, "probes d"]
-    """`fingerprint` of the encoder that it was fitted to."""
+    """`fingerprint` of the encoder that the model was fitted to."""
     embedding: EmbeddingModel
     loops: LoopModel
 
     def check(self, encoder: Encoder, source: str) -> None:
-        """Raise `SimError` unless this model, read from `source`, was fitted to that encoder."""
+        """Raise `SimError` unless this model, which was read from `source`, was fitted to `encoder`."""
         own = fingerprint(encoder)
         if own.shape != self.fingerprint.shape or (own * self.fingerprint).sum(axis=1).min() < _SAME:
             raise SimError(
-                f"{source} was fitted to another encoder than {encoder.name!r}, or to other weights of it; "
-                f"fit it anew: lexis-sim fit-features --encoder {encoder.name} --out FILE"
+                f"{source}: was fitted to another encoder than {encoder.name!r}, or to other weights of it; "
+                f"valid: a model of these weights, from lexis-sim fit-features --encoder {encoder.name} --out FILE"
             )
 
 
 def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
-    """What an encoder makes of a few texts and of one image: tells encoders apart, however their weights are kept."""
+    """Embed a few texts and one image. The result identifies the encoder, however its weights are stored."""
     ramp = np.linspace(0.0, 255.0, 64)
     image = np.stack(
         [np.broadcast_to(ramp, (48, 64)), np.broadcast_to(ramp[::-1], (48, 64)), np.full((48, 64), 90.0)], axis=-1
@@ -83,7 +84,7 @@ def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
 
 
 def save_features(model: FeatureModel, path: Path) -> None:
-    """Write a model, in single precision; the weights in half. Raises `LexisError` where that cannot be."""
+    """Write a model in single precision, its embedding weights in half. Raises `LexisError` if it cannot be written."""
     arrays = _flat(model)
     arrays["embedding.weights"] = arrays["embedding.weights"].astype(np.float16)
     with replaced_file(path) as file, file.open("wb") as stream:
@@ -133,11 +134,11 @@ def _built(arrays: dict[str, np.ndarray]) -> FeatureModel:
 
 
 def _problem(model: FeatureModel) -> str | None:
-    """The reason why the parts of a model do not fit each other or this version; None where they fit."""
+    """Return why a model is inconsistent or does not fit this version; None if it is valid."""
     wanted = (SIZE, len(model.embedding.offset)), (len(KERNELS),), (len(PREDICTORS),)
     found = model.embedding.weights.shape, model.embedding.kernels.shape, model.loops.weights.shape
     if wanted != found:
-        return f"its arrays are {found}, those of this version {wanted}; fit it anew"
+        return f"its arrays are {found}, those of this version {wanted}; fit the model again"
     loops = model.loops
     if not (0.0 <= loops.query_share < 1.0 and 0.0 <= loops.false_rate <= 1.0 and (model.embedding.kernels >= 0.0).all()):
         return "its shares and rates are not all between 0 and 1"
@@ -150,7 +151,7 @@ def _problem(model: FeatureModel) -> str | None:
 
 
 def _drawn_from(model: FeatureModel) -> Float64[np.ndarray, "n"]:
-    """All values that embeddings and errors are drawn from, in a row."""
+    """Return all parameters of embeddings and errors as one vector."""
     embedding, loops = model.embedding, model.loops
     parts = (
         embedding.weights,

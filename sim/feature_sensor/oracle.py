@@ -1,7 +1,7 @@
-"""`oracle`: an encoder without error, for tests of what comes after the encoder. No figure of LEXIS is its.
+"""`Oracle`: an encoder without error, to test the stages after the encoder. Never report its results as LEXIS's.
 
-Its embedding of a view is the true share of the image that every label of room (and kind of object) fills, its
-embedding of a room name the dimension of that label.
+Its embedding of a view holds the true shares of the image that each room label and each kind of object fills. Its embedding
+of a room name is the unit vector of that label's dimension.
 """
 
 from collections.abc import Sequence
@@ -17,36 +17,36 @@ from sim.fidelity import ORACLE
 from worlds.labels import ROOM_LABELS
 
 _NOTHING = len(ROOM_LABELS)
-"""The dimension of a view of no room at all; then come the kinds of objects, which tell places apart."""
+"""Dimension of a view that shows no room. After it come the kinds of objects, which distinguish places with equal labels."""
 _SIZE = _NOTHING + 1 + len(OBJECTS)
 
 
 class Oracle:
-    """Reads room labels; what is seen has to come as percepts."""
+    """Encodes room names only. Views have to be embedded by the feature sensor, with `true_embeddings`."""
 
     @property
     def name(self) -> str:
-        """As `RunConfig.encoder` names it."""
+        """Name of the encoder, as in `RunConfig.encoder`."""
         return ORACLE
 
     @property
     def fingerprint(self) -> str:
-        """There is but one."""
+        """Fingerprint of the encoder, which is constant because there is only one oracle."""
         return ORACLE
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
-        """Raise EncoderError: it sees no images."""
-        raise EncoderError("the oracle sees no images; valid: percepts of the feature sensor")
+        """Raise EncoderError, because the oracle cannot encode images."""
+        raise EncoderError("oracle: cannot encode images; valid: percepts of the feature sensor")
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """A dimension for every label. Raises EncoderError for other names."""
+        """Return the unit vector of each label. Raises EncoderError for a name that is no room label."""
         if unknown := [name for name in names if name not in ROOM_LABELS]:
-            raise EncoderError(f"the oracle knows no room {unknown[0]!r}; valid: {', '.join(ROOM_LABELS)}")
+            raise EncoderError(f"oracle: knows no room {unknown[0]!r}; valid: {', '.join(ROOM_LABELS)}")
         return np.eye(_SIZE, dtype=np.float32)[[ROOM_LABELS.index(name) for name in names]]
 
 
 def true_embeddings(views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
-    """What the oracle's percepts hold: the shares of labels and of objects, unit norm."""
+    """Return the oracle's embeddings of views: shares of room labels and of kinds of objects, of unit norm."""
     rows = np.zeros((len(T_W_B), _SIZE), np.float32)
     np.add.at(rows.T, views.around.labels, views.of_rooms().T.astype(np.float32))
     rows[:, _NOTHING + 1 :] = views.of_kinds()[:, : len(OBJECTS)]

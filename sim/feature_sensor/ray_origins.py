@@ -1,4 +1,4 @@
-"""Where rays begin and which way they go: a grid of them through the image plane, and the cameras that cast them."""
+"""Origins and directions of rays: a grid of rays through the image plane, and the upright cameras that cast them."""
 
 from dataclasses import dataclass
 
@@ -10,50 +10,53 @@ from lexis.types import Intrinsics, Poses
 
 @dataclass(frozen=True, eq=False)
 class RayGrid:
-    """Where rays go through the image plane, at unit depth."""
+    """A grid of rays: the points where they pass through the image plane at unit depth."""
 
     x: Float32[np.ndarray, "columns"]
-    """To the right."""
+    """Coordinates of the columns, to the right."""
     y: Float32[np.ndarray, "rows"]
-    """Down."""
+    """Coordinates of the rows, downwards."""
 
     @staticmethod
     def of(intrinsics: Intrinsics, columns: int, rows: int) -> "RayGrid":
-        """Rays through the middles of equal fields of the image."""
+        """Divide the image into equal cells and make a ray through the centre of each."""
         k = intrinsics
         u = (np.arange(columns) + 0.5) * (k.width / columns) - 0.5
         v = (np.arange(rows) + 0.5) * (k.height / rows) - 0.5
-        # Never exactly level: then a ray's height says where it meets any level.
+        # The offset keeps rays from being exactly level, so that each meets every floor or ceiling level at a finite depth.
         return RayGrid(((u - k.cx) / k.fx).astype(np.float32), ((v - k.cy) / k.fy + 1e-4).astype(np.float32))
 
     @property
     def size(self) -> int:
-        """Rays in all."""
+        """Number of rays."""
         return len(self.x) * len(self.y)
 
 
 @dataclass(frozen=True, eq=False)
 class UprightCameras:
-    """Upright cameras."""
+    """Positions and ray directions of upright cameras, separated into plan and height."""
 
     place: Float32[np.ndarray, "k 2"]
+    """Position in the plan [m]."""
     height: Float32[np.ndarray, "k"]
+    """Height of the camera in W [m]."""
     ahead: Float32[np.ndarray, "k 2"]
-    """Unit vectors in the plan."""
+    """Unit vectors of the viewing direction in the plan."""
     lines: Float32[np.ndarray, "k columns 2"]
-    """Direction of every column in the plan, at unit depth."""
+    """Direction of each column in the plan, at unit depth."""
     slope: Float32[np.ndarray, "k rows"]
-    """Rise of every row at unit depth; never zero."""
+    """Rise of each row at unit depth. It is never zero."""
     storey: Int[np.ndarray, "k"]
+    """Index of the storey that holds the camera."""
 
     @property
     def right(self) -> Float32[np.ndarray, "k 2"]:
-        """Unit vectors in the plan, square to `ahead`."""
+        """Unit vectors in the plan to the right, perpendicular to `ahead`."""
         return _right_of(self.ahead)
 
 
 def cameras_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> UprightCameras:
-    """The cameras at `T_W_C`. Roll is left out, pitch shifts the rows."""
+    """Approximate cameras at `T_W_C` by upright ones: roll is ignored, and pitch shifts the rows."""
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
     ahead = (axis[:, :2] / np.maximum(level, 1e-9)).astype(np.float32)

@@ -1,7 +1,11 @@
-"""Rays from cameras to the nearest surface, for many cameras at once, in numpy and without pixels.
+"""Casts rays from many cameras at once to the nearest surface, in numpy and without rendering.
 
-Cameras stand upright, so that all rays of an image column stand over one line in the plan. What that line crosses is found
-in the plan (2-D, `crossings`), and only then how high each ray of the column is there.
+Cameras are approximated as upright, so that all rays of an image column lie over one line in the plan.
+
+1. Find the blocks that each column's line crosses, in 2-D (`crossings`).
+2. For each ray of the column, compute from its slope which of these blocks it hits first.
+3. Where a ray hits the floor or ceiling before any block, use that.
+4. Look up the room at hits on walls, floors and ceilings.
 """
 
 from dataclasses import dataclass
@@ -18,14 +22,14 @@ from worlds.truth import NOWHERE, floor_at, room_at
 
 WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
-"""Towards the camera, when the room of a hit is looked up: a wall's face is half a wall away from where rooms meet."""
+"""Distance by which a hit is moved towards the camera before its room is looked up, so that it is in front of the wall."""
 _RANK = 0xFF
-"""Bits of a depth that make way for which of the blocks in a column it belongs to: 3e-5 of it."""
+"""Low bits of a depth that are replaced by the block's rank in its column. That changes the depth by at most 3e-5 of it."""
 _CHUNK = 48
-"""Cameras at once: their arrays should fit into the cache."""
+"""Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01
 _TALL_M = 20.0
-"""Outdoors nothing is tall."""
+"""Height from which on a block outdoors, where there is no ceiling, counts as tall. No block is that high."""
 
 Depths = Float32[np.ndarray, "k columns rows"]
 Rows = Int[np.ndarray, "k columns rows"]
@@ -33,16 +37,16 @@ Rows = Int[np.ndarray, "k columns rows"]
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What rays meet first."""
+    """The first hit of each ray."""
 
     depth: Float32[np.ndarray, "n columns rows"]
-    """Along the optical axis [m]; infinite where there is nothing."""
+    """Depth along the optical axis [m]; infinite if nothing is hit."""
     thing: Int[np.ndarray, "n columns rows"]
-    """Row of `Surroundings.names`, or `NOWHERE`."""
+    """Index into `Surroundings.names`, or `NOWHERE`."""
 
 
 def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
-    """Cast the rays of cameras at `T_W_C`; those in no room see nothing."""
+    """Cast the rays of cameras at `T_W_C`. Cameras that are in no room see nothing."""
     n, shape = len(T_W_C), (len(grid.x), len(grid.y))
     hits = Hits(np.full((n, *shape), np.inf, np.float32), np.full((n, *shape), NOWHERE))
     rooms, storeys = room_at(around.house, T_W_C[:, :3, 3]), floor_at(around.house, T_W_C[:, :3, 3])
@@ -56,7 +60,7 @@ def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
 
 
 class _Caster:
-    """Casts from within one room: only blocks that reach into its height can be met."""
+    """Casts rays from within one room. Only blocks that overlap the room's range of heights can be hit."""
 
     def __init__(self, around: Surroundings, room: int, grid: RayGrid) -> None:
         own, house = around.house.rooms[room], around.house
@@ -67,18 +71,18 @@ class _Caster:
         low_enough = self._blocks.z[:, 0] < low + _TOLERANCE_M
         tall = low_enough & (self._blocks.z[:, 1] > min(high, low + _TALL_M) - _TOLERANCE_M)
         self._plan = BlockPlan(self._blocks, tall, grid)
-        # On stairs, the storey that the camera is on has floor and ceiling; elsewhere it is the room.
+        # On stairs, floor and ceiling are those of the camera's storey; elsewhere they are the room's.
         levels = [(s.floor_m, s.ceiling_m) if own.label == STAIRS else (low, high) for s in house.storeys]
         self._levels = np.array(levels, np.float32)
         self._open_above = np.array([each.outdoor for each in house.rooms] + [True])
 
     def cast(self, eyes: UprightCameras) -> tuple[Depths, Rows]:
-        """Depths and things."""
+        """Return the depth and the thing (index into `Surroundings.names`) of the first hit of each ray."""
         depth, block = self._nearest(eyes, self._plan.cross(eyes))
         return self._with_levels(eyes, depth, block)
 
     def _nearest(self, eyes: UprightCameras, crossed: Crossings) -> tuple[Depths, Rows]:
-        """Depth of the first block on every ray, and which it is (-1: none)."""
+        """Return the depth and the index of the first block on each ray (-1: none)."""
         depth = np.full((len(eyes.place), *self._shape), np.inf, np.float32)
         block = np.full(depth.shape, -1)
         if not len(crossed.block):
@@ -87,7 +91,7 @@ class _Caster:
         starts = np.flatnonzero(np.diff(ray, prepend=-1))
         rank = np.arange(len(ray)) - np.repeat(starts, np.diff(starts, append=len(ray)))
         rank = np.minimum(rank, _RANK).astype(np.int32)
-        # Positive floats are ordered as their bits are: one minimum finds the depth and whose it is.
+        # Positive floats have the order of their bits, so one minimum finds both the least depth and its block.
         packed = np.minimum.reduceat(self._entered(eyes, crossed).view(np.int32) & ~_RANK | rank[:, None], starts)
         found = (packed & ~_RANK).view(np.float32)
         met = found < 0.99 * FAR_M
@@ -97,7 +101,7 @@ class _Caster:
         return depth, block
 
     def _entered(self, eyes: UprightCameras, crossed: Crossings) -> Float32[np.ndarray, "h rows"]:
-        """Depth at which every ray of a column enters a block that the column crosses; `FAR_M` where it passes by."""
+        """Return the depth at which each ray enters each block that its column crosses; `FAR_M` if it misses the block."""
         camera = crossed.camera
         rise = self._blocks.z[crossed.block] - eyes.height[camera, None]
         level = rise[:, :, None] / eyes.slope[camera, None, :]
@@ -106,7 +110,7 @@ class _Caster:
         return np.where(met, enter, FAR_M)
 
     def _with_levels(self, eyes: UprightCameras, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
-        """Floors and ceilings where nothing is before them; then things instead of blocks."""
+        """Add floors and ceilings that are hit before any block, and replace blocks by things."""
         floor, ceiling = self._levels[eyes.storey].T
         down = eyes.slope < 0.0
         level = np.where(down, floor[:, None], ceiling[:, None])

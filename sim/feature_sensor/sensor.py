@@ -1,4 +1,4 @@
-"""`FeatureSensor`: percepts of a tour instead of images, and the verifier that belongs to them."""
+"""`FeatureSensor`: simulates percepts of a tour instead of rendering images, with a matching loop verifier."""
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -16,24 +16,24 @@ from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
 
 _STREAM = 4
-"""Of the sensor among the streams that a run's seed spawns; 3 is the robot's."""
+"""Number of the sensor's stream among the random streams of a run's seed. Number 3 is the robot's."""
 _CHUNK = 256
-"""Frames that are looked at together."""
+"""Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-"""Loops are verified by covisibility, not by key points."""
+"""Percepts have no key points, because loops are verified by covisibility."""
 
 
 class FeatureSensor:
-    """What LEXIS is given in the place of images. The same pose in the same house looks the same, whenever it is."""
+    """Simulates percepts, which LEXIS receives instead of images. A pose in a house always gives the same percept."""
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
-        """`seed` is the run's. As an `oracle` it tells the truth of views; loops are verified as ever."""
+        """`seed` is that of the run. With `oracle`, embeddings hold the ground truth; loops are verified as without it."""
         self._model, self._camera, self._oracle = model, camera, oracle
         self._seed = (seed, _STREAM)
         self._surroundings: dict[int, tuple[House, Surroundings]] = {}
 
     def percepts(self, houses: Sequence[House], T_W_B: Poses) -> Iterator[Percept]:
-        """A percept of every frame: of the house as it then is, from where the body truly is."""
+        """Yield the percept of each frame, from the true body pose in the house as it is at that frame."""
         start = 0
         for _, group in groupby(houses, key=id):
             end = start + len(list(group))
@@ -45,7 +45,7 @@ class FeatureSensor:
             start = end
 
     def verifier(self, houses: Sequence[House], T_W_B: Poses) -> CovisibilityVerifier:
-        """Verifies the loops of the same tour."""
+        """Return the verifier of loops of the same tour."""
         sights: dict[int, Sight] = {}
 
         def sight_of(frame: int) -> Sight:

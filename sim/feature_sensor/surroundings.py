@@ -1,4 +1,4 @@
-"""A house as upright blocks with names: what rays of the feature sensor meet, and what their hits count for."""
+"""`Surroundings`: a house as upright boxes with names, for the ray casts of the feature sensor."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,10 +19,10 @@ from worlds.visuals.surfaces import rectangles
 SURFACES = ("wall", "floor", "ceiling")
 OBJECTS = (*sorted(CATALOGUE), "door", "window", STAIRS_OBJECT)
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
-"""What a thing can be by its looks: an object, or a surface of the pattern that its room is finished in. That the appearance
-of a house asks for another `texture` is not seen."""
+"""Visual kinds of things: objects, and surfaces by the pattern of their finish. The setting `texture` of a house's
+appearance, which changes the rendered textures, is ignored."""
 CELL_M = 0.05
-"""Of the map that tells the room of a place."""
+"""Cell size of `RoomMap`."""
 _LEAST_M = 0.08
 """Objects smaller than this in every direction are left out [m]."""
 
@@ -36,9 +36,9 @@ class Blocks:
     """Half the width and depth, along the box's own axes."""
     yaw: Float32[np.ndarray, "b"]
     z: Float32[np.ndarray, "b 2"]
-    """Lower and upper end."""
+    """Heights of the lower and upper end."""
     thing: Int[np.ndarray, "b"]
-    """Row of `Surroundings.names`; `NOWHERE` for walls, which count for the room that they are seen from."""
+    """Index into `Surroundings.names`; `NOWHERE` for walls, whose hits count for the room in front of them."""
 
     def __getitem__(self, rows: np.ndarray) -> "Blocks":
         return Blocks(self.centre[rows], self.half[rows], self.yaw[rows], self.z[rows], self.thing[rows])
@@ -46,35 +46,35 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Everything that can be seen of a house, by name: three surfaces of every room, then the objects."""
+    """All visible things of a house: first the three surfaces of each room, then the objects."""
 
     house: House
     names: tuple[str, ...]
-    """As in `sim.render.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
+    """Names as in `sim.render.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
     kind: Int[np.ndarray, "things"]
-    """Index into `KINDS`."""
+    """Index into `KINDS` of each thing."""
     colour: Float32[np.ndarray, "rooms surfaces 3"]
-    """Of every room's surfaces, RGB in [0, 1]."""
+    """Colours of each room's surfaces, RGB in [0, 1]."""
     room: Int[np.ndarray, "things"]
-    """Index into `House.rooms` of the room that each belongs to."""
+    """Index into `House.rooms` of the room that each thing belongs to."""
     blocks: Blocks
 
     @cached_property
     def labels(self) -> Int[np.ndarray, "rooms"]:
-        """Index into `ROOM_LABELS` of every room."""
+        """Index into `ROOM_LABELS` of each room."""
         return np.array([ROOM_LABELS.index(room.label) for room in self.house.rooms])
 
     @cached_property
     def rooms_at(self) -> "RoomMap":
-        """Which room is where."""
+        """A raster map of rooms, to look up the room at a point."""
         return RoomMap.of(self.house)
 
 
 def survey(house: House) -> Surroundings:
-    """The surroundings that a house is."""
+    """Build the surroundings of a house."""
     index = {room.id: i for i, room in enumerate(house.rooms)}
     rows = [*_walls(house), *_objects(house)]
-    # By name: all flights of stairs are one object, as they are when rendered.
+    # The dictionary by name joins all flights of stairs into one object, as in the rendered scene.
     objects = {name: (name, kind, room) for _, name, kind, room in rows if name is not None}
     finish = finishes(house)
     covered = [(room.id, surface, getattr(finish[room.id], surface)) for room in house.rooms for surface in SURFACES]
@@ -96,8 +96,9 @@ def survey(house: House) -> Surroundings:
 
 
 _Box = tuple[float, float, float, float, float, float, float]
-"""Centre, half extents, yaw, lower and upper end."""
+"""Centre (x, y), half extents (x, y), yaw, heights of the lower and upper end."""
 _Row = tuple[_Box, str | None, str, str]
+"""Box, name of the thing (None: wall), kind and room."""
 
 
 def _walls(house: House) -> Iterator[_Row]:
@@ -126,7 +127,7 @@ def _objects(house: House) -> Iterator[_Row]:
 
 @dataclass(frozen=True, eq=False)
 class RoomMap:
-    """The plan of every storey as a raster of `CELL_M`, with one cell of nothing around."""
+    """Raster maps of the rooms of each storey, with cells of `CELL_M` and a border of one cell without room."""
 
     cells: Int[np.ndarray, "storeys nx ny"]
     """Index into `House.rooms`, or `NOWHERE`."""
@@ -134,7 +135,7 @@ class RoomMap:
 
     @staticmethod
     def of(house: House) -> "RoomMap":
-        """Raster the rooms; stairs on all storeys that they join."""
+        """Rasterise the rooms. Stairs appear on all storeys that they join."""
         bounds = np.array([room.polygon.bounds for room in house.rooms])
         low, high = bounds[:, :2].min(axis=0) - CELL_M, bounds[:, 2:].max(axis=0) + CELL_M
         size = np.ceil((high - low) / CELL_M).astype(int)
@@ -147,7 +148,7 @@ class RoomMap:
         return RoomMap(cells, low.astype(np.float32))
 
     def at(self, storey: Int[np.ndarray, "*#n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
-        """The room of each place in the plan of a storey, `NOWHERE` outside of all."""
+        """Return the room at each point (in W [m]) of a storey, `NOWHERE` outside of all rooms."""
         place = np.clip((xy - self.origin) / np.float32(CELL_M), 0.0, np.array(self.cells.shape[1:]) - 1).astype(np.int32)
         flat = (storey * self.cells.shape[1] + place[..., 0]) * self.cells.shape[2] + place[..., 1]
         return np.asarray(self.cells.reshape(-1)[flat])

@@ -1,4 +1,4 @@
-"""What cameras truly see of a house: the share of the image that every thing fills, and how far things are."""
+"""`VisibleShares`: the share of the image that each thing of a house fills, and the depths, by ray casts."""
 
 from dataclasses import dataclass
 
@@ -13,44 +13,46 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import NOWHERE
 
 COLUMNS, ROWS = 40, 30
-"""Rays of an image: a thing that fills 1 % of it is met by a dozen."""
+"""Number of rays per image. An object that fills 1 % of the image is hit by a dozen of them."""
 LABEL_WEIGHT = 0.05
-"""Of labels in a description, against what is visible: a ridge regression on descriptions uses them that much less."""
+"""Weight of room labels in a description. It is small, so that a ridge regression prefers what is visible."""
 _NEAR_M = 2.5
-"""Depth up to which things are near: in the camera's own room, mostly [m]."""
+"""Depth up to which things count as near, which are mostly in the camera's own room [m]."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
+"""A description holds the share of rays that are shorter than each of these."""
 _COLOUR_WEIGHT = 2.0
-"""Of colours in [0, 1] in a description."""
+"""Weight of colours in [0, 1] in a description."""
 _LEAST_SHARE = 0.02
-"""Of the image; surfaces of less have fainter colours."""
+"""Share of the image below which a surface's colour is weakened in proportion."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
-"""Where a description holds what rooms of every label fill."""
+"""Part of a description that holds the shares of room labels."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 """Length of a description."""
 
 
 @dataclass(frozen=True, eq=False)
 class VisibleShares:
-    """What cameras see."""
+    """What cameras see: the share of each thing in each image, and the hits of the rays."""
 
     around: Surroundings
     hits: Hits
     shares: Float32[np.ndarray, "n things"]
-    """Of the image, in [0, 1]; they sum to 1 where there is neither sky nor the house from outside."""
+    """Share of each thing in the image, in [0, 1]. Sky and the outside of the house belong to no thing."""
 
     def of_rooms(self) -> Float64[np.ndarray, "n rooms"]:
-        """Shares of rooms: their surfaces and what stands in them."""
+        """Return the shares of rooms, with their surfaces and the objects in them."""
         return _summed(self.shares, self.around.room, len(self.around.house.rooms))
 
     def of_kinds(self) -> Float64[np.ndarray, "n kinds"]:
-        """Shares of kinds of things, as in `KINDS`."""
+        """Return the shares of kinds of things, in the order of `KINDS`."""
         return _summed(self.shares, self.around.kind, len(KINDS))
 
     def described(self) -> Float32[np.ndarray, "n size"]:
-        """What an encoder can go by: kinds of things, colours of walls, floors and ceilings, how the depths are distributed.
+        """Return descriptions of the views, the inputs of the embedding model.
 
-        Kinds by the root of the share that all of them fill, and that the near ones do. Labels of rooms weigh least
-        (`LABEL_WEIGHT`): they stand for looks that nothing else here tells.
+        A description holds, in this order: the root of the share of each kind of thing; the same for near things; the root
+        of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual differences that no other entry
+        holds; the mean colours of walls, floors and ceilings; the distribution of depths; the share of sky.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]
@@ -61,16 +63,16 @@ class VisibleShares:
         return np.column_stack([*kinds, labels, self._colours(), *nearer, sky]).astype(np.float32)
 
     def _of_surfaces(self) -> Float32[np.ndarray, "n rooms surfaces"]:
-        """Shares of the walls, the floor and the ceiling of every room."""
+        """Return the shares of the walls, the floor and the ceiling of each room."""
         rooms = len(self.around.labels)
         return self.shares[:, : rooms * len(SURFACES)].reshape(len(self.shares), rooms, len(SURFACES))
 
     def _of_labels(self) -> Float64[np.ndarray, "n labels"]:
-        """Shares of the surfaces of all rooms of a label."""
+        """Return the shares of room labels, by the surfaces of all rooms of a label."""
         return _summed(self._of_surfaces().sum(axis=2), self.around.labels, len(ROOM_LABELS))
 
     def _colours(self) -> Float32[np.ndarray, "n rgb"]:
-        """Mean colours of walls, of floors and of ceilings, fading where hardly any of them is in view."""
+        """Return the mean colours of walls, floors and ceilings, weakened if hardly any of them is in view."""
         seen = self._of_surfaces()
         total = np.maximum(seen.sum(axis=1), np.float32(_LEAST_SHARE))
         means = np.einsum("nrs,rsc->nsc", seen, self.around.colour) / total[:, :, None]
@@ -78,13 +80,13 @@ class VisibleShares:
 
 
 def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
-    """What a camera sees from poses of the body."""
+    """Cast the rays of a camera from body poses and sum up what it sees."""
     hits = cast(around, T_W_B @ camera.T_B_C, RayGrid.of(camera.intrinsics, COLUMNS, ROWS))
     return VisibleShares(around, hits, shares_of(hits.thing, len(around.names)))
 
 
 def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n {things}"]:
-    """The share of every image that each of so many things fills; `NOWHERE` is none of them."""
+    """Return the share of each image that each thing fills. `things` is their number; `NOWHERE` counts for none."""
     n, size = len(thing), thing[0].size if len(thing) else 1
     flat = thing.reshape(n, -1)
     rows = np.broadcast_to(np.arange(n)[:, None] * things, flat.shape)

@@ -1,9 +1,13 @@
-"""Simulated visual-inertial odometry: the estimate of the pose drifts in position and yaw, not in roll and pitch.
+"""Simulated visual-inertial odometry, whose pose estimate drifts in position and yaw but not in roll and pitch.
 
-Every increment of the motion, 100 or more in a second, has white noise and biases: those of translation and yaw drift
-themselves (Gauss-Markov), the error in scale stays the same through a run. Gravity holds roll and pitch near the truth.
-Noise and biases go with the way travelled, so that the law of the drift depends neither on the rate nor on the speed;
-turning counts as way, so that the estimate drifts on the spot too.
+Errors are added to each increment of the motion, 100 or more in a second:
+
+- Translation and yaw have white noise and slowly varying biases, which are first-order Gauss-Markov processes.
+- The scale has a relative error that is constant through a run.
+- Roll and pitch have a bounded error, because gravity makes them observable.
+
+Noise and biases grow with the distance travelled. The statistics of the drift therefore depend neither on the rate of the
+increments nor on the speed. Rotation counts as distance, too, so that the estimate also drifts while turning on the spot.
 """
 
 from dataclasses import dataclass
@@ -21,22 +25,23 @@ from sim.tours.tour import Tour
 __all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
 METRES_PER_RADIAN = 0.3
+"""Distance that a rotation by one radian counts as."""
 _VARIANCE_FLOOR = 1e-10
-"""Keeps covariances invertible where nothing moved or nothing drifts [rad², m²]."""
+"""Added variance that keeps covariances invertible if the body stands or does not drift [rad², m²]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Odometry:
-    """What the odometry reports at every stamp."""
+    """Output of the odometry at each reported stamp."""
 
     T_O_B: Float64[np.ndarray, "n 4 4"]
-    """O and W coincide at the first pose."""
+    """Estimated poses in the odometry frame O, which coincides with W at the first pose."""
     increment_covariance: Float64[np.ndarray, "n 6 6"]
-    """Of the error made since the previous pose, rotation first, on the right: `T = T_true @ Exp(xi)` [rad², m²]."""
+    """Covariance of the error since the previous pose: `T = T_true @ Exp(xi)`, rotation first [rad², m²]."""
 
 
 def tour_odometry(tour: Tour, config: OdometryConfig, rng: np.random.Generator) -> Odometry:
-    """Drift along a tour, integrated at `config.rate_hz` or more, reported at the tour's frames."""
+    """Simulate odometry along a tour, integrated at `config.rate_hz` or more and reported at the tour's frames."""
     pieces = np.ceil(np.diff(tour.stamps) * config.rate_hz - 1e-6).astype(int)
     frames = np.append(0, np.cumsum(pieces))
     stamps = np.interp(np.arange(frames[-1] + 1), frames, tour.stamps)
@@ -50,19 +55,19 @@ def simulate_odometry(
     rng: np.random.Generator,
     reported: Int[np.ndarray, "n"] | None = None,
 ) -> Odometry:
-    """Drift along true poses, one increment from each to the next.
+    """Simulate odometry along true poses, with one increment between consecutive poses.
 
-    `reported` are the indices at which the odometry is read, ascending from 0; None: all. Raises `SimError` where poses
-    are not rigid, or stamps or indices do not ascend.
+    `reported` holds the indices of the poses to report, ascending from 0 (None: all). Raises `SimError` if poses are not
+    rigid, or if stamps or indices do not ascend.
     """
     reported = np.arange(len(T_W_B)) if reported is None else reported
     _check(T_W_B, stamps, reported)
     step = np.diff(T_W_B[:, :3, 3], axis=0)
-    way = np.linalg.norm(step, axis=1) + METRES_PER_RADIAN * rotation_angle(between(T_W_B[:-1], T_W_B[1:]))
+    moved = np.linalg.norm(step, axis=1) + METRES_PER_RADIAN * rotation_angle(between(T_W_B[:-1], T_W_B[1:]))
     scale = rng.normal(0.0, config.scale_error)
-    yaw, translation_error = _drift(T_W_B[:-1, :3, :3], way, config, rng)
+    yaw, translation_error = _drift(T_W_B[:-1, :3, :3], moved, config, rng)
     tilt = np.zeros((len(T_W_B), 3))
-    tilt[:, :2] = config.tilt_rad * _gauss_markov(np.zeros(2), way, config.tilt_correlation_m, rng)
+    tilt[:, :2] = config.tilt_rad * _gauss_markov(np.zeros(2), moved, config.tilt_correlation_m, rng)
 
     turned = Rotation.from_rotvec(yaw[:, None] * [0.0, 0.0, 1.0]).as_matrix()
     believed = (turned[:-1] @ ((1.0 + scale) * step + translation_error)[..., None])[..., 0]
@@ -72,51 +77,52 @@ def simulate_odometry(
     tilted = Rotation.from_rotvec(tilt[reported]).as_matrix()
     T_O_B[:, :3, :3] = turned[reported] @ tilted @ T_O_B[:, :3, :3]
     T_O_B[:, :3, 3] += position_error[reported]
-    between_reports = np.diff(np.append(0.0, np.cumsum(way))[reported])
+    between_reports = np.diff(np.append(0.0, np.cumsum(moved))[reported])
     return Odometry(T_O_B, _covariance(T_W_B[reported], between_reports, config))
 
 
 def _drift(
-    R_W_B: Float64[np.ndarray, "m 3 3"], way: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
+    R_W_B: Float64[np.ndarray, "m 3 3"], moved: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, "m+1"], Float64[np.ndarray, "m 3"]]:
-    """Yaw errors at all poses [rad], and the error of each step in the world's axes, scale and yaw apart [m]."""
-    bias = _gauss_markov(rng.standard_normal(4), way, config.bias_correlation_m, rng)[:-1]
-    root = np.sqrt(way)
-    yaw = config.yaw_walk_rad * root * rng.standard_normal(len(way)) + config.yaw_bias_rad_m * bias[:, 0] * way
-    noise = config.position_walk_m * root[:, None] * rng.standard_normal((len(way), 3))
-    biased = config.velocity_bias * way[:, None] * np.einsum("nij,nj->ni", R_W_B, bias[:, 1:])
+    """Return the yaw error at each pose [rad], and each step's translation error in W without those of scale and yaw [m]."""
+    bias = _gauss_markov(rng.standard_normal(4), moved, config.bias_correlation_m, rng)[:-1]
+    root = np.sqrt(moved)
+    yaw = config.yaw_walk_rad * root * rng.standard_normal(len(moved)) + config.yaw_bias_rad_m * bias[:, 0] * moved
+    noise = config.position_walk_m * root[:, None] * rng.standard_normal((len(moved), 3))
+    biased = config.velocity_bias * moved[:, None] * np.einsum("nij,nj->ni", R_W_B, bias[:, 1:])
     return np.append(0.0, np.cumsum(yaw)), noise + biased
 
 
 def _gauss_markov(
-    start: Float64[np.ndarray, "k"], way: Float64[np.ndarray, "m"], correlation_m: float, rng: np.random.Generator
+    start: Float64[np.ndarray, "k"], moved: Float64[np.ndarray, "m"], correlation_m: float, rng: np.random.Generator
 ) -> Float64[np.ndarray, "m+1 k"]:
-    """Independent first-order Gauss-Markov processes of unit variance, from `start`, exact for steps of any length."""
-    kept = np.exp(-way / correlation_m)
-    fresh = np.sqrt(1.0 - kept**2)[:, None] * rng.standard_normal((len(way), len(start)))
-    # x[i + 1] - kept[i] x[i] = fresh[i] for all i at once.
-    band = np.stack([np.ones(len(way) + 1), np.append(-kept, 0.0)])
+    """Draw `k` independent first-order Gauss-Markov processes of unit variance, exact for steps of any length."""
+    kept = np.exp(-moved / correlation_m)
+    fresh = np.sqrt(1.0 - kept**2)[:, None] * rng.standard_normal((len(moved), len(start)))
+    # The banded system solves x[i + 1] - kept[i] x[i] = fresh[i] for all i at once.
+    band = np.stack([np.ones(len(moved) + 1), np.append(-kept, 0.0)])
     return np.asarray(solve_banded((1, 0), band, np.concatenate([start[None], fresh])))
 
 
 def _covariance(
-    T_W_B: Float64[np.ndarray, "n 4 4"], way: Float64[np.ndarray, "n-1"], config: OdometryConfig
+    T_W_B: Float64[np.ndarray, "n 4 4"], moved: Float64[np.ndarray, "n-1"], config: OdometryConfig
 ) -> Float64[np.ndarray, "n 6 6"]:
-    """Second moments of each increment's error, first in the world's axes, then in the body's."""
+    """Return the covariance of each increment's error: computed in the axes of W, then rotated into those of B."""
     step = np.diff(T_W_B[:, :3, 3], axis=0)
     horizontal = np.diag([1.0, 1.0, 0.0])
-    kept = np.exp(-way / config.tilt_correlation_m)
-    tilt = config.tilt_rad**2 * (1.0 - np.exp(-2.0 * np.append(0.0, np.cumsum(way)) / config.tilt_correlation_m))
+    kept = np.exp(-moved / config.tilt_correlation_m)
+    tilt = config.tilt_rad**2 * (1.0 - np.exp(-2.0 * np.append(0.0, np.cumsum(moved)) / config.tilt_correlation_m))
     tilt_change = (1.0 - kept) ** 2 * tilt[:-1] + config.tilt_rad**2 * (1.0 - kept**2)
     lever = skew(step)
 
     covariance = np.zeros((len(T_W_B), 6, 6))
     covariance[1:, :3, :3] = tilt_change[:, None, None] * horizontal
-    covariance[1:, 2, 2] = config.yaw_walk_rad**2 * way + (config.yaw_bias_rad_m * way) ** 2
-    isotropic = config.position_walk_m**2 * way + (config.velocity_bias * way) ** 2
+    covariance[1:, 2, 2] = config.yaw_walk_rad**2 * moved + (config.yaw_bias_rad_m * moved) ** 2
+    isotropic = config.position_walk_m**2 * moved + (config.velocity_bias * moved) ** 2
     covariance[1:, 3:, 3:] = isotropic[:, None, None] * np.eye(3)
     covariance[1:, 3:, 3:] += config.scale_error**2 * step[:, :, None] * step[:, None, :]
-    covariance[1:, 3:, 3:] -= tilt[:-1, None, None] * (lever @ horizontal @ lever)  # tilted steps; lever is antisymmetric
+    # A tilt rotates the step. The minus is there because the lever is antisymmetric.
+    covariance[1:, 3:, 3:] -= tilt[:-1, None, None] * (lever @ horizontal @ lever)
 
     to_body = np.zeros_like(covariance)
     to_body[:, :3, :3] = to_body[:, 3:, 3:] = np.swapaxes(T_W_B[:, :3, :3], -1, -2)
@@ -126,10 +132,10 @@ def _covariance(
 
 def _check(T_W_B: Float64[np.ndarray, "m 4 4"], stamps: Float64[np.ndarray, "m"], reported: Int[np.ndarray, "n"]) -> None:
     if len(T_W_B) == 0 or len(T_W_B) != len(stamps):
-        raise SimError(f"odometry: {len(T_W_B)} poses and {len(stamps)} stamps; valid: as many of each, at least one")
-    if not np.all(np.diff(stamps) > 0.0):
-        raise SimError(f"odometry: stamps must ascend; they do not at index {int(np.argmin(np.diff(stamps) > 0.0)) + 1}")
+        raise SimError(f"odometry: {len(T_W_B)} poses and {len(stamps)} stamps; valid: equal numbers of both, at least one")
+    if not np.all(ascends := np.diff(stamps) > 0.0):
+        raise SimError(f"odometry: stamps do not ascend at index {int(np.argmin(ascends)) + 1}; valid: ascending stamps")
     if not np.all(rigid := is_rigid(T_W_B)):
-        raise SimError(f"odometry: pose {int(np.argmin(rigid))} is not a rigid motion")
+        raise SimError(f"odometry: pose {int(np.argmin(rigid))} is not a rigid motion; valid: rotation and translation only")
     if len(reported) == 0 or reported[0] != 0 or reported[-1] >= len(T_W_B) or not np.all(np.diff(reported) > 0):
-        raise SimError(f"odometry: poses are reported from 0 up, ascending, below {len(T_W_B)}; these are {reported}")
+        raise SimError(f"odometry: reported indices are {reported}; valid: ascending from 0, below {len(T_W_B)}")

@@ -1,4 +1,4 @@
-"""What moves in a house while it is looked at: drawn into each image, never a part of the compiled model."""
+"""`Actor`: something that moves in a house during a run. It is drawn into each image, outside of the compiled model."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -10,8 +10,8 @@ from worlds.visuals.meshes import Solid
 
 
 class Actor(ABC):
-    """Something that moves."""
+    """Something that moves, such as a person or a closing door."""
 
     @abstractmethod
     def solids_at(self, stamp: float, T_W_B: Float64[ndarray, "4 4"]) -> Sequence[Solid]:
-        """What it looks like and where, at a time [s] when the camera's body is at a pose."""
+        """Return its shape and place at time `stamp` [s], while the body that carries the camera is at `T_W_B`."""

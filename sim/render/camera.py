@@ -1,4 +1,4 @@
-"""The simulated camera: where it sits, what it projects, and what it sees."""
+"""The simulated pinhole camera: its intrinsics and mounting, and a renderer of its images, depth and geom ids."""
 
 from collections.abc import Sequence
 from types import TracebackType
@@ -15,23 +15,23 @@ _BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0
 
 
 def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Camera:
-    """A pinhole looking forward from the body's origin, `hfov_deg` wide; square pixels."""
+    """A pinhole at the body's origin that looks forward, with square pixels and a horizontal field of view of `hfov_deg`."""
     f = float(width / 2 / np.tan(np.radians(hfov_deg) / 2))
     T_B_C = np.eye(4)
     T_B_C[:3, :3] = _BODY_FROM_CAMERA
-    # MuJoCo's raster has its principal point between the two middle pixels.
+    # MuJoCo's principal point lies between the two middle pixels.
     return Camera(Intrinsics(width, height, f, f, width / 2 - 0.5, height / 2 - 0.5), T_B_C)
 
 
 def fovy_deg(intrinsics: Intrinsics) -> float:
-    """The vertical field of view that MuJoCo is given [deg]."""
+    """Return the vertical field of view, from which MuJoCo builds its camera [deg]."""
     return float(np.degrees(2 * np.arctan(intrinsics.height / 2 / intrinsics.fy)))
 
 
 class CameraRenderer:
-    """Renders a scene from poses of the body. Holds a GL context: use it as a context manager or call `close`.
+    """Renders a scene from body poses. It holds a GL context: use it as a context manager or call `close`.
 
-    Raises `GraphicsError` where there is no off-screen OpenGL.
+    Raises `GraphicsError` if there is no off-screen OpenGL.
     """
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
@@ -39,23 +39,23 @@ class CameraRenderer:
         self._raster = Raster(scene)
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw these, too, from now on, instead of those placed before; in ids they are -1."""
+        """Draw `solids` in all further images, in place of those given before. Their pixels have the geom id -1."""
         self._raster.place(solids)
 
     def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
-        """The image seen from a body pose."""
+        """Render the image from a body pose."""
         return self._raster.rgb(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def depth(self, T_W_B: Pose) -> Float32[np.ndarray, "h w"]:
-        """Distance along the optical axis [m]. For tests and training; it never reaches LEXIS."""
+        """Render the depth along the optical axis [m], for tests and training. It is never given to LEXIS."""
         return self._raster.depth(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def geom_ids(self, T_W_B: Pose) -> Int32[np.ndarray, "h w"]:
-        """Index into `Scene.object_of_geom` per pixel, -1 for sky. For tests and training; it never reaches LEXIS."""
+        """Render indices into `Scene.object_of_geom`, -1 for sky, for tests and training. LEXIS is never given them."""
         return self._raster.geom_ids(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """All three of a pose, at less than their single costs."""
+        """Render image, depth and geom ids of one pose, faster than one by one."""
         return self._raster.frame(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def close(self) -> None:

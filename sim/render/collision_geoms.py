@@ -1,4 +1,4 @@
-"""What bodies bump into: a house as boxes, cylinders and ellipsoids, hidden beside the meshes that are seen."""
+"""Collision geometry of a house: boxes, cylinders and ellipsoids, in a group that is hidden beside the visible meshes."""
 
 from collections.abc import Iterable
 
@@ -12,9 +12,11 @@ from worlds.stairs.build import Stairs
 from worlds.visuals.surfaces import rectangles
 
 GROUP = 3
-"""Of collision geoms; viewers hide it until asked."""
+"""Geom group of the collision geoms. Viewers hide this group by default."""
 _FLOOR_M = 0.1
+"""Thickness of the floors."""
 _LEAST_M = 1e-3
+"""Smallest half size of a geom, because MuJoCo needs positive sizes."""
 _TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -24,13 +26,13 @@ _TYPES = {
 
 
 def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
-    """Add all that `add_ground` and `add_obstacles` add."""
+    """Add the ground and all obstacles of a house to `spec` as static geoms."""
     add_ground(spec, house)
     add_obstacles(spec, house)
 
 
 def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add what one walks on, floors and stairs, to `spec` as static geoms, "<id>#<number>"."""
+    """Add the surfaces that a robot stands on, floors and stairs, to `spec` as static geoms named "<id>#<number>"."""
     geoms = []
     for room in house.rooms:
         for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
@@ -41,7 +43,7 @@ def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
 
 
 def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add walls, railings, doors as they stand and solid furniture likewise."""
+    """Add walls, railings, door leaves at their present angle and solid furniture, named in the same form."""
     geoms = []
     for i, wall in enumerate(house.walls):
         x0, y0, x1, y1 = wall.bounds

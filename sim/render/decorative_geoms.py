@@ -1,4 +1,4 @@
-"""Plain shapes, drawn into an abstract scene that is about to be rendered, beside the geoms of the compiled model."""
+"""Draws plain shapes, such as moving actors, into a scene just before it is rendered, beside the compiled model's geoms."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -20,9 +20,9 @@ _SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
 
 
 def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
-    """Add solids to a scene that is about to be rendered, in plain colours. Shapes: box, cylinder, ball.
+    """Append solids in plain colours to a scene that is about to be rendered. Their parts are boxes, cylinders and balls.
 
-    In segmentation they are no geom of the model (-1), in front of what they hide.
+    In segmentation their pixels have the id -1, because they are no geoms of the model. They occlude what is behind them.
     """
     for solid in solids:
         turn, position = _about_z(solid.yaw), np.array(solid.position)

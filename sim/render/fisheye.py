@@ -1,4 +1,10 @@
-"""A fisheye camera, composed from pinholes: MuJoCo projects onto planes only, which end well before 180 degrees."""
+"""A fisheye camera, composed of several pinhole images.
+
+MuJoCo renders pinhole images only, whose field of view has to be well below 180 degrees. A frame is made in two steps:
+
+1. Render the faces of a cube around the camera that the field of view reaches, each as a pinhole image.
+2. Look up each fisheye pixel's ray in the face that the ray passes through.
+"""
 
 from dataclasses import dataclass
 
@@ -11,7 +17,7 @@ from sim.errors import SimError
 from sim.render.raster import NO_GEOM, Raster, RenderedFrame
 
 _RIM_PX = 2
-"""That each face is wider than 90 degrees, so that its neighbours in bilinear interpolation are its own."""
+"""Border by which each face is wider than 90 degrees, so that all pixels of a bilinear interpolation lie in one face."""
 _FACES = np.array(
     [
         [[1, 0, 0], [0, 1, 0], [0, 0, 1]],  # ahead
@@ -22,42 +28,42 @@ _FACES = np.array(
     ],
     float,
 )
-"""Rotations from the fisheye's frame to each face's; their third rows look along its axis."""
+"""Rotations from the fisheye's frame to each face's frame. The third row is the optical axis of the face."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fisheye:
-    """An equidistant projection: a ray at angle θ to the axis lands at f θ from the middle of a square image.
+    """An equidistant projection: a ray at angle θ to the axis is imaged at distance f θ from the centre of a square image.
 
-    Raises `SimError` where the field of view is not in (0, 250] degrees or the image is empty.
+    Raises `SimError` if the field of view is not in (0, 250] degrees or the image is smaller than 8 px.
     """
 
     size_px: int
     fov_deg: float
-    """Across the circle that touches the image's edges."""
+    """Field of view across the circle that touches the image's edges [deg]."""
     T_B_C: Pose
 
     def __post_init__(self) -> None:
         """Check the size and the field of view."""
         if self.size_px < 8 or not 0.0 < self.fov_deg <= 250.0:
             raise SimError(
-                f"fisheye of {self.size_px} px and {self.fov_deg} degrees; valid: 8 px or more, up to 250 degrees"
+                f"fisheye: {self.size_px} px and {self.fov_deg} degrees; valid: 8 px or more, above 0 and up to 250 degrees"
             )
 
     @property
     def focal_px(self) -> float:
-        """Pixels per radian."""
+        """Focal length f [px/rad]."""
         return float(self.size_px / np.radians(self.fov_deg))
 
     @property
     def face(self) -> Intrinsics:
-        """The pinhole of each face, as fine as the fisheye in its middle."""
+        """The pinhole of each face, with the fisheye's resolution at its centre."""
         focal = self.focal_px
         size = 2 * int(np.ceil(focal) + _RIM_PX)
         return Intrinsics(size, size, focal, focal, size / 2 - 0.5, size / 2 - 0.5)
 
     def rays(self) -> tuple[Float64[np.ndarray, "n n 3"], Bool[np.ndarray, "n n"]]:
-        """Unit vectors in the camera's frame through the pixels, and which pixels are in the field of view."""
+        """Return the unit ray of each pixel in the camera's frame, and a mask of the pixels in the field of view."""
         v, u = np.mgrid[: self.size_px, : self.size_px] - (self.size_px - 1) / 2
         radius = np.hypot(u, v)
         angle = radius / self.focal_px
@@ -66,7 +72,7 @@ class Fisheye:
 
 
 class FisheyeRenderer:
-    """Draws a fisheye with a raster, one pinhole for each face of a cube that is in view."""
+    """Renders a fisheye with a `Raster`, one pinhole image for each cube face that is in view."""
 
     def __init__(self, raster: Raster, fisheye: Fisheye) -> None:
         self._raster, self._fisheye, self._face = raster, fisheye, fisheye.face
@@ -77,10 +83,10 @@ class FisheyeRenderer:
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Picture, distance along each pixel's ray [m], and geom ids; black, 0 and `NO_GEOM` beyond the field of view.
+        """Render the image, the distance along each pixel's ray [m], and geom ids; black, 0 and `NO_GEOM` out of view.
 
-        Distances are exact on planes, whose inverse depth is linear in a pinhole's image; where the neighbours of a pixel
-        belong to several geoms, its distance and id are those of the nearest.
+        Distances are interpolated as inverse depth, which is linear in a pinhole image of a plane, so that they are exact on
+        planes. Where a pixel's four neighbours belong to several geoms, its distance and id are those of the nearest one.
         """
         n, T_W_C = self._fisheye.size_px, T_W_B @ self._fisheye.T_B_C
         rgb, depth, ids = np.zeros((n, n, 3), np.uint8), np.zeros((n, n), np.float32), np.full((n, n), NO_GEOM, np.int32)
@@ -95,13 +101,13 @@ class FisheyeRenderer:
 
 @dataclass(frozen=True, eq=False)
 class _Map:
-    """Where the fisheye's pixels lie in the image of one face."""
+    """For the fisheye pixels that one face covers (`mask`), their coordinates in that face's image."""
 
     mask: Bool[np.ndarray, "n n"]
     u: Float32[np.ndarray, "n n"]
     v: Float32[np.ndarray, "n n"]
     stretch: Float64[np.ndarray, "k"]
-    """Distance along the ray per depth, of the masked pixels."""
+    """Ratio of distance along the ray to depth, of the masked pixels."""
 
     @staticmethod
     def of(rays: Float64[np.ndarray, "n n 3"], mask: Bool[np.ndarray, "n n"], face: Intrinsics) -> "_Map":

@@ -1,6 +1,6 @@
-"""The off-screen OpenGL of MuJoCo, chosen before MuJoCo is imported.
+"""Chooses the off-screen OpenGL of MuJoCo before MuJoCo is imported.
 
-MuJoCo reads ``MUJOCO_GL`` once, while it is imported. So `sim` imports it from here and nowhere else::
+MuJoCo reads ``MUJOCO_GL`` once, while it is imported. All of `sim` therefore imports MuJoCo from this module::
 
     from sim.render.gl import mujoco
 """
@@ -19,22 +19,22 @@ from sim.render.llvm_order import load_triton_library
 _PROBE_TIMEOUT_S = 20.0
 
 DISABLED = "disabled"
-"""What ``MUJOCO_GL`` is set to where nothing renders: physics and geometry still work."""
+"""Value of ``MUJOCO_GL`` where no back end works. Physics and geometry still work then."""
 
 HELP = "no off-screen OpenGL: install EGL (Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri) or OSMesa (libosmesa6)"
 
 
 _OFF = ("disabled", "disable", "off", "false", "0")
 VALID = ("egl", "osmesa", "glfw", DISABLED)
-"""Of ``MUJOCO_GL`` on Linux."""
+"""Valid values of ``MUJOCO_GL`` on Linux."""
 _SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx", "")
 
 
 def choose_backend() -> str:
     """Set ``MUJOCO_GL`` to the first back end that works, unless it is set already; return it.
 
-    EGL comes before OSMesa, which new Mesa releases no longer have. Other systems than Linux choose for themselves. Raises
-    `GraphicsError` where it is set to what MuJoCo does not know.
+    EGL is tried before OSMesa, which new Mesa releases no longer have. On systems other than Linux, MuJoCo chooses. Raises
+    `GraphicsError` if the variable has a value that MuJoCo does not know.
     """
     if sys.platform != "linux":
         return os.environ.get("MUJOCO_GL", "")
@@ -47,14 +47,14 @@ def choose_backend() -> str:
 
 
 def require_rendering() -> None:
-    """Raise `GraphicsError`, which says what to install, where `choose_backend` found nothing that renders."""
+    """Raise `GraphicsError`, which says what to install, if `choose_backend` finds no back end that renders."""
     if choose_backend() == DISABLED:
         raise GraphicsError(f"{HELP}; where one is installed, unset MUJOCO_GL")
 
 
 @contextmanager
 def graphics_errors(task: str) -> Iterator[None]:
-    """Turn what MuJoCo and its OpenGL raise during `task` into one line of `GraphicsError` that says what to change."""
+    """Turn exceptions of MuJoCo and OpenGL during `task` into a `GraphicsError` of one line that says what to change."""
     try:
         yield
     except MemoryError as error:
@@ -68,7 +68,7 @@ def graphics_errors(task: str) -> Iterator[None]:
 
 
 def _works(backend: str) -> bool:
-    """Try a back end in a child process, which a broken driver may crash or hang."""
+    """Try a back end in a child process, because a broken driver may crash or hang it."""
     command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("gl_probe.py")), backend]
     try:
         return subprocess.run(command, capture_output=True, timeout=_PROBE_TIMEOUT_S).returncode == 0
@@ -93,11 +93,11 @@ from OpenGL.error import Error as OpenGLError  # noqa: E402 - MuJoCo tells PyOpe
 _FAILURES = (RuntimeError, ImportError, mujoco.FatalError, mujoco.UnexpectedError, OpenGLError)
 _OUT_OF_MEMORY = ("memory", "alloc", "0x505", "bad_alloc")
 _MEMORY = "too little memory; render smaller images, fewer houses at once, or free memory"
-_LOST = "OpenGL failed or its context is lost; make the renderer anew in the thread that uses it, and see `lexis-sim doctor`"
+_LOST = "OpenGL failed or its context is lost; create a new renderer in the thread that uses it, and see `lexis-sim doctor`"
 
 
 def device_name() -> str:
-    """The device or software that draws, and its version, in the current context: "llvmpipe (LLVM 15.0.6, 256 bits)"."""
+    """Name the device or software that renders in the current context, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"."""
     from OpenGL.GL import GL_RENDERER, glGetString
 
     return str((glGetString(GL_RENDERER) or b"an unknown device").decode())

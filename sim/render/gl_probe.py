@@ -1,7 +1,7 @@
-"""Tries one off-screen OpenGL: `python gl_probe.py egl` (or `osmesa`) exits 0 where a context can be made.
+"""Tests one off-screen OpenGL back end: `python gl_probe.py egl` (or `osmesa`) exits with 0 if a context can be created.
 
-It stands alone on the standard library, because two callers need it where nothing else is certain: `sim.render.gl` runs it
-in a child process, which a broken driver may crash, and the noxfile runs it before anything is installed.
+It uses the standard library only, because of its two callers: `sim.render.gl` runs it in a child process, as a broken driver
+may crash it, and the noxfile runs it before any package is installed.
 """
 
 import ctypes
@@ -16,7 +16,7 @@ _OSMESA_RGBA = 0x1908
 
 
 def _egl_works() -> bool:
-    """Whether a desktop GL context can be made on any EGL device, as MuJoCo will make it."""
+    """Whether a desktop GL context can be created on any EGL device, in the way in which MuJoCo creates it."""
     egl = ctypes.CDLL(ctypes.util.find_library("EGL") or "libEGL.so.1")
     for name in ("eglGetProcAddress", "eglCreateContext"):
         getattr(egl, name).restype = ctypes.c_void_p
@@ -51,11 +51,11 @@ def _osmesa_works() -> bool:
 
 
 PROBES: dict[str, Callable[[], bool]] = {"egl": _egl_works, "osmesa": _osmesa_works}
-"""In the order of preference: Mesa 25.1 dropped OSMesa."""
+"""Tests by back end, in order of preference. OSMesa comes last, because Mesa 25.1 dropped it."""
 
 
 def works(backend: str) -> bool:
-    """Whether a context of that back end can be made in this process."""
+    """Whether a context of that back end can be created in this process."""
     try:
         return PROBES[backend]()
     except (OSError, AttributeError, ValueError):  # no library, no entry point, a null extension pointer

@@ -1,4 +1,8 @@
-"""`Distortion` and `Lens`: what a pinhole sees, bent as a radial-tangential lens bends it."""
+"""`Distortion` and `Lens`: a pinhole image, distorted as by a radial-tangential lens.
+
+MuJoCo renders pinhole images only. `Lens` therefore has a wider pinhole image rendered and resamples it: each pixel of the
+distorted image is undistorted, by Newton's method, to find its place in the pinhole image.
+"""
 
 from dataclasses import astuple, dataclass
 
@@ -10,19 +14,23 @@ from lexis.types import Camera, Intrinsics
 from sim.errors import SimError
 
 _ITERATIONS = 30
+"""Number of steps of Newton's method."""
 _RESIDUAL = 1e-9
-"""Largest error of the inverted distortion, on the plane at distance 1."""
+"""Largest error of the inverted distortion, on the image plane at distance 1."""
 _MARGIN_PX = 2
-"""Beyond the outermost point that is seen, for the interpolation."""
+"""Margin of the pinhole image beyond the outermost point that is looked up, for interpolation."""
 _WIDEST = 4
 """The pinhole that is rendered has at most this many times the width and height of the image."""
 _STEPS = 50
-"""Places between the centre and the border at which the distortion is tested for folds."""
+"""Number of points between the centre and the border at which the distortion is tested for folds."""
 
 
 @dataclass(frozen=True)
 class Distortion:
-    """Coefficients of OpenCV's and EuRoC's radial-tangential model. Raises `SimError` unless they are finite."""
+    """Coefficients of the radial-tangential model of OpenCV and EuRoC. Raises `SimError` unless they are finite.
+
+    It is false if all coefficients are zero.
+    """
 
     k1: float = 0.0
     k2: float = 0.0
@@ -31,16 +39,16 @@ class Distortion:
 
     def __post_init__(self) -> None:
         if not all(map(np.isfinite, astuple(self))):
-            raise SimError(f"distortion: coefficients are {astuple(self)}; valid: finite ones")
+            raise SimError(f"distortion: coefficients are {astuple(self)}; valid: finite numbers")
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
-        """In OpenCV's order."""
+        """The coefficients in OpenCV's order."""
         return self.k1, self.k2, self.p1, self.p2
 
     @property
     def decimals(self) -> tuple[str, str, str, str]:
-        """The coefficients as every reader of YAML takes them for numbers: without exponents."""
+        """The coefficients without exponents, because some YAML readers take 1e-05 for a string."""
         k1, k2, p1, p2 = (np.format_float_positional(value, trim="0") for value in self.coefficients)
         return k1, k2, p1, p2
 
@@ -48,14 +56,14 @@ class Distortion:
         return any(self.coefficients)
 
     def bent(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Where points of the plane at distance 1 appear."""
+        """Distort points of the image plane at distance 1."""
         square = (points**2).sum(axis=1, keepdims=True)
         twice = 2.0 * points.prod(axis=1, keepdims=True)
         tangential = twice * [self.p1, self.p2] + (square + 2.0 * points**2) * [self.p2, self.p1]
         return np.asarray(points * (1.0 + square * (self.k1 + square * self.k2)) + tangential)
 
     def straightened(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Inverse of `bent`, by Newton's method. Raises `SimError` where it finds no point that appears there."""
+        """Undistort points: the inverse of `bent`, by Newton's method. Raises `SimError` if it does not converge."""
         straight = points
         with np.errstate(all="ignore"):
             for _ in range(_ITERATIONS):
@@ -66,7 +74,10 @@ class Distortion:
         return straight
 
     def check_unfolded(self, straight: Float64[np.ndarray, "n 2"]) -> None:
-        """Raise `SimError` if the image turns over on the way from its centre to any of the points."""
+        """Raise `SimError` if the distorted image folds over between its centre and any of the undistorted points.
+
+        It folds where the Jacobian of the distortion is no longer positive definite.
+        """
         for share in np.linspace(0.0, 1.0, _STEPS).tolist():
             along_x, mixed, along_y = self._slopes(share * straight)
             if (along_x * along_y <= mixed**2).any() or (along_x <= 0.0).any():
@@ -81,7 +92,7 @@ class Distortion:
         return np.asarray(solved / (along_x * along_y - mixed**2)[:, None])
 
     def _slopes(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "3 n"]:
-        """Derivatives of `bent`: of x by x, of either by the other, of y by y."""
+        """Return the Jacobian of `bent`, which is symmetric: dx/dx, dx/dy = dy/dx, dy/dy."""
         x, y = points.T
         square = x**2 + y**2
         radial, slope = 1.0 + square * (self.k1 + square * self.k2), 2.0 * (self.k1 + 2.0 * self.k2 * square)
@@ -92,15 +103,15 @@ class Distortion:
 
     def _too_strong(self) -> SimError:
         return SimError(
-            f"distortion: {self.coefficients} shows parts of the image twice or not at all; valid: weaker coefficients, or "
+            f"distortion: {self.coefficients} shows parts of the view twice or not at all; valid: weaker coefficients, or "
             "a narrower field of view"
         )
 
 
 class Lens:
-    """Bends the images of `pinhole`, which is wide enough, to those that a camera with the distortion takes.
+    """Distorts images of the wider camera `pinhole` into those of a camera with the given intrinsics and distortion.
 
-    Raises `SimError` where the distortion has no inverse in the image, or asks for too wide a pinhole.
+    Raises `SimError` if the distortion cannot be inverted in the image, or if it needs too wide a pinhole.
     """
 
     def __init__(self, intrinsics: Intrinsics, distortion: Distortion) -> None:
@@ -115,7 +126,7 @@ class Lens:
                 f"distortion: {distortion.coefficients} needs a pinhole of {width} x {height} px; valid: weaker coefficients"
             )
         self.pinhole = Intrinsics(width, height, k.fx, k.fy, float(k.cx - left), float(k.cy - top))
-        """The pinhole that is rendered: equal focal lengths and pixels, more or fewer of them."""
+        """The pinhole to render. It has the focal lengths of the camera, but another image size and principal point."""
         v, u = np.mgrid[: k.height, : k.width]
         pixels = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
         straight = distortion.straightened((pixels - [k.cx, k.cy]) / [k.fx, k.fy])
@@ -123,22 +134,22 @@ class Lens:
         self._at = at.astype(np.float32).reshape(k.height, k.width, 2)
 
     def image(self, image: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "i j 3"]:
-        """A picture of the pinhole, bent; between pixels by cubics."""
+        """Distort an image of the pinhole, with bicubic interpolation."""
         return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
 
     def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
-        """Depth along the optical axis, or ids, bent; of the nearest pixel, so that nothing is made up between two."""
+        """Distort depth or ids of the pinhole. It takes the nearest pixel, as mixtures of depths or ids would be wrong."""
         u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
         return np.asarray(values[v, u])
 
 
 def rendered_camera(camera: Camera, distortion: Distortion) -> Camera:
-    """The wider pinhole that is rendered for a camera with a distortion. Raises `SimError` as `Lens` does."""
+    """Return the wider pinhole to render for a camera with a distortion. Raises `SimError` as `Lens` does."""
     return Camera(Lens(camera.intrinsics, distortion).pinhole, camera.T_B_C)
 
 
 def _border(k: Intrinsics) -> Float64[np.ndarray, "n 2"]:
-    """The outermost pixels on the plane at distance 1."""
+    """Return the image's border pixels as points of the image plane at distance 1."""
     across, down = np.arange(k.width), np.arange(k.height)
     sides = [np.stack(np.broadcast_arrays(across, v), axis=-1) for v in (0, k.height - 1)]
     sides += [np.stack(np.broadcast_arrays(u, down), axis=-1) for u in (0, k.width - 1)]

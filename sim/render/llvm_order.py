@@ -1,9 +1,10 @@
-"""The order in which the two LLVMs of a process are loaded: that of torch's compiler Triton, then that of Mesa's drivers.
+"""Loads the LLVM of torch's compiler Triton before the LLVM of Mesa's drivers, because the reverse order crashes.
 
-Mesa's software renderer is linked against the system's LLVM and loaded with RTLD_GLOBAL, so that from then on its LLVM
-offers its symbols to every library that follows. Triton's library contains an LLVM of another version: loaded after Mesa,
-it takes some of the older symbols for its own, and the process ends with SIGSEGV while Triton is imported (Mesa 22.3 with
-LLVM 15; Triton 3.8 and 3.9). Triton's library loaded first has only its own symbols to find, and keeps them to itself.
+Mesa's software renderer is linked against the system's LLVM and loaded with RTLD_GLOBAL. The symbols of that LLVM are then
+visible to every library loaded later. Triton's library contains an LLVM of another version. If it is loaded after Mesa, some
+of its symbols resolve to those of the system's LLVM, and the process ends with SIGSEGV while Triton is imported (Mesa 22.3
+with LLVM 15; Triton 3.8 and 3.9). If Triton's library is loaded first, it finds only its own symbols and does not export
+them.
 """
 
 import ctypes
@@ -13,7 +14,7 @@ from pathlib import Path
 
 
 def load_triton_library() -> None:
-    """Load Triton's shared library where Triton is installed: neither Triton nor torch is imported (about 0.05 s, 2 MB)."""
+    """Load Triton's shared library if it is installed, without importing Triton or torch (about 0.05 s, 2 MB)."""
     spec = importlib.util.find_spec("triton")
     for directory in (spec and spec.submodule_search_locations) or ():
         with suppress(OSError):  # a Triton without that library cannot clash with Mesa

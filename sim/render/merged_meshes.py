@@ -1,4 +1,4 @@
-"""Merged geometry: all that shows one image in the same cells of the house is drawn as one mesh."""
+"""Merges meshes for faster rendering: surfaces with the same texture image and the same visibility cells become one mesh."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -13,14 +13,14 @@ from worlds.visuals.surfaces import OUTSIDE
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """A mesh to draw wherever one of its cells may be seen."""
+    """A merged mesh. It is drawn if the camera may see one of its cells."""
 
     visual: Visual
     cells: Cells
 
 
 def cells_of(part: Visual, visibility: Visibility) -> Cells:
-    """The cells that a part of the house is seen from: of the shell, its room's; of an object, those it reaches into."""
+    """Return a part's cells: the room's cell for a wall, floor or ceiling; all cells that it reaches into for an object."""
     if part.image == ATLAS:
         return visibility.cells_of(part.corners)
     room = part.name.rpartition("/")[0]
@@ -28,7 +28,7 @@ def cells_of(part: Visual, visibility: Visibility) -> Cells:
 
 
 def merge(parts: Sequence[Visual], visibility: Visibility) -> tuple[Merged, ...]:
-    """The `parts` joined, in their order: of faces in one plane, the same one wins."""
+    """Merge `parts` and keep their order, so that among coplanar faces the same one is drawn on top."""
     groups: dict[tuple[str, Cells], list[Visual]] = defaultdict(list)
     for part in parts:
         groups[part.image, cells_of(part, visibility)].append(part)

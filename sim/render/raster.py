@@ -1,7 +1,7 @@
-"""`Raster`: one GL context that draws a scene from anywhere, for any pinhole.
+"""`Raster`: renders a scene from any pose with any pinhole, in one GL context.
 
-It draws the merged meshes of what the camera may see for pictures and depth, and the geoms for their ids. The house stands
-still, so MuJoCo's abstract scenes are filled once and only their cameras move.
+For images and depth it draws the merged meshes whose cells the camera may see. For ids it draws the separate geoms. The
+house is static, so MuJoCo's abstract scenes (lists of geoms to draw) are filled once, and only their cameras move.
 """
 
 from collections.abc import Sequence
@@ -21,26 +21,27 @@ from sim.render.visibility import Cells
 from worlds.visuals.meshes import Solid
 
 _HIDDEN = -1
+"""Mesh id of a geom that MuJoCo shall not draw."""
 _SPARE = 1024
-"""Places in an abstract scene that are kept for what is no geom of the model: what moves."""
+"""Number of entries in an abstract scene that are reserved for the parts of moving actors."""
 NO_GEOM = -1
 
 
 @dataclass(frozen=True, eq=False)
 class RenderedFrame:
-    """All that a camera sees from one pose."""
+    """Image, depth and geom ids of one camera pose."""
 
     rgb: UInt8[np.ndarray, "h w 3"]
     depth: Float32[np.ndarray, "h w"]
-    """Along the optical axis [m]."""
+    """Depth along the optical axis; for a fisheye, distance along each pixel's ray [m]."""
     geom_ids: Int32[np.ndarray, "h w"]
     """Index into `Scene.object_of_geom`, `NO_GEOM` for sky."""
 
 
 class Raster:
-    """Holds a GL context: use it as a context manager or call `close`. Belongs to the thread that made it.
+    """Renders a scene. It holds a GL context: use it as a context manager or call `close`, in the thread that created it.
 
-    Raises `GraphicsError` where there is no off-screen OpenGL, where it fails, and for images larger than the scene's.
+    Raises `GraphicsError` if off-screen OpenGL is missing or fails, and for images larger than the scene was built for.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -63,40 +64,40 @@ class Raster:
         self._open = True
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw these, too, from now on, instead of those placed before; in ids they are `NO_GEOM`."""
+        """Draw `solids` in all further images, in place of those given before. Their pixels have the id `NO_GEOM`."""
         for abstract, standing in ((self._merged, len(self._scene.merged)), (self._objects, self._scene.model.ngeom)):
             abstract.ngeom = standing
             draw(abstract, solids)
 
     def rgb(self, T_W_C: Pose, intrinsics: Intrinsics) -> UInt8[np.ndarray, "h w 3"]:
-        """The picture."""
+        """Render the image."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         self._draw_merged(T_W_C, intrinsics, image, None)
         return np.ascontiguousarray(image[::-1])
 
     def depth(self, T_W_C: Pose, intrinsics: Intrinsics) -> Float32[np.ndarray, "h w"]:
-        """Distance along the optical axis [m]; of the sky, that of the far plane."""
+        """Render the depth along the optical axis [m]; the sky has the depth of the far plane."""
         buffer = np.empty((intrinsics.height, intrinsics.width), np.float32)
         self._draw_merged(T_W_C, intrinsics, None, buffer)
         return self._metres(buffer)
 
     def geom_ids(self, T_W_C: Pose, intrinsics: Intrinsics) -> Int32[np.ndarray, "h w"]:
-        """Index into `Scene.object_of_geom` per pixel, `NO_GEOM` for sky."""
+        """Render per pixel the index into `Scene.object_of_geom`, `NO_GEOM` for sky."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         self._draw(self._objects, T_W_C, intrinsics, image, None)
         red, green, blue = np.moveaxis(image[::-1].astype(np.int32), -1, 0)
-        # All geoms are drawn, so that a geom's place among the drawn is its id; MuJoCo counts them from 1.
+        # All geoms are drawn, so a geom's position in the list equals its id. MuJoCo encodes position + 1 as a colour.
         return np.asarray(red + (green << 8) + (blue << 16) - 1)
 
     def frame(self, T_W_C: Pose, intrinsics: Intrinsics) -> RenderedFrame:
-        """Picture and depth, drawn together, and ids."""
+        """Render image and depth in one pass, and ids in another."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         buffer = np.empty((intrinsics.height, intrinsics.width), np.float32)
         self._draw_merged(T_W_C, intrinsics, image, buffer)
         return RenderedFrame(np.ascontiguousarray(image[::-1]), self._metres(buffer), self.geom_ids(T_W_C, intrinsics))
 
     def close(self) -> None:
-        """Release the GL context; more than once does no harm, and to no other raster."""
+        """Release the GL context. It may be called more than once, and other rasters are unaffected."""
         if self._open:
             self._open = False
             with self._gl.as_current() if hasattr(self._gl, "as_current") else nullcontext():
@@ -131,28 +132,28 @@ class Raster:
         image: UInt8[np.ndarray, "h w 3"] | None,
         buffer: Float32[np.ndarray, "h w"] | None,
     ) -> None:
-        """Draw into the frame buffer and read it, from the bottom row up."""
+        """Draw into the frame buffer and read it into `image` and `buffer`, whose first row is the bottom row."""
         if not self._open:
-            raise GraphicsError("this renderer is closed; valid: drawing before close()")
+            raise GraphicsError("renderer: it is closed; valid: rendering before close()")
         if intrinsics.width > self._size[0] or intrinsics.height > self._size[1]:
             wanted, size = f"{intrinsics.width} x {intrinsics.height}", f"{self._size[0]} x {self._size[1]}"
-            raise GraphicsError(f"an image of {wanted} px from a scene that was built for {size} px; build it for both")
+            raise GraphicsError(f"renderer: an image of {wanted} px; valid: up to {size} px, which the scene was built for")
         _aim(scene, T_W_C, intrinsics)
         area = mujoco.MjrRect(0, 0, intrinsics.width, intrinsics.height)
-        with graphics_errors("drawing"):
+        with graphics_errors("rendering"):
             self._gl.make_current()
             mujoco.mjr_render(area, scene, self._context)
             mujoco.mjr_readPixels(image, buffer, area, self._context)
 
     def _metres(self, buffer: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-        """From a reversed depth buffer: 1 at the near plane, 0 at the far one."""
+        """Convert a reversed depth buffer (1 at the near plane, 0 at the far plane) to depth [m], top row first."""
         camera = self._merged.camera[0]
         near, far = np.float32(camera.frustum_near), np.float32(camera.frustum_far)
         return np.asarray(near * far / (near + buffer[::-1] * (far - near)))
 
 
 def _abstract_scene(scene: Scene) -> "mujoco.MjvScene":
-    """All geoms as they are, with lights and sky, in the order of their ids."""
+    """Build the abstract scene of all geoms in the order of their ids, with lights and sky."""
     model = scene.model
     abstract = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE)
     everything = mujoco.mjtCatBit.mjCAT_ALL.value
@@ -163,7 +164,7 @@ def _abstract_scene(scene: Scene) -> "mujoco.MjvScene":
 
 
 def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
-    """The same with the merged meshes in the place of the geoms."""
+    """Build the abstract scene of the merged meshes, with the same lights and sky."""
     abstract, model = _abstract_scene(scene), scene.model
     textures = {geom.matid: geom.texid for geom in abstract.geoms[: abstract.ngeom]}
     abstract.ngeom = len(scene.merged)
@@ -171,7 +172,7 @@ def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
         geom.matid = model.material(part.visual.image).id
         geom.texid = textures[geom.matid]
         mesh = model.ngeom + i
-        geom.dataid = 2 * mesh  # MuJoCo counts a mesh and its hull
+        geom.dataid = 2 * mesh  # MuJoCo numbers each mesh and its convex hull
         rotation = np.empty(9)
         mujoco.mju_quat2Mat(rotation, model.mesh_quat[mesh])
         geom.pos, geom.mat = model.mesh_pos[mesh], rotation.reshape(3, 3)
@@ -179,11 +180,11 @@ def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
 
 
 def _aim(scene: "mujoco.MjvScene", T_W_C: Pose, intrinsics: Intrinsics) -> None:
-    """Set the pinhole; this is the one place that knows of MuJoCo's cameras."""
+    """Set pose and pinhole of the scene's cameras. Only this function handles MuJoCo's camera conventions."""
     k = intrinsics
-    for camera in scene.camera:  # of both eyes, between which MuJoCo looks from
+    for camera in scene.camera:  # MuJoCo renders from the mean of a left and a right camera
         near = camera.frustum_near
         left, right = (-0.5 - k.cx) / k.fx * near, (k.width - 0.5 - k.cx) / k.fx * near
         camera.pos, camera.forward, camera.up = T_W_C[:3, 3], T_W_C[:3, 2], -T_W_C[:3, 1]
-        camera.frustum_center, camera.frustum_width = (left + right) / 2, (right - left) / 2  # half of it, in fact
+        camera.frustum_center, camera.frustum_width = (left + right) / 2, (right - left) / 2  # MuJoCo's is half the width
         camera.frustum_bottom, camera.frustum_top = -(k.height - 0.5 - k.cy) / k.fy * near, (k.cy + 0.5) / k.fy * near

@@ -1,4 +1,4 @@
-"""Rigs: cameras that share a body, and a renderer of all of them with one GL context."""
+"""Camera rigs: several cameras mounted on one body, and a renderer of all of them in one GL context."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -19,18 +19,18 @@ from worlds.parts import Vector
 from worlds.valid_names import did_you_mean
 
 STEREO_BASELINE_M = 0.11
-"""As of the paper's Alphasense and of EuRoC's camera."""
+"""Baseline of the paper's Alphasense and of EuRoC's stereo camera."""
 LEVER_ARM_M = 0.15
-"""Farthest that `displaced` moves cameras from the IMU [m]."""
+"""Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
-"""Farthest place of a camera beside the IMU: the body keeps 0.25 m from everything solid [m]."""
+"""Largest distance of a camera from the IMU at which it is never inside an obstacle: the body keeps 0.25 m away [m]."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """Cameras on one body. The first pinhole is the one whose images LEXIS is given."""
+    """Cameras mounted on one body. LEXIS receives the images of the first pinhole."""
 
     name: str
     cameras: Mapping[str, Camera]
@@ -38,7 +38,7 @@ class Rig:
 
     @property
     def front(self) -> Camera:
-        """The camera of LEXIS."""
+        """The camera whose images LEXIS receives."""
         return next(iter(self.cameras.values()))
 
     @property
@@ -49,10 +49,10 @@ class Rig:
 
 
 def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> Rig:
-    """The rig moved and turned as one on the body, whose frame is the IMU's: the lever arm from the IMU to the cameras.
+    """Move and rotate the whole rig on the body, whose frame is the IMU's, to simulate a lever arm from IMU to cameras.
 
     The offset is in B [m]; the rotation is `Rz(yaw) Ry(pitch) Rx(roll)` [deg]. Raises `SimError` for values that are not
-    finite, and for an offset of more than `LEVER_ARM_M`.
+    finite, and for an offset longer than `LEVER_ARM_M`.
     """
     if not np.isfinite([*offset_m, *rpy_deg]).all() or np.linalg.norm(offset_m) > LEVER_ARM_M:
         raise SimError(
@@ -67,12 +67,12 @@ def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> 
 
 
 def build_rig_scene(house: House, rig: Rig) -> Scene:
-    """A scene that every camera of `rig` can render."""
+    """Build a scene in which every camera of `rig` can be rendered."""
     return build_scene(house, rig.size_px, fovy_deg(rig.front.intrinsics))
 
 
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
-    """A preset of `RIGS` with pinholes of that size [px] and horizontal field of view. Raises `SimError` if unknown."""
+    """Build a preset of `RIGS` with pinholes of that size [px] and field of view. Raises `SimError` for an unknown name."""
     if name not in RIGS:
         raise SimError(f"unknown rig {name!r}{did_you_mean(name, RIGS)}; valid: {', '.join(RIGS)}")
     return RIGS[name](wide_camera(width, height, hfov_deg))
@@ -106,13 +106,13 @@ def _fisheye(camera: Camera) -> Rig:
 RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
     {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
 )
-"""`four` is the paper's: two cameras ahead and one to either side. `front-rear` sees revisits in the opposite direction.
-`fisheye` has one of 180 degrees beside the front pinhole, for tests of other software: LEXIS and the formats of recordings
-know pinholes only, so that LEXIS sees the pinhole."""
+"""Presets. `four` is the paper's rig: two cameras look ahead and one to either side. `front-rear` recognises revisits in the
+opposite direction. `fisheye` has a fisheye of 180 degrees beside the front pinhole, for tests of other software: LEXIS and
+the recording formats support pinholes only, so LEXIS receives the pinhole's images."""
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:
-    """The same camera at another place of the body, turned about z."""
+    """Return the same camera at another place of the body, rotated about the body's z axis."""
     T_B_B = np.eye(4)
     T_B_B[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
     T_B_B[:2, 3] = x_m, y_m
@@ -131,12 +131,12 @@ class RigRenderer:
         self._fisheyes = {name: FisheyeRenderer(self._raster, eye) for name, eye in rig.fisheyes.items()}
 
     def rgb(self, T_W_B: Pose) -> dict[str, UInt8[np.ndarray, "h w 3"]]:
-        """The images by camera; fisheyes last."""
+        """Render the images of all cameras, by name, fisheyes last."""
         images = {name: self._raster.rgb(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
 
     def frames(self, T_W_B: Pose) -> dict[str, RenderedFrame]:
-        """Pictures, depths and ids by camera. A fisheye's depths run along the rays, a pinhole's along its axis."""
+        """Render images, depth and ids of all cameras, by name. A fisheye's depth is measured along each pixel's ray."""
         frames = {name: self._raster.frame(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return frames | {name: eye.frame(T_W_B) for name, eye in self._fisheyes.items()}
 

@@ -1,7 +1,7 @@
-"""House -> MjModel: textured quad meshes, one per surface of a room and per object, under the light asked for.
+"""Builds the MuJoCo model of a house: one textured mesh per surface of a room and per object, with the lighting chosen.
 
-The geoms are what rays meet and what segmentation tells apart. Beside them the model holds the same quads merged into few
-meshes without geoms, which `sim.render.raster` draws: pictures cost by the mesh.
+The geoms serve ray casts and segmentation. The model also holds the same quads merged into few meshes without geoms, which
+`sim.render.raster` draws, because the time to render an image grows with the number of meshes.
 """
 
 from collections.abc import Mapping
@@ -20,21 +20,23 @@ from worlds.visuals.house_visuals import Visual, Visuals, visuals
 from worlds.visuals.meshes import triangles
 
 CAMERA = "camera"
+"""Name of the free camera and of its body."""
 
 
 @dataclass(frozen=True)
 class Light:
-    """Two directional lights without shadows, over ambient light; colours are RGB intensities."""
+    """A lighting condition: two directional lights without shadows, and ambient light. Colours are RGB intensities."""
 
     ambient: Colour
     key: Colour
     key_direction: Vector
     fill: Colour
     sky: tuple[Colour, Colour]
-    """At the zenith and at the horizon."""
+    """Colours of the sky at the zenith and at the horizon."""
 
 
 NO_ROOM = -1
+"""Room index of geoms that belong to no single room."""
 
 LIGHTS: Mapping[str, Light] = MappingProxyType(
     {
@@ -61,7 +63,7 @@ LIGHTS: Mapping[str, Light] = MappingProxyType(
         ),
     }
 )
-"""By `AppearanceSpec.light`. Day is bright: features fade in the dark."""
+"""Lighting conditions by `AppearanceSpec.light`. Day is bright, because image features are lost in the dark."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,16 +73,16 @@ class Scene:
     model: "mujoco.MjModel"
     data: "mujoco.MjData"
     object_of_geom: tuple[str, ...]
-    """What each geom shows: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    """Name of what each geom belongs to: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
     merged: tuple[Merged, ...]
-    """What to draw instead of the geoms; their meshes come after those of the geoms."""
+    """Meshes to draw in place of the geoms. In the model they come after the meshes of the geoms."""
     visibility: Visibility
 
 
 def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scene:
-    """Compile `house` with one free camera of `size_px` (width, height) and vertical field of view [deg].
+    """Compile `house` with one free camera of `size_px` (width, height) and a vertical field of view [deg].
 
-    There are no shadows and no multi-sampling: they cost an order of magnitude in a software renderer.
+    Shadows and multi-sampling are off, because they make a software renderer ten times slower.
     """
     seen, visibility = visuals(house), Visibility(house)
     merged = merge(seen.parts, visibility)
@@ -98,9 +100,10 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
 
 
 def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
-    """Index into `house.rooms` of each geom, `NO_ROOM` for what is between rooms (doors, windows) and for flights of stairs.
+    """Return each geom's index into `house.rooms`, `NO_ROOM` for doors, windows and flights of stairs.
 
-    With ids per pixel this segments rooms: `room_of_geom(house, scene)[frame.geom_ids]`, sky (-1) apart.
+    With geom ids per pixel this gives a segmentation of rooms, `room_of_geom(house, scene)[frame.geom_ids]`. Mask the sky
+    (-1) first.
     """
     place = {room.id: i for i, room in enumerate(house.rooms)}
     of = {piece.id: place[piece.room] for piece in house.furniture}
@@ -109,14 +112,14 @@ def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
 
 
 def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":
-    """The house as a model to compile, with light and without a camera; geoms in the order of `seen`.
+    """Build the model of a house, ready to compile, with lighting and without a camera. Geoms are in the order of `seen`.
 
-    To save it as XML, its images have to be in files: `texture_files` names them by image.
+    A model that is saved as XML needs its textures in files: `texture_files` maps each image's name to its file.
     """
     spec = mujoco.MjSpec()
     bounds = np.array([room.polygon.bounds for room in house.rooms])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
-    # Clipping planes scale with the extent: fixed here, so that the size of the house does not change the near plane.
+    # MuJoCo scales the clipping planes by the extent. A fixed extent keeps the near plane the same for every house.
     spec.stat.extent, spec.stat.center = 10.0, [*(low + high) / 2, house.storeys[-1].ceiling_m / 2]
     spec.visual.map.znear, spec.visual.map.zfar = 0.005, 8.0
     _add_light(spec, LIGHTS[house.spec.appearance.light])

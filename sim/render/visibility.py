@@ -1,8 +1,13 @@
-"""What of a house a camera may see: cells (its rooms, and all outdoors) and the openings between them.
+"""Determines which parts of a house a camera may see, by the method of cells and portals.
 
-From the camera's cell, the view is clipped by each opening in it, horizontally and vertically, and goes on into the cell
-behind with what is left. Nothing that can be seen is left out: door leaves and furniture hide nothing here, and openings
-count as boxes a little larger than they are.
+Cells are the rooms, and one cell for everything outdoors. Portals are the openings between cells.
+
+1. Start in each cell that holds the camera, with the camera's view as a range of azimuths and slopes.
+2. Clip the view by each opening of the cell. If some of it remains, enter the cell behind the opening with that rest.
+3. Repeat until no opening leaves any of the view.
+
+The result never misses a visible cell: door leaves and furniture are ignored, and openings count as boxes slightly larger
+than they are.
 """
 
 import math
@@ -19,9 +24,11 @@ from worlds.visuals.surfaces import rectangles
 from worlds.walls import WALL_THICKNESS_M
 
 Cells = frozenset[int]
-"""Indices into `House.rooms`; their number stands for all outdoors."""
+"""Indices into `House.rooms`. The index `len(House.rooms)` is the cell of everything outdoors."""
 _MARGIN_M = 0.1
+"""Margin by which openings are enlarged."""
 _TOLERANCE_M = 0.01
+"""An object has to reach this far into a cell to count as in it."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class _View:
     up: float
 
     def through(self, box: _Box, x: float, y: float, z: float) -> "_View | None":
-        """What is left of the view from a point behind an opening, or None."""
+        """Clip the view from a point by an opening; None if nothing of it is left."""
         across, along = max(box.x0 - x, x - box.x1, 0.0), max(box.y0 - y, y - box.y1, 0.0)
         nearest = math.hypot(across, along)
         if nearest == 0.0:
@@ -68,7 +75,7 @@ _ALL_AROUND = _View(-10.0, 10.0, -math.inf, math.inf)
 
 
 class Visibility:
-    """The cells of a house and the openings between them."""
+    """The cells of a house and the openings between them, for queries of what a camera may see."""
 
     def __init__(self, house: House) -> None:
         self.outdoors = len(house.rooms)
@@ -86,11 +93,11 @@ class Visibility:
             self._openings[b].append((box, a))
 
     def cell_of_room(self, room: str) -> int:
-        """The cell of a room of `House.rooms`, by its id; any other id is outdoors."""
+        """Return the cell of a room by its id in `House.rooms`. Any other id counts as outdoors."""
         return self._names.get(room, self.outdoors)
 
     def cells_of(self, points: Float64[np.ndarray, "*n 3"]) -> Cells:
-        """The cells that something with these corners in W [m] reaches into."""
+        """Return the cells that the bounding box of points in W [m] reaches into; outdoors if it reaches into none."""
         x0, y0, z0 = (points.reshape(-1, 3).min(axis=0) + _TOLERANCE_M).tolist()
         x1, y1, z1 = (points.reshape(-1, 3).max(axis=0) - _TOLERANCE_M).tolist()
         reached = (
@@ -99,21 +106,21 @@ class Visibility:
         return frozenset(reached) or frozenset([self.outdoors])
 
     def seen(self, T_W_C: Pose, intrinsics: Intrinsics) -> Cells:
-        """A set of cells outside of which that camera sees nothing; all of them where it is not in a room."""
+        """Return all cells that a camera may see, possibly with some that it cannot; all cells if it is in no room."""
         x, y, z = T_W_C[:3, 3].tolist()
         own = {cell for cell, box in self._boxes if box.holds(x, y, z)}
         if not own:
             return self.all
         view = _horizontal(T_W_C, intrinsics)
         seen: set[int] = set()
-        # Cells on the way are not entered again: what is left of the view is a part of what they had already.
+        # Cells of the current path are not entered again: the rest of the view is a part of the view they had already.
         todo = [(cell, view, frozenset([cell])) for cell in own]
         while todo:
-            cell, view, way = todo.pop()
+            cell, view, path = todo.pop()
             seen.add(cell)
             for box, other in self._openings[cell]:
-                if other not in way and (rest := view.through(box, x, y, z)) is not None:
-                    todo.append((other, rest, way | {other}))
+                if other not in path and (rest := view.through(box, x, y, z)) is not None:
+                    todo.append((other, rest, path | {other}))
         return frozenset(seen)
 
     def _gaps(self, house: House) -> Iterator[tuple[_Box, int, int]]:
@@ -132,7 +139,7 @@ class Visibility:
 
 
 def _horizontal(T_W_C: Pose, intrinsics: Intrinsics) -> _View:
-    """The azimuths between the corners of the image; all of them where straight up or down is in the image."""
+    """Return the azimuths between the image's corners; all azimuths if the image contains the vertical, up or down."""
     k = intrinsics
     x0, x1 = (-0.5 - k.cx) / k.fx, (k.width - 0.5 - k.cx) / k.fx
     y0, y1 = (-0.5 - k.cy) / k.fy, (k.height - 0.5 - k.cy) / k.fy

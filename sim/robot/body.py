@@ -1,4 +1,4 @@
-"""`Body`: an upright round robot in the house's collision geometry; MuJoCo says what it touches and what it stands on."""
+"""`Body`: an upright round robot in a house's collision geometry. MuJoCo finds its contacts and the ground below it."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -12,20 +12,22 @@ from worlds.house import House
 RADIUS_M = 0.22
 HEIGHT_M = 1.5
 STEP_M = 0.25
-"""The legs climb risers of up to this height, and nothing higher."""
+"""Largest height of a step that the legs can climb."""
 _CLEAR_OF_GROUND_M = 0.03
+"""Height at which the body begins, so that it never touches the floor it stands on."""
 _ROBOT = "robot"
 _OBSTACLE, _GROUND = 1, 2
-"""Bits of contact types. The legs meet obstacles; what is above them meets the ground too, such as a flight's side."""
+"""Bits of contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them also
+collides with the ground, such as the side of a flight of stairs."""
 GROUND_GROUP, OUTLINE_GROUP = 4, 5
-"""Groups of geoms that rays are cast at: for the height, and for the scan."""
+"""Geom groups for ray casts: the ground, for the standing height, and the outlines, for the range scan."""
 
 
 class Body:
-    """A cylinder of `RADIUS_M` and `HEIGHT_M` on slides along x, y and z; it has a place and no mass worth mentioning.
+    """A cylinder of `RADIUS_M` and `HEIGHT_M` on slide joints along x, y and z. It has a position but no dynamics.
 
-    Built from collision geoms alone, so that the model compiles in about 0.1 s. Where it is put, it is: it does not bounce
-    off what it touches, it tells.
+    The model has collision geoms only, so that it compiles in about 0.1 s. `place` sets the position even inside an obstacle
+    and reports the contacts.
     """
 
     def __init__(self, house: House) -> None:
@@ -43,17 +45,17 @@ class Body:
         _add_cylinder(body, STEP_M, HEIGHT_M, _OBSTACLE | _GROUND)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        mujoco.mj_forward(self.model, self.data)  # places what does not move, too
+        mujoco.mj_forward(self.model, self.data)  # also computes the poses of static geoms
         self.id = self.model.body(_ROBOT).id
         self._down = group_mask(GROUND_GROUP)
 
     @property
     def position(self) -> Float64[np.ndarray, "3"]:
-        """Of the foot's centre in W [m]."""
+        """Centre of the foot in W [m]."""
         return np.array(self.data.qpos)
 
     def place(self, x: float, y: float, z: float) -> tuple[str, ...]:
-        """Put the foot's centre there, in W [m]; returns the names of the geoms that it touches there."""
+        """Put the centre of the foot at a position in W [m] and return the names of the geoms that the body touches."""
         self.data.qpos[:] = x, y, z
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
@@ -64,30 +66,30 @@ class Body:
         return tuple(self.model.geom(int(geom)).name for geom in others)
 
     def ground(self, x: float, y: float, z: float) -> float | None:
-        """Height of what is underfoot at a place, seen from a step above `z` [m]; None where there is a drop."""
+        """Return the height of the ground at (x, y), at most a step above or below `z` [m]; None if there is a drop."""
         hit = np.zeros(1, np.int32)
         start, down = np.array([x, y, z + STEP_M]), np.array([0.0, 0.0, -1.0])
         distance = mujoco.mj_ray(self.model, self.data, start, down, self._down, True, self.id, hit)
         return z + STEP_M - distance if 0.0 <= distance <= 2.0 * STEP_M else None
 
     def stand(self, point: Float64[np.ndarray, "3"]) -> tuple[str, ...]:
-        """Put it on the ground near a point; returns what it touches. Raises `SimError` where there is no ground."""
+        """Put the body on the ground near a point in W; return what it touches. Raises `SimError` if there is no ground."""
         x, y, z = map(float, point)
         height = self.ground(x, y, z)
         if height is None:
-            raise SimError(f"robot: nothing to stand on within {STEP_M} m of ({x:.2f}, {y:.2f}, {z:.2f}) m")
+            raise SimError(f"robot: nothing to stand on within {STEP_M} m of ({x:.2f}, {y:.2f}, {z:.2f}) m; valid: a floor")
         return self.place(x, y, height)
 
 
-def _add_cylinder(body: "mujoco.MjsBody", bottom_m: float, top_m: float, meets: int) -> None:
+def _add_cylinder(body: "mujoco.MjsBody", bottom_m: float, top_m: float, contact_bits: int) -> None:
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER, pos=[0.0, 0.0, (bottom_m + top_m) / 2],
-        size=[RADIUS_M, (top_m - bottom_m) / 2, 0.0], contype=0, conaffinity=meets, mass=1.0,
+        size=[RADIUS_M, (top_m - bottom_m) / 2, 0.0], contype=0, conaffinity=contact_bits, mass=1.0,
     )  # fmt: skip
 
 
 def group_mask(group: int) -> np.ndarray:
-    """For rays that see one group of geoms only."""
+    """Return a mask for ray casts that hit geoms of one group only."""
     mask = np.zeros(mujoco.mjNGROUP, np.uint8)
     mask[group] = 1
     return mask

@@ -1,4 +1,12 @@
-"""`Controller`: pure pursuit of a route, round what the scans show."""
+"""`Controller`: follows a route by pure pursuit, with local planning around obstacles that the scans show.
+
+At each step:
+
+1. Advance the progress along the route to the point nearest to the robot.
+2. If the straight line to the look-ahead point has enough clearance, steer to that point. Otherwise plan a local path in the
+   map of recent scans (`LocalMap`), and steer to the farthest of its next cells that can be reached in a straight line.
+3. Turn in proportion to the heading error, and drive slower the larger that error is. Stop in front of obstacles.
+"""
 
 import math
 
@@ -11,45 +19,49 @@ from sim.robot.local_map import LocalMap
 from sim.robot.route import Route
 
 STEP_S = 0.1
+"""Time between two control steps."""
 SPEED_M_S = 0.7
 _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
 HORIZON_M = 1.7
+"""Length of the route that local planning considers."""
 _KEEP_M = RADIUS_M + 0.05
-"""Kept from the straight line to the next place of a way, if it can be."""
+"""Clearance of the straight line to the next target on a local path, if possible."""
 LEAST_M = RADIUS_M + 0.03
-"""No way is nearer to anything."""
+"""Clearance of local paths. They are closer to obstacles only if no other path exists."""
 _REACH = 6
-"""Cells of a way that are looked ahead."""
+"""Number of cells of the local path to look ahead."""
 _EASY_M = RADIUS_M + 0.15
-"""With this much room the route itself is followed; with less, a way is sought that has the most room."""
+"""Clearance at which the route itself is followed. With less, a local path is planned, which prefers more clearance."""
 _CLOSE_M = RADIUS_M + 0.02
+"""Clearance below which the robot does not move closer to an obstacle."""
 _REPLAN_M = 0.16
+"""Distance after which the local path is planned again."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
-"""From the end in the plan, once so much of the route is left."""
+"""The robot has arrived if it is this close to the end in the plan, and if at most `_NEARLY_M` of the route is left."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
-"""After some time without progress, so much of the route is left out; after more, the robot gives up."""
+"""Length of route that is skipped after `_HESITATION_S` without progress. After `_PATIENCE_S` the robot gives up."""
 
 
 class Controller:
-    """From the believed pose and what is around to the next step: how far forward [m], how much to the left [rad]."""
+    """Computes the next step from the estimated pose and the scans: forward motion [m] and turn to the left [rad]."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         self._route, self._map = Route(waypoints), LocalMap(LEAST_M)
-        self._way: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
+        self._path: Float64[np.ndarray, "_ 2"] = np.zeros((0, 2))
         self._planned_at = np.full(2, np.inf)
         self._best_m, self._since_s = -1.0, 0.0
-        self._news = False
+        self._has_new_scan = False
 
     def see(self, hits: Float64[np.ndarray, "hits 2"], pose: DeadReckoning, climbed_m: float) -> None:
-        """Take a scan; the legs know how much higher they stand than at the start."""
+        """Add a scan made at `pose`. `climbed_m` is the height above the start, which the legs measure."""
         self._map.add(hits, pose.x, pose.y, pose.yaw, climbed_m)
-        self._news = True
+        self._has_new_scan = True
 
     def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
-        """The next `STEP_S`; None where the robot has arrived or has given up."""
+        """Return forward motion [m] and turn [rad] of the next `STEP_S`; None if the robot has arrived or given up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
         if self._has_arrived(here) or self._has_lost_patience():
@@ -64,7 +76,7 @@ class Controller:
         return self._forward(here, pose.yaw + turn / 2, error), turn
 
     def _has_arrived(self, here: Float64[np.ndarray, "2"]) -> bool:
-        # Near the end alone is not enough: a plan may pass below its end, or above.
+        # Closeness in the plan alone is not enough, because a route may pass below or above its end.
         left_m = self._route.length_m - self._route.progress_m
         return left_m <= _NEARLY_M and bool(np.linalg.norm(self._route.end - here) <= _ARRIVED_M)
 
@@ -77,27 +89,27 @@ class Controller:
         return self._since_s > _PATIENCE_S
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
-        """Where to steer to; None where no place is better than this one."""
+        """Return the point to steer to; None if no place is better than the present one."""
         carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)
             return np.asarray(carrot)
         nearest = self._nearest(here)
-        at_end = nearest + 1 >= len(self._way)
-        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._news):
-            self._way, self._planned_at, self._news = self._map.way(here, self._route.ahead(HORIZON_M)), here, False
+        at_end = nearest + 1 >= len(self._path)
+        if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._has_new_scan):
+            self._path, self._planned_at, self._has_new_scan = self._map.way(here, self._route.ahead(HORIZON_M)), here, False
             nearest = self._nearest(here)
-        if len(self._way) < 2:
+        if len(self._path) < 2:
             return None
-        following = self._way[nearest + 1 :] if nearest + 1 < len(self._way) else self._way[-1:]
+        following = self._path[nearest + 1 :] if nearest + 1 < len(self._path) else self._path[-1:]
         for target in following[_REACH::-2]:
             if self._map.clearance(here, target) >= _KEEP_M:
                 return np.asarray(target)
         return np.asarray(following[0])
 
     def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
-        """Index of the nearest place of the way; 0 where there is no way yet."""
-        return int(np.argmin(((self._way - here) ** 2).sum(axis=1))) if len(self._way) else 0
+        """Return the index of the nearest point of the local path; 0 if there is none yet."""
+        return int(np.argmin(((self._path - here) ** 2).sum(axis=1))) if len(self._path) else 0
 
     def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:
         step = STEP_S * SPEED_M_S * max(0.0, math.cos(error)) ** 2

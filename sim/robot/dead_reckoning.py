@@ -1,4 +1,4 @@
-"""`DeadReckoning`: the pose that a robot believes in while it drives; the error law of `sim.odometry`, step by step."""
+"""`DeadReckoning`: the pose that a driving robot estimates, with the errors of `sim.odometry`, one step at a time."""
 
 import math
 
@@ -7,14 +7,14 @@ import numpy as np
 from sim.odometry.simulation import METRES_PER_RADIAN, OdometryConfig
 
 _BLOCK = 512
-"""Draws fetched at a time."""
+"""Number of normal draws that are made at a time, for speed."""
 
 
 class DeadReckoning:
-    """A pose in the plan, (x, y, yaw), to which increments of the true motion are added with their errors.
+    """An estimated pose (x, y, yaw) in the plan, to which increments of the true motion are added with errors.
 
-    The law is that of `simulate_odometry` as far as it shows in the plan; here the way is not known beforehand. Scale and
-    biases are drawn anew.
+    The error model is that of `simulate_odometry`, limited to the plan; here the trajectory is not known in advance. The
+    errors of scale and the biases are drawn for each instance.
     """
 
     def __init__(self, x: float, y: float, yaw: float, config: OdometryConfig, rng: np.random.Generator) -> None:
@@ -25,19 +25,19 @@ class DeadReckoning:
         self._draws: list[float] = []
 
     def advance(self, forward: float, turn: float) -> None:
-        """Take a true step: `turn` [rad], half before and half after `forward` [m]."""
-        config, way = self._config, abs(forward) + METRES_PER_RADIAN * abs(turn)
-        if way == 0.0:
+        """Add a true step: `forward` [m], with half of `turn` [rad] before and half after it."""
+        config, moved = self._config, abs(forward) + METRES_PER_RADIAN * abs(turn)
+        if moved == 0.0:
             return
-        root, kept = math.sqrt(way), math.exp(-way / config.bias_correlation_m)
+        root, kept = math.sqrt(moved), math.exp(-moved / config.bias_correlation_m)
         yaw_noise, x_noise, y_noise, *fresh = self._next(6)
         yaw_bias, x_bias, y_bias = self._bias
-        x = self._scale * forward + config.position_walk_m * root * x_noise + config.velocity_bias * way * x_bias
-        y = config.position_walk_m * root * y_noise + config.velocity_bias * way * y_bias
+        x = self._scale * forward + config.position_walk_m * root * x_noise + config.velocity_bias * moved * x_bias
+        y = config.position_walk_m * root * y_noise + config.velocity_bias * moved * y_bias
         middle = self.yaw + turn / 2
         self.x += math.cos(middle) * x - math.sin(middle) * y
         self.y += math.sin(middle) * x + math.cos(middle) * y
-        self.yaw += turn + config.yaw_walk_rad * root * yaw_noise + config.yaw_bias_rad_m * way * yaw_bias
+        self.yaw += turn + config.yaw_walk_rad * root * yaw_noise + config.yaw_bias_rad_m * moved * yaw_bias
         new = math.sqrt(1.0 - kept * kept)
         self._bias = [kept * bias + new * draw for bias, draw in zip(self._bias, fresh, strict=True)]
 

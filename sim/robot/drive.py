@@ -1,4 +1,4 @@
-"""`Robot.drive`: a body goes through the waypoints of a plan by what it believes of its pose, and MuJoCo judges."""
+"""`Robot.drive`: a robot drives through a plan's waypoints by its estimated pose, while MuJoCo checks for collisions."""
 
 import math
 from dataclasses import dataclass
@@ -16,38 +16,39 @@ from worlds.truth import NOWHERE, room_at
 
 _SCAN_EVERY_M = 0.1
 _SCAN_EVERY_S = 0.5
+"""A scan is made after this distance, or after this time if the robot is slower."""
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
-"""A drive may take this many times as long as its line at full speed, and the least time more."""
+"""Time limit of a drive: this factor times the time that the route takes at full speed, plus `_LEAST_TIME_S`."""
 _KNEE_M = 0.3
-"""Above the foot: where one is asked for the room, so that a floor's thickness does not matter."""
+"""Height above the foot at which the room is looked up, so that a floor's thickness does not matter."""
 DROP = "drop"
-"""Name of what it touches where there is no ground."""
+"""Name in `Drive.touched` for a place without ground."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """How a drive went."""
+    """Result of a drive."""
 
     path: Float64[np.ndarray, "n 3"]
-    """Of the foot's centre in W, where it truly was after every step [m]."""
+    """True position of the foot's centre in W after every step [m]."""
     room: str | None
-    """Id of the room that the robot ended in."""
+    """Id of the room in which the robot ended; None if it ended in no room."""
     length_m: float
-    """Driven, in the plan and up or down."""
+    """Length of the path driven, in 3-D."""
     touched: tuple[str, ...]
-    """Names of what it touched, or `DROP`; the first contact ends the drive."""
+    """Names of the geoms that the robot touched, or `DROP`. The first contact ends the drive."""
 
     @property
     def collisions(self) -> int:
-        """Whether it touched anything."""
+        """Number of collisions: 0, or 1 because the first one ends the drive."""
         return int(bool(self.touched))
 
 
 class Robot:
-    """A body with a scanner in a house; drives any number of plans.
+    """A body with a range scanner in a house, which can drive any number of plans.
 
-    With `blind`, it follows its waypoints by its pose alone.
+    With `blind` it ignores the scanner and follows the waypoints by its estimated pose alone.
     """
 
     def __init__(self, house: House, blind: bool = False) -> None:
@@ -57,13 +58,13 @@ class Robot:
 
     def drive(self, start: Float64[np.ndarray, "3"], yaw: float, pose: DeadReckoning,
               waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
-        """Drive from where the robot truly is, `start` on the walked surface and `yaw` in W, through the waypoints.
+        """Drive through the waypoints from the true pose: `start` on the walked surface and `yaw`, both in W.
 
-        These, and the `pose` that it believes in and that this call moves on, are in a frame of its own. Raises `SimError`
-        where there is no waypoint, one is not finite, or `start` has no ground.
+        The waypoints and the estimated `pose`, which this call advances, are in the robot's own frame. Raises `SimError` if
+        there is no waypoint, if one is not finite, or if `start` has no ground.
         """
         if len(waypoints) == 0 or not np.isfinite(waypoints).all():
-            raise SimError(f"drive: waypoints must be at least one and finite; got {waypoints.tolist()}")
+            raise SimError(f"drive: waypoints are {waypoints.tolist()}; valid: at least one, all finite")
         controller = Controller(waypoints)
         touched = self._body.stand(start)
         path, unseen = [self._body.position], math.inf

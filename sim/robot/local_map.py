@@ -1,4 +1,8 @@
-"""`LocalMap`: what recent scans have shown around the robot, and ways through it."""
+"""`LocalMap`: the obstacle points of recent scans around the robot, and local paths between them.
+
+A local path is the cheapest one on a grid around the robot (Dijkstra). Cells cost more close to obstacles and far from the
+route. The path may end before the route's end if the rest is not worth its cost.
+"""
 
 from collections import deque
 from functools import cache
@@ -13,31 +17,34 @@ from scipy.spatial.distance import cdist
 from lexis.maths.ties import settled
 
 CELL_M = 0.08
+"""Size of a cell."""
 _FINE = 4
+"""Divisions of a cell to which obstacle points are rounded."""
 _HALF = 22
-"""Cells to either side of the robot's."""
+"""Number of cells on either side of the robot's cell."""
 _N = 2 * _HALF + 1
 _SCANS = 12
+"""Number of recent scans that are kept."""
 _SAME_M = 0.4
-"""Scans from heights that differ by more show other things, on stairs [m]."""
+"""Scans whose heights differ by more than this, on stairs, show different obstacles and are not combined [m]."""
 _PREFERRED_M = 0.25
-"""Beyond the least distance, from which on more room is no better [m]."""
+"""Clearance beyond the least distance. More than this is no better [m]."""
 _BLOCKED = 1000.0
-"""Cost of a metre that is too near to something: a way out is always found, and any other way is preferred."""
+"""Cost of a metre below the least distance. It is finite, so that a path is always found, but any other one is preferred."""
 _CROWDING = 5.0
-"""How much more a metre costs at the least distance."""
+"""Additional cost of a metre at the least distance."""
 _MISS_COST = 30.0
-"""Of every metre that is missing to the target; more than a crowded metre costs."""
+"""Cost of every metre between the path's end and the target. It exceeds the cost of a metre at the least distance."""
 _STRAYED_M = 0.3
-"""From the route, as far as drift explains."""
+"""Distance from the route that drift explains, and that costs nothing."""
 _STRAYING = 20.0
-"""How much more a metre costs per metre that it is farther from the route, which was walked and so is free."""
+"""Additional cost of a metre per metre that it is farther away. The route itself was walked before, so it is free."""
 
 
 class LocalMap:
-    """The ends of the beams of the last few scans, in the frame that the robot steers in.
+    """The hits of the last few scans, in the frame of the estimated pose.
 
-    `least_m` is the least distance of the robot's centre from any of them.
+    `least_m` is the least distance between the robot's centre and any of them.
     """
 
     def __init__(self, least_m: float) -> None:
@@ -46,13 +53,13 @@ class LocalMap:
         self._points = np.zeros((0, 2))
 
     def add(self, hits: Float64[np.ndarray, "hits 2"], x: float, y: float, yaw: float, climbed_m: float) -> None:
-        """Take a scan made at a pose, so much higher than at the start; those of other heights are left out from now on."""
+        """Add a scan made at a pose and `climbed_m` above the start. Scans made at other heights are ignored from now on."""
         cos, sin = np.cos(yaw), np.sin(yaw)
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
         self._points = np.concatenate([points for height, points in self._scans if abs(height - climbed_m) <= _SAME_M])
 
     def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
-        """Distance of the nearest point from a straight line [m]; infinite where there is none."""
+        """Return the distance between a line segment and the nearest point [m]; infinite if there are no points."""
         if not len(self._points):
             return np.inf
         along, to = end - start, self._points - start
@@ -60,7 +67,7 @@ class LocalMap:
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
     def way(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-        """A way that keeps clear and by the route, as near to its end as is worth the length."""
+        """Plan the cheapest path: clear of obstacles, close to the route, and as near to its end as is worth the cost."""
         cells = start + _cells() * CELL_M
         strayed = cdist(cells, route).min(axis=1)
         distance = self._distances(start)
@@ -76,7 +83,7 @@ class LocalMap:
         return cells[path[::-1]]
 
     def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
-        """Distance of every cell from the nearest point [m], infinite where there is none.
+        """Return the distance between every cell and the nearest point [m], infinite if there are no points.
 
         Points are rounded to a grid finer than the cells, so that equal distances are equal to the last bit.
         """
@@ -90,14 +97,14 @@ class LocalMap:
 
 @cache
 def _cells() -> Int[np.ndarray, "cells 2"]:
-    """Of every cell, its place on the grid around the robot's."""
+    """Return each cell's coordinates, in cells relative to the robot's cell."""
     cell = np.arange(_N * _N)
     return np.stack([cell % _N, cell // _N], axis=1) - _HALF
 
 
 @cache
 def _grid() -> tuple[Int[np.ndarray, "e"], Int[np.ndarray, "e"], Float64[np.ndarray, "e"], Int[np.ndarray, "m"]]:
-    """Steps between the eight neighbours of every cell, sorted by where they begin: ends, lengths, row starts."""
+    """Return the edges from each cell to its eight neighbours in CSR order: starts, ends, lengths, row pointers."""
     cell = np.arange(_N * _N)
     x, y = cell % _N, cell // _N
     moves = [(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)]

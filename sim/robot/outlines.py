@@ -1,6 +1,7 @@
-"""What a range scan hits: whatever stands within the body's height, flattened onto the plan and drawn up again.
+"""Geometry for the range scan: each obstacle within the body's height, as an upright box over its footprint.
 
-A real robot makes such a scan from a depth sensor's points: a table shows as its outline, not as four legs.
+A real robot makes such a scan by projecting a depth sensor's points onto the plan. There a table appears as its outline, not
+as four legs.
 """
 
 import numpy as np
@@ -13,9 +14,12 @@ Interval = tuple[float, float]
 
 
 def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["mujoco.MjsGeom"]:
-    """Add upright boxes, at least `height_m` high, for walls, railings, leaves and solid furniture that begin lower."""
+    """Add upright boxes from the floor to at least `height_m` for walls, railings, door leaves and solid furniture.
+
+    Obstacles that begin above `height_m` are left out.
+    """
     floors = [storey.floor_m for storey in house.storeys]
-    # Walls go on through the slab, so that there is no gap to see through on the way up.
+    # Walls extend through the slab above, so that beams cannot pass between two storeys on the stairs.
     tops = [*floors[1:], house.storeys[-1].ceiling_m]
     geoms = []
     for wall in house.walls:
@@ -34,7 +38,7 @@ def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["
 
 
 def _add_railing(spec: "mujoco.MjSpec", flight: Stairs, height_m: float) -> list["mujoco.MjsGeom"]:
-    """Of the posts and what they carry."""
+    """Add boxes for the posts of a railing and for what they carry."""
     geoms = []
     for part in flight.railing:
         (x, y, z), (width, depth, height) = part.centre, part.size

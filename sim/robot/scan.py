@@ -1,4 +1,4 @@
-"""`RangeScanner`: what stands around the body, and where the ground breaks off or rises too steeply to climb."""
+"""`RangeScanner`: detects obstacles around the body, and places where the ground drops or rises too steeply to climb."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -8,22 +8,23 @@ from sim.robot.body import GROUND_GROUP, OUTLINE_GROUP, STEP_M, Body, group_mask
 
 RANGE_M = 3.0
 _BEAMS = 72
+"""Number of level beams around the body."""
 _HEAD_M = 1.3
 """Height of the sensor above the foot [m]."""
 _RINGS_M = 0.1 * np.arange(1, 7)
-"""Where level ground would be looked at, around the foot [m]."""
+"""Distances from the foot at which downward rays would hit level ground [m]."""
 _DEEP_M = 20.0
-"""A gaze that meets no ground this far counts as one that ends there [m]."""
+"""Largest length of a downward ray; a ray that hits no ground counts as ending there [m]."""
 _EVERY = 2
-"""Of the beams, this one's bearing has gazes too."""
+"""Every second beam also has downward rays at its bearing."""
 _TREAD_M = 0.18
-"""The ground may rise or fall by a step over this length, as the steepest stairs do [m]."""
+"""Length over which the ground may rise or fall by `STEP_M`, as on the steepest stairs [m]."""
 
 
 class RangeScanner:
-    """Level beams all around, at the outlines of what stands there (see `outlines`), and gazes at the ground by the feet.
+    """Casts level beams in all directions at obstacles' outlines (see `outlines`), and downward rays at the ground nearby.
 
-    MuJoCo casts them, from the head of the body.
+    All rays start at the head of the body. MuJoCo casts them.
     """
 
     def __init__(self, body: Body) -> None:
@@ -34,9 +35,9 @@ class RangeScanner:
         self._gazes = gazes / np.linalg.norm(gazes, axis=-1, keepdims=True)
 
     def scan(self, yaw: float) -> Float64[np.ndarray, "hits 2"]:
-        """Where one cannot go, x forward and y to the left of a body that faces `yaw` in W [m]."""
+        """Return the points that a body facing `yaw` in W cannot pass, in its frame (x forward, y left) [m]."""
         cos, sin = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # of rows, from the body to W
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # rotates row vectors from the body to W
         level = self._cast(self._beams @ turn, OUTLINE_GROUP, RANGE_M)
         ranges = np.concatenate([level, self._edges(turn, level[::_EVERY])])
         bearings = np.concatenate([self._beams, self._beams[::_EVERY]])[:, :2]
@@ -44,9 +45,9 @@ class RangeScanner:
         return np.asarray(bearings[hit] * ranges[hit, None])
 
     def _edges(self, turn: Float64[np.ndarray, "3 3"], level: Float64[np.ndarray, "gazes"]) -> Float64[np.ndarray, "gazes"]:
-        """How far it is to where the ground breaks off or rises too steeply, per bearing; infinite where it does not [m].
+        """Return per bearing the distance at which the ground drops or rises too steeply; infinite if it does not [m].
 
-        What lies behind the ends of the `level` beams is not seen.
+        Ground behind the ends of the `level` beams is occluded and ignored.
         """
         lengths = self._cast((self._gazes @ turn).reshape(-1, 3), GROUND_GROUP, _DEEP_M).reshape(len(self._gazes), -1)
         lengths = np.minimum(lengths, _DEEP_M)
@@ -59,7 +60,7 @@ class RangeScanner:
         return np.where(first < 0, np.inf, np.minimum(_RINGS_M, far)[np.arange(len(first)), first])
 
     def _cast(self, directions: Float64[np.ndarray, "n 3"], group: int, most_m: float) -> Float64[np.ndarray, "n"]:
-        """Ranges from the head; infinite where nothing is hit within `most_m` [m]."""
+        """Return ranges from the head; infinite if nothing is hit within `most_m` [m]."""
         n = len(directions)
         geoms, ranges = np.zeros(n, np.int32), np.zeros(n)
         mujoco.mj_multiRay(

@@ -1,4 +1,4 @@
-"""`Near`: which boxes the points of a path might touch, and exactly how far away those are."""
+"""`Near`: the boxes that are near the points of a path, for exact distances while the points move a little."""
 
 from dataclasses import dataclass
 
@@ -11,22 +11,22 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Pairs of a point and an upright box, whose nearest places are known for wherever the point may have moved to."""
+    """Pairs of a path point and a nearby upright box. Distances are computed for the points' present places."""
 
     points: int
-    """How many there are."""
+    """Number of points."""
     point: Int[np.ndarray, "p"]
-    """Of each pair."""
+    """Index of each pair's point."""
     centre: Float64[np.ndarray, "p 2"]
-    """Of the box [m]."""
+    """Centre of each pair's box [m]."""
     half: Float64[np.ndarray, "p 2"]
-    """Half its size [m]."""
+    """Half the size of the box [m]."""
     axes: Float64[np.ndarray, "p 2 2"]
-    """Its axes in W, as rows."""
+    """Axes of the box in W, as rows."""
 
     @staticmethod
     def of(places: Float64[np.ndarray, "n 3"], obstacles: Obstacles, within_m: float) -> "Near":
-        """The boxes within a distance that a body would meet that stands there, on the walked surface."""
+        """Pair each place with the boxes within `within_m` that overlap in height with a body that stands there."""
         spots = np.asarray(shapely.points(places[:, :2]))
         point, box = obstacles.footprints.query(spots, predicate="dwithin", distance=within_m)
         height = places[point, 2]
@@ -37,17 +37,17 @@ class Near:
         return Near(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
 
     def and_also(self, other: "Near") -> "Near":
-        """The pairs of both, of the same points."""
+        """Return the pairs of both, which have to be about the same points."""
         pairs = [(getattr(self, name), getattr(other, name)) for name in ("point", "centre", "half", "axes")]
         return Near(self.points, *(np.concatenate(pair) for pair in pairs))
 
     def without(self, points: Int[np.ndarray, "k"]) -> "Near":
-        """The pairs of all other points."""
+        """Return the pairs of all points other than these."""
         keep = ~np.isin(self.point, points)
         return Near(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
-        """From where each point is now to the nearest of its boxes; infinite where it has none [m]."""
+        """Return the distance from each point, now at `places`, to the nearest of its boxes [m]; infinite without boxes."""
         least = np.full(self.points, np.inf)
         np.minimum.at(least, self.point, np.linalg.norm(self._offset(places), axis=1))
         return least
@@ -55,7 +55,7 @@ class Near:
     def pushed_out(
         self, places: Float64[np.ndarray, "n 2"], distance: Float64[np.ndarray, "n"]
     ) -> Float64[np.ndarray, "n 2"]:
-        """Each place moved straight off the box that it is nearest to, until it keeps the distance from that one."""
+        """Move each place straight away from its nearest box until it keeps the distance [m] from that box."""
         offset = self._offset(places)
         length = np.linalg.norm(offset, axis=1)
         lack = distance[self.point] - length
@@ -67,7 +67,7 @@ class Near:
         return moved
 
     def _offset(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "p 2"]:
-        """From the nearest place of the box to the point, in W."""
+        """Return the vector from the box's nearest place to the point, in W."""
         x, y = (places[self.point] - self.centre).T
         (ux, uy), (vx, vy) = self.axes[:, 0].T, self.axes[:, 1].T
         along, across = ux * x + uy * y, vx * x + vy * y

@@ -1,4 +1,8 @@
-"""The kinds of tours: which places each goes to, and what is gone through again to reach a length."""
+"""`Planner`: plans the sequence of graph nodes that each kind of tour visits.
+
+A tour has a first part that it always visits, and a part that it repeats to reach a requested length. The way home is always
+added. What is then missing to the length is filled by a detour.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,36 +23,41 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable, polyline_length
 
 SMOOTHED = 0.95
-"""How long a smooth path is, as a share of its way over the graph, about."""
+"""Typical length of a smooth path as a share of its length over the graph."""
 _SCATTER_M = 0.25
-"""What is gone through again passes its stops this near to those of the first time, not through them."""
+"""Repeated visits pass within this distance of a stop, so that revisits do not have the very same viewpoint."""
 _CIRCUIT_M = 40.0
+"""Default length of the loop's circuit."""
 _PLACES = 48
+"""Number of places that a random tour draws from."""
 _WIDER = 1.25
+"""Factor by which the lanes of a lawn-mower tour are spaced wider until the tour is short enough."""
 _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
+"""A shorter lap is not repeated, because it would be walked on the spot."""
 _NEAR_ENOUGH_M = 0.15
+"""Detours whose lengths differ by less than this from the best one count as equally good."""
 _DRAWN = 0.3
-"""How much clearance a metre nearer to where the tour would have gone on is worth."""
+"""Clearance [m] that a detour may lose for each metre that it is nearer to the next stop of the tour."""
 
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to go to, before the way home to the first one."""
+    """Nodes of the walkable graph to visit, without the return to the first one at the end."""
 
     first: Sequence[int]
-    """Gone to in any case."""
+    """Nodes that are always visited."""
     again: Sequence[int]
-    """Gone to next, over and over, as far as the length allows."""
+    """Nodes that are visited next, repeatedly, as far as the length allows."""
     unasked: int
-    """How many of those where no length is asked for."""
+    """Number of repeated visits if no length is requested."""
     distance: Callable[[int, int], float]
-    """Between nodes that follow one another [m]."""
+    """Walking distance between consecutive nodes [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """Plans tours of one kind. Lengths are measured over the graph, before the way is smoothed."""
+    """Plans tours of one kind. Lengths are measured over the graph, before the path is smoothed."""
 
     house: House
     walkable: Walkable
@@ -56,16 +65,19 @@ class Planner:
     stops: Stops
     ways: KnownPaths
     seed: int
-    """Of all draws, so that planning again for another length draws the same."""
+    """Seed of all draws. Planning again for another length draws the same numbers."""
 
     @staticmethod
     def of(house: House, walkable: Walkable, config: TourConfig, rng: np.random.Generator) -> "Planner":
-        """Raises `SimError` where the house has no two places to stop at."""
+        """Make the planner of a house. Raises `SimError` if the house has fewer than two places to stop at."""
         ways = KnownPaths(walkable, config.prefer_clearance_m, straight=config.kind == "lawn-mower")
         return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
 
     def nodes(self, length_m: float | None) -> list[int]:
-        """Where to go in turn, home included, for about a length; longer where no tour is so short. None: as it comes."""
+        """Return the nodes to visit in order, from home back to home.
+
+        The tour is about `length_m` long (None: the kind's own length), or longer if no tour of the kind is that short.
+        """
         rng = np.random.default_rng(self.seed)
         kinds = {
             "rooms": self._rooms,
@@ -90,7 +102,10 @@ class Planner:
         return _itinerary(stops, there_and_back, there_and_back[1:])
 
     def _lap(self, most_m: float, rng: np.random.Generator, there_and_back: bool) -> tuple[Stops, list[int], list[int]]:
-        """A lap through all rooms, no longer than asked where that can be, and its stops on the lowest storey."""
+        """Return the stops, a lap through all rooms and the lap's stops on the lowest storey.
+
+        The lap is no longer than `most_m` if possible: it first leaves out stops, then moves the rest closer together.
+        """
         stops = self.stops
         whole, base = first_lap(self.house, stops, rng)
         lap = thinned(stops, whole, most_m, there_and_back)
@@ -101,7 +116,7 @@ class Planner:
         return stops, lap, [k for room, (k,) in stops.of_room.items() if self.house.room_by_id[room].storey == lowest]
 
     def _loop(self, _: float, rng: np.random.Generator) -> Itinerary:
-        """Around as many stops as the circuit's length allows, the nearest first, and a detour for what is left of it."""
+        """Plan a circuit through as many stops as its length allows, nearest first, and a detour for the rest."""
         base = first_lap(self.house, self.stops, rng)[1]
         home, circuit = base[0], base[:1]
         length_m = (self.config.circuit_m or _CIRCUIT_M) / SMOOTHED
@@ -113,7 +128,7 @@ class Planner:
         nodes += self._detour(nodes[-1], nodes[0], length_m - self.stops.length(circuit), nodes[-1])
         around = polyline_length(self.ways.line([*nodes, nodes[0]]))
         if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
-            raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}, but this house has room for {around:.0f} m only")
+            raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}; valid: up to {around:.0f} in this house")
         again = [*nodes[1:], nodes[0]]
         return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.ways.length)
 
@@ -138,7 +153,7 @@ class Planner:
             lane_m *= _WIDER
 
     def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
-        """What comes first, then as much again as leaves the way home, and a detour on that one for the rest."""
+        """Visit the first part, then repeated stops while the way home still fits, then fill the rest with a detour home."""
         home, here, nodes = plan.first[0], plan.first[-1], list(plan.first)
         to_home = self.walkable.distances_from(home)
         left = length_m - sum(plan.distance(a, b) for a, b in pairwise(plan.first))
@@ -154,7 +169,10 @@ class Planner:
         return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
 
     def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
-        """A place that makes the way home as long as wished: a roomy one, in the direction that the tour would go on."""
+        """Return a node via which the path home has the length `length_m`, or none if home is farther than that already.
+
+        It prefers places with much clearance that lie in the direction in which the tour would go on.
+        """
         way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
         if not way[here] < length_m < np.inf:
             return []
@@ -168,7 +186,7 @@ class Planner:
         return np.take(stairs, self.walkable.node_room)
 
     def _scatter(self, node: int, rng: np.random.Generator) -> int:
-        """A place near a node from which the body can go straight to it."""
+        """Draw a place near a node, with a free straight path to the node."""
         near = self.walkable.nodes_near(self.walkable.nodes[node], _SCATTER_M)
         centre = np.broadcast_to(self.walkable.nodes[node], (len(near), 3))
         return int(rng.choice(near[self.walkable.solids.clear(centre, self.walkable.nodes[near], self.walkable.radius_m)]))

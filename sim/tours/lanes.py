@@ -1,4 +1,4 @@
-"""Lanes up and down a room, as a lawn-mower goes."""
+"""Parallel lanes that cover a room, for lawn-mower tours."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,10 +8,14 @@ from jaxtyping import Float64, Int
 from worlds.walkable import Walkable
 
 _SHORTEST_M = 0.4
+"""Shorter free stretches of a lane are left out."""
 
 
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
-    """Nodes at the ends of every free stretch of every lane, room by room; each room from the corner nearest to the last."""
+    """Return the nodes at both ends of each free stretch of each lane, room by room.
+
+    Each room is entered at the corner nearest to the end of the room before.
+    """
     route: list[int] = []
     for room in rooms:
         inside = walkable.nodes_in(room)
@@ -27,7 +31,7 @@ def _gap(nodes: Float64[np.ndarray, "n 3"], route: Sequence[int], start: int) ->
 
 
 def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
-    """The four ways through lanes of stretches: from either side, beginning in either direction."""
+    """Yield the four orders in which to walk the lanes: from either side of the room, in either direction at first."""
     for side in (1, -1):
         for first in (0, 1):
             order: list[int] = []
@@ -39,7 +43,7 @@ def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
 
 
 def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> list[list[tuple[int, int]]]:
-    """The free stretches of every lane along a room's longer side: first and last point of each."""
+    """Return for each lane along the room's longer side its free stretches, as indices of their first and last point."""
     along = int(np.argmax(np.ptp(points, axis=0)))
     across = points[:, 1 - along]
     count = max(1, round(float(np.ptp(across)) / lane_m))

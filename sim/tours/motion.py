@@ -1,4 +1,4 @@
-"""`Motion`: where a body is at any time, with exact derivatives: a spline through time and what sways about it."""
+"""`Motion`: the trajectory of a body, as a B-spline over time plus sway, with exact derivatives at any time."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,27 +10,27 @@ from scipy.interpolate import BSpline
 from sim.tours.sway import Sway
 
 DEGREE = 5
-"""Of the spline: four times continuously differentiable, once more than the jerk."""
+"""Degree of the spline, which is four times continuously differentiable, once more than the jerk requires."""
 _X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A body's motion. Times outside of it give its ends, where it is at rest.
+    """A body's trajectory. Times before and after it give its first and last pose, where the body is at rest.
 
-    The walk is a uniform B-spline, so that each of its derivatives is a weighted mean of its control points' divided
-    differences: where these keep a limit, the walk keeps it at every time.
+    The walk without sway is a uniform B-spline. Each of its derivatives is a weighted mean of the divided differences of the
+    control points. If these differences keep a limit, the walk therefore keeps the limit at every time.
     """
 
     controls: Float64[np.ndarray, "k 6"]
-    """Position on the walked surface in W [m], yaw, pitch [rad], share of the full sway."""
+    """Control points: position on the walked surface in W [m], yaw and pitch [rad], share of the full sway."""
     knot_s: float
-    """Between knots [s]."""
+    """Time between knots [s]."""
     sway: Sway | None = None
 
     @property
     def duration_s(self) -> float:
-        """[s]."""
+        """Duration of the trajectory [s]."""
         return float((len(self.controls) - DEGREE) * self.knot_s)
 
     @cached_property
@@ -43,7 +43,10 @@ class Motion:
         return np.asarray(self._splines[derivative](np.clip(t, 0.0, self.duration_s)))
 
     def _swing(self, t: Float64[np.ndarray, "n"], derivative: int) -> Float64[np.ndarray, "n 6"]:
-        """The sway as much as the gait lets through: x, y, z in the level body frame, roll, pitch, yaw."""
+        """Return the sway scaled by the gait, or a derivative: x, y, z in the level body frame, roll, pitch, yaw.
+
+        Derivatives of that product follow Leibniz's rule, hence the binomial coefficients.
+        """
         if self.sway is None:
             return np.zeros((len(t), 6))
         gait = [self._walk(t, k)[:, _GAIT, None] for k in range(derivative + 1)]
@@ -52,32 +55,32 @@ class Motion:
         return np.asarray(sum(b * gait[k] * swing[derivative - k] for k, b in enumerate(binomial)))
 
     def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Of the body, less the height it is carried at: on the walked surface but for the sway, in W [m]."""
+        """Return the body's position in W without its carrying height [m]: on the walked surface, apart from sway."""
         return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """In W [m/s]."""
+        """Return the velocity in W [m/s]."""
         walk, (d, d1) = self._walk(t, 1), (self._swing(t, k)[:, _X] for k in (0, 1))
         swing = d1 + walk[:, _YAW, None] * _across(d)
         return np.asarray(walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def acceleration(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """In W [m/s²]."""
+        """Return the acceleration in W [m/s²]."""
         d, d1, d2 = (self._swing(t, k)[:, _X] for k in range(3))
         rate, change = self._walk(t, 1)[:, _YAW, None], self._walk(t, 2)[:, _YAW, None]
         swing = d2 + 2 * rate * _across(d1) + change * _across(d) + rate**2 * _across(_across(d))
         return np.asarray(self._walk(t, 2)[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def yaw(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-        """Unwrapped [rad]."""
+        """Return the yaw, unwrapped [rad]."""
         return self.attitude(t)[:, 2]
 
     def yaw_rate(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-        """[rad/s]."""
+        """Return the rate of yaw [rad/s]."""
         return self.attitude(t, 1)[:, 2]
 
     def attitude(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 3"]:
-        """Roll, pitch and yaw, `R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`, or a derivative of them [rad, rad/s, rad/s²]."""
+        """Return roll, pitch, yaw (`R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`), or their derivatives [rad, rad/s, rad/s²]."""
         angles = self._swing(t, derivative)[:, 3:].copy()
         walk = self._walk(t, derivative)
         angles[:, 1] += walk[:, _PITCH]
@@ -85,14 +88,14 @@ class Motion:
         return angles
 
     def angular_velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Of B against W, in B [rad/s]."""
+        """Return the angular velocity of B relative to W, expressed in B [rad/s]."""
         (roll, pitch, _), (roll1, pitch1, yaw1) = self.attitude(t).T, self.attitude(t, 1).T
         about_y = pitch1 * np.cos(roll) + yaw1 * np.sin(roll) * np.cos(pitch)
         about_z = yaw1 * np.cos(roll) * np.cos(pitch) - pitch1 * np.sin(roll)
         return np.stack([roll1 - yaw1 * np.sin(pitch), about_y, about_z], axis=-1)
 
     def rotation(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3 3"]:
-        """`R_W_B`."""
+        """Return the rotation `R_W_B`."""
         (cr, cp, cy), (sr, sp, sy) = np.cos(angles := self.attitude(t).T), np.sin(angles)
         rows = [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -102,7 +105,7 @@ class Motion:
         return np.moveaxis(np.array(rows), -1, 0)
 
     def poses_at(self, stamps: Float64[np.ndarray, "n"], height_m: float) -> Float64[np.ndarray, "n 4 4"]:
-        """Poses `T_W_B` of the body frame (x forward, y left, z up) carried `height_m` above the surface."""
+        """Return poses `T_W_B` of the body (x forward, y left, z up), carried `height_m` above the walked surface."""
         T_W_B = np.tile(np.eye(4), (len(stamps), 1, 1))
         T_W_B[:, :3, :3] = self.rotation(stamps)
         T_W_B[:, :3, 3] = self.position(stamps) + [0.0, 0.0, height_m]
@@ -110,11 +113,11 @@ class Motion:
 
 
 def _turned(v: Float64[np.ndarray, "n 3"], yaw: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-    """Vectors of the level body frame in W."""
+    """Rotate vectors from the level body frame to W."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.stack([cos * v[:, 0] - sin * v[:, 1], sin * v[:, 0] + cos * v[:, 1], v[:, 2]], axis=-1)
 
 
 def _across(v: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
-    """`z × v`."""
+    """Return `z × v`, the derivative of a rotation of `v` about z by its angle."""
     return np.stack([-v[:, 1], v[:, 0], np.zeros(len(v))], axis=-1)

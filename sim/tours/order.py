@@ -1,4 +1,4 @@
-"""In which order a tour goes to its stops, and which of them it leaves out when it has to be short."""
+"""Orders the stops of a tour for a short lap, and leaves out or moves stops if the lap has to be shorter."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from worlds.walkable import Walkable
 
 
 def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-    """Stops through all storeys from the lowest up, and those of them that are on the lowest."""
+    """Order all stops storey by storey from the lowest up. Returns that lap and its part on the lowest storey."""
     rooms_on: dict[int, list[str]] = {}
     for room in house.rooms:
         if room.id in stops.of_room:
@@ -31,9 +31,9 @@ def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[lis
 
 
 def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: bool = False) -> list[int]:
-    """The lap without the stops that cost most, down to one a room, until it and the way home are short enough.
+    """Drop the stops that cost most length until the lap with its way home is no longer than `most_m`.
 
-    Longer than asked where one stop a room is too long already.
+    Each room keeps one stop, so the result may be longer than that.
     """
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
     left, per_room = list(lap), Counter(room_of[stop] for stop in lap)
@@ -47,12 +47,16 @@ def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: boo
 
 
 def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
-    """Length of a lap with the way home, or the same way back [m]."""
+    """Return the length of a lap with the way home, or with the same path back [m]."""
     return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
 
 
 def drawn_in(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
-    """The lap with one stop a room, each moved to where in its room it costs least: every other one, then the rest."""
+    """Keep one stop a room and move each to the place in its room where the lap becomes shortest.
+
+    Even stops move while odd ones stay, then the reverse, then even ones again: the best place depends on the neighbours.
+    Returns the moved stops and the lap through them.
+    """
     lap = thinned(stops, lap, 0.0)
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
     places = [comfortable(walkable, house.room_by_id[room_of[stop]]) for stop in lap]
@@ -72,7 +76,7 @@ def _saving(between: Float64[np.ndarray, "m m"], lap: Sequence[int], k: int) -> 
 
 
 def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequence[int]) -> list[int]:
-    """A short order of `others` on a round trip from `start`: nearest neighbour, then 2-opt."""
+    """Order `others` for a short round trip from `start`: nearest neighbour first, then 2-opt improvement."""
     left, order = list(others), [start]
     while left:
         order.append(min(left, key=lambda stop: between[order[-1], stop]))
@@ -90,7 +94,7 @@ def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequenc
 
 
 def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
-    """All stops of some rooms in a short order, from `here` or else from the first room's first stop, towards the start."""
+    """Order all stops of rooms for a short round trip from `here`, or from the first room's first stop if that is None."""
     room_of: Mapping[int, str] = {stops.of_room[room][0]: room for room in rooms}
     start = next(iter(room_of)) if here is None else here
     centres = short_cycle(stops.between, start, [c for c in room_of if c != start])
@@ -103,7 +107,7 @@ def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
 
 
 def _through(between: Float64[np.ndarray, "m m"], own: Sequence[int], entry: int, towards: int) -> list[int]:
-    """The order of a room's few stops that makes the way from `entry` through it shortest."""
+    """Order a room's few stops for the shortest path from `entry` through all of them to `towards`."""
     orders = [list(order) for order in permutations(own) if entry not in own or order[0] == entry]
     length = [float(between[[entry, *order], [*order, towards]].sum()) for order in orders]
     return orders[int(np.argmin(length))]

@@ -1,4 +1,11 @@
-"""`paced`: the time that a walker takes along a path: as fast as its limits allow, at rest at both ends."""
+"""`paced`: turns a path into a motion over time, as fast as the walker's limits allow, at rest at both ends.
+
+1. Bound the speed at each point of the path by the curvature there and by the turn rate of the view.
+2. Compute the fastest speed profile under these bounds whose tangential acceleration keeps its limit. Sample the path at
+   equal steps of time; the samples are the control points of a B-spline.
+3. Check the limits on the control points. Where they are exceeded, lower the speed bounds around, and go back to 2.
+4. Stretch time by the small excess that is left, so that the limits hold exactly.
+"""
 
 from dataclasses import dataclass
 
@@ -9,25 +16,28 @@ from sim.tours.motion import DEGREE, Motion
 from sim.tours.sway import Sway
 
 _KNOT_S = 0.05
+"""Time between control points before stretching."""
 _TANGENTIAL, _LATERAL = 0.7, 0.7
-"""Shares of the acceleration's limit for changing speed and for turning: squares add up to less than one."""
+"""Shares of the acceleration limit for changing speed and for turning. Both together keep it: 0.7² + 0.7² < 1."""
 _ROUNDS = 25
 _SLOWER = 0.93
+"""Margin by which bounds are lowered further than the excess requires, so that few rounds suffice."""
 _ROUNDING = 1e-9
+"""Relative excess that counts as none."""
 _GAIT_S = 0.6
-"""Over which the sway follows the speed."""
+"""Time over which the speed is averaged to scale the sway."""
 _DIGITS = 9
-"""Of the gait: sums that BLAS makes differ between processors in their last bits."""
+"""Decimals of the gait. Sums that BLAS computes differ between processors in their last bits."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What the walker keeps at all times."""
+    """Limits that a walk keeps at all times."""
 
     speed_m_s: float = 0.7
     acceleration_m_s2: float = 1.5
     turn_rate_rad_s: float = 1.2
-    """Of yaw, and of pitch with it."""
+    """Limit of the rate of yaw and pitch together."""
     turn_acceleration_rad_s2: float = 4.0
 
 
@@ -37,17 +47,18 @@ def paced(
     limits: Limits,
     sway: Sway | None = None,
 ) -> Motion:
-    """Walk along evenly spaced points, looking by yaw and pitch as `view` has it at each [rad].
+    """Walk along evenly spaced points with the yaw and pitch that `view` gives at each point [rad].
 
-    The limits hold exactly, of the walk without its sway.
+    The walk keeps the limits exactly. Its sway is added afterwards and does not count.
     """
-    step_m = float(_norm(np.diff(points, axis=0)).max())  # of the way; where it turns back, points lie nearer together
+    # The largest step is the true one: points are closer together where the path turns back.
+    step_m = float(_norm(np.diff(points, axis=0)).max())
     s = step_m * np.arange(len(points))
     squared = _squared_limits(points, view, step_m, limits)
     columns = np.column_stack([points, view])
     controls, excess = columns[:1], 1.0
     for _ in range(_ROUNDS):
-        at = _way_at_times(s, squared, _TANGENTIAL * limits.acceleration_m_s2)
+        at = _arc_at_times(s, squared, _TANGENTIAL * limits.acceleration_m_s2)
         controls = np.stack([np.interp(at, s, column) for column in columns.T], axis=-1)
         ratio = _strain(controls, limits)
         excess = float(ratio.max(initial=1.0))
@@ -63,7 +74,7 @@ def paced(
 def _squared_limits(
     points: Float64[np.ndarray, "k 3"], view: Float64[np.ndarray, "k 2"], step_m: float, limits: Limits
 ) -> Float64[np.ndarray, "k"]:
-    """Square of the speed that the bend of the way and the turn of the view allow at each point; 0 at the ends."""
+    """Return the square of the speed that curvature and turn of the view allow at each point; 0 at the ends."""
     turn = np.maximum(_norm(np.diff(view, axis=0)) / step_m, 1e-9)
     bend = np.maximum(_norm(np.diff(points, 2, axis=0)) / step_m**2, 1e-9)
     by_turn = np.minimum((limits.turn_rate_rad_s / turn) ** 2, limits.speed_m_s**2)
@@ -72,10 +83,13 @@ def _squared_limits(
     return squared
 
 
-def _way_at_times(
+def _arc_at_times(
     s: Float64[np.ndarray, "k"], squared: Float64[np.ndarray, "k"], acceleration_m_s2: float
 ) -> Float64[np.ndarray, "_"]:
-    """Way gone at every knot of time, for the fastest pace that changes its speed no faster than allowed."""
+    """Return the arc length reached at each time step by the fastest speed profile under the bounds.
+
+    v² changes by at most 2 a ds, so one pass forwards and one backwards give the profile.
+    """
     gain = 2 * acceleration_m_s2 * s
     forwards = gain + np.minimum.accumulate(squared - gain)
     v = np.sqrt(np.minimum(forwards, np.minimum.accumulate((squared + gain)[::-1])[::-1] - gain).clip(0.0))
@@ -88,7 +102,10 @@ def _way_at_times(
 
 
 def _strain(controls: Float64[np.ndarray, "n 5"], limits: Limits) -> Float64[np.ndarray, "n"]:
-    """By how much a motion would have to be slowed down at each control point to keep its limits."""
+    """Return the factor by which time would have to be stretched at each control point to keep the limits.
+
+    Stretching by r divides rates by r and accelerations by r², hence the root.
+    """
     still = np.pad(controls, [(1, 1), (0, 0)], mode="edge")
     rate = np.diff(still, axis=0) / _KNOT_S
     change = np.diff(rate, axis=0) / _KNOT_S
@@ -109,7 +126,7 @@ def _slowed(
     at: Float64[np.ndarray, "n"],
     ratio: Float64[np.ndarray, "n"],
 ) -> Float64[np.ndarray, "k"]:
-    """Lower speeds around all that was too fast."""
+    """Lower the squared speeds around all control points that exceed a limit."""
     slower = squared.copy()
     for k in np.flatnonzero(ratio > 1.0 + _ROUNDING).tolist():
         low, high = np.searchsorted(s, [at[max(k - 2, 0)], at[min(k + 2, len(at) - 1)]]).tolist()
@@ -118,7 +135,7 @@ def _slowed(
 
 
 def _gait(positions: Float64[np.ndarray, "n 3"], speed_m_s: float) -> Float64[np.ndarray, "n"]:
-    """Share of the full speed, averaged over a moment; none at the ends."""
+    """Return the share of the full speed, averaged over `_GAIT_S`; zero at the ends."""
     share = np.append(_norm(np.diff(positions, axis=0)), 0.0) / (_KNOT_S * speed_m_s)
     width = round(_GAIT_S / _KNOT_S) | 1
     gait = np.convolve(np.pad(share, width // 2), np.full(width, 1 / width), mode="valid")

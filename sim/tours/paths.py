@@ -1,4 +1,4 @@
-"""`KnownPaths`: the lines between places that a tour goes to, each looked for once."""
+"""`KnownPaths`: a cache of the paths between the places that a tour visits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,26 +12,26 @@ from worlds.walkable import Walkable, polyline_length
 
 @dataclass(frozen=True, eq=False)
 class KnownPaths:
-    """Ways between nodes of the walkable graph."""
+    """Paths between nodes of the walkable graph. Each is searched for once."""
 
     walkable: Walkable
     prefer_clearance_m: float
     straight: bool = False
-    """Whether to go straight wherever that is free, however near to obstacles."""
+    """Whether to go straight wherever that is free of collisions, even if it is close to obstacles."""
     _known: dict[tuple[int, int], Float64[np.ndarray, "k 3"]] = field(default_factory=dict)
 
     def leg(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:
-        """The way from node to node. Raises `UnreachableError`."""
+        """Return the path from node `a` to node `b` in W [m]. Raises `UnreachableError` if there is none."""
         if (a, b) not in self._known:
             self._known[a, b] = self._found(a, b)
         return self._known[a, b]
 
     def length(self, a: int, b: int) -> float:
-        """Of that way [m]."""
+        """Return the length of that path [m]."""
         return polyline_length(self.leg(a, b))
 
     def line(self, nodes: Sequence[int]) -> Float64[np.ndarray, "k 3"]:
-        """The way through nodes in turn."""
+        """Return the path through nodes in order."""
         return np.concatenate([self.leg(a, b) for a, b in pairwise(nodes) if a != b])
 
     def _found(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:

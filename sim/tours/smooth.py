@@ -1,7 +1,11 @@
-"""`smooth_path`: a walkable line made smooth like an elastic band, as far from everything solid as a body has to stay.
+"""`smooth_path`: smooths a walkable polyline like an elastic band and keeps the body's clearance from obstacles.
 
-The band bends as little as it can, is drawn to the line and pushed off the obstacles (ADMM, exact distances to boxes).
-Where it still comes too near, the line itself is taken: that one is known to be free.
+1. Divide the line into points 5 cm apart and find the obstacles near each point.
+2. Minimise the band's bending plus its distance from the line, under the constraint of clearance. ADMM alternates between a
+   linear solve (bending and distance) and pushing points off the nearest box (clearance, with exact distances).
+3. Take the points as the control points of a cubic B-spline.
+4. Where the spline is still too close to an obstacle, blend back to the line, which is known to be free of collisions.
+5. Resample the path at equal distances.
 """
 
 import math
@@ -17,35 +21,39 @@ from sim.tours.clearance import Near
 from worlds.walkable import Walkable
 
 STEP_M = 0.01
-"""Between the points of a smooth path."""
+"""Distance between the points of a smooth path."""
 _BAND_STEP_M = 0.05
+"""Distance between the points of the band."""
 _PER_STEP = 5
+"""Points of the spline per step of the band."""
 _STIFFNESS = 6.0**4
-"""The band rounds a corner over some 6 of its steps to either side."""
+"""Weight of bending. With k⁴ the band rounds a corner over about k of its steps to either side."""
 _PENALTY = 3.0
+"""Penalty parameter of ADMM."""
 _ITERATIONS = 50
 _DIGITS = 6
-"""To micrometres after every round: LAPACK's last bits differ between processors, and corners would make metres of them."""
+"""Decimals (micrometres) kept after every iteration. LAPACK's last bits differ between processors, and corners of obstacles
+would amplify the difference to metres."""
 _AT_STAIRS = 3.0
 _ON_STAIRS = 20.0
 _PINNED = 1e4
-"""How firmly the band is held to the line: elsewhere 1, more on the floor before stairs, on stairs, where it turns back."""
+"""Weights that hold the band to the line: near stairs, on stairs and where the line turns back. Elsewhere they are 1."""
 _SPARE_M = (0.01, 0.05)
-"""Least and most that the band keeps beyond the body's radius."""
+"""Smallest and largest clearance that the band keeps in addition to the body's radius."""
 _NEEDED_M = 0.002
-"""Kept by the path beyond the radius, because the spline through time cuts corners by about a millimetre."""
+"""Clearance of the path in addition to the radius, because the spline over time cuts corners by about a millimetre."""
 _REACH_M = 0.3
-"""How far the band may go from the line and still know its obstacles."""
+"""Distance that the band may move from the line. Obstacles are looked for within it."""
 _BLEND = 8
-"""Steps of the band over which the path changes to the line."""
+"""Steps of the band over which the path is blended back to the line."""
 _SLOPE_STEPS = 5
-"""Steps over which a stair's foot and head are rounded, twice."""
+"""Width, in steps, of the moving average that rounds the foot and head of stairs; it is applied twice."""
 _TURNS_BACK = -0.85
-"""Cosine of the turn from which on a corner is a place to turn round in."""
+"""Cosine of the turning angle. At a sharper turn the line turns back, and the band has to keep that point."""
 
 
 def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
-    """Points a centimetre apart from end to end of a walkable line. Places to turn round in are kept, corners are not."""
+    """Smooth a walkable line and return points 1 cm apart. Points where it turns back stay, other corners are rounded."""
     base = _divided(line)
     base[:, 2] = _rounded(base[:, 2])
     reach = walkable.radius_m + _SPARE_M[1] + _REACH_M
@@ -63,14 +71,14 @@ def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64
 
 
 def evenly(points: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
-    """Points at equal distances, about a step, along a line through many."""
+    """Resample a polyline at equal distances of about `step_m`."""
     s = arc_length(points)
     at = np.linspace(0.0, s[-1], max(2, round(s[-1] / step_m) + 1))
     return np.stack([np.interp(at, s, axis) for axis in points.T], axis=-1)
 
 
 def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
-    """The line's corners and points between them, at most a step apart; none twice."""
+    """Return the line's corners and points between them, at most a step of the band apart, without duplicates."""
     line = line[np.append(True, np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-6)]
     pieces = [
         np.linspace(a, b, math.ceil(float(np.linalg.norm(b - a)) / _BAND_STEP_M), endpoint=False) for a, b in pairwise(line)
@@ -79,7 +87,7 @@ def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
 
 
 def _rounded(height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-    """Heights with the ends of slopes rounded; level stretches stay exactly as they are."""
+    """Round the heights at the ends of slopes. Level stretches stay exactly as they are."""
     for _ in range(2):
         wide = np.pad(height, _SLOPE_STEPS // 2, mode="edge")
         windows = np.lib.stride_tricks.sliding_window_view(wide, _SLOPE_STEPS)
@@ -88,7 +96,7 @@ def _rounded(height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
 
 
 def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
-    """The ends, and the points at which the way turns back."""
+    """Return the indices of both ends and of the points at which the path turns back."""
     step = np.diff(base[:, :2], axis=0)
     step /= np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-9)
     back = np.flatnonzero((step[1:] * step[:-1]).sum(axis=1) < _TURNS_BACK) + 1
@@ -98,11 +106,11 @@ def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
 def _relaxed(
     base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: Near, keep: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """The band: least bending, near the line, `keep` from obstacles."""
+    """Solve for the band by ADMM: least bending, close to `base` (weights `hold`), at the distance `keep` from obstacles."""
     n = len(base)
     if n < 5:
         return base
-    bending = np.zeros((3, n))  # upper form, bands of D'D with D the second difference
+    bending = np.zeros((3, n))  # LAPACK's upper banded form of D'D, D being the second difference
     bending[2] = np.concatenate([[1, 5], np.full(n - 4, 6), [5, 1]])
     bending[1, 1:] = -np.concatenate([[2], np.full(n - 3, 4), [2]])
     bending[0, 2:] = 1
@@ -119,7 +127,7 @@ def _relaxed(
 
 
 def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
-    """A cubic B-spline with these control points, its ends in the first and last; `_PER_STEP` points a step."""
+    """Sample the cubic B-spline with these control points, from the first to the last, `_PER_STEP` samples a step."""
     wide = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
     t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
     basis = (1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3
@@ -129,7 +137,7 @@ def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 
 
 def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
-    """The line through points, at as many places as the spline has."""
+    """Sample the polyline through points at as many places as `_spline` does."""
     t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
     spans = (1 - t) * points[:-1] + t * points[1:]
     return np.concatenate([np.swapaxes(spans, 0, 1).reshape(-1, points.shape[1]), points[-1:]])
@@ -138,7 +146,11 @@ def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 def _clear(
     smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: Near, distance_m: float
 ) -> Float64[np.ndarray, "m 3"]:
-    """The smooth path, or the straight one around all places where it is nearer to obstacles than either has to be."""
+    """Return the smooth path, blended to the straight one around places where it is too close to obstacles.
+
+    Blending itself may come too close, so it is repeated until no place does. `distance_m` is the clearance to keep, or that
+    of the straight path if it has less.
+    """
     needed = np.minimum(distance_m, _clearance(straight, near))
     share, path, wide = np.zeros(len(smooth)), smooth, (_BLEND * _PER_STEP,)
     while (bad := (_clearance(path, near) < needed) & (share < 1.0)).any():
@@ -150,7 +162,7 @@ def _clear(
 
 
 def _clearance(path: Float64[np.ndarray, "m 3"], near: Near) -> Float64[np.ndarray, "m"]:
-    """Of points that divide the band's steps [m]."""
+    """Return the clearance of path points, `_PER_STEP` of which belong to each point of the band [m]."""
     clearance = np.full(len(path), np.inf)
     for k in range(_PER_STEP):
         places = path[k::_PER_STEP, :2]

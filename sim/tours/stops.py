@@ -1,4 +1,4 @@
-"""`Stops`: the places in every room that a tour goes to, and how far apart they are."""
+"""`Stops`: the places in each room that a tour visits, and the walking distances between them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,12 +14,13 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 COMFORT_M = 0.35
-"""A stop keeps this far from obstacles where the room allows, and twice this is as good as it gets."""
+"""Clearance that a stop keeps from obstacles if the room allows. More than twice this clearance counts as no better."""
 _INSIDE_M = 0.5
-"""It is this far within its room, where that is large enough: a stop in a doorway shows nothing of it."""
+"""Distance of a stop from its room's boundary if the room is large enough, because a doorway is a poor viewpoint."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 0.7
+"""A room gets a further stop only while some place is farther than this from its stops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Stops:
     """Places to visit, numbered from 0."""
 
     nodes: Int[np.ndarray, "m"]
-    """Of the walkable graph."""
+    """Nodes of the walkable graph."""
     between: Float64[np.ndarray, "m m"]
     """Walking distances over the graph [m]."""
     of_room: dict[str, list[int]]
@@ -35,7 +36,7 @@ class Stops:
 
     @staticmethod
     def of(house: House, walkable: Walkable) -> "Stops":
-        """Up to three in every room that can be reached. Raises `SimError` where there are not even two in the house."""
+        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two in all."""
         reachable = set(walkable.reachable_rooms())
         nodes: list[int] = []
         of_room = {}
@@ -46,18 +47,18 @@ class Stops:
                 nodes += own
         if len(nodes) < 2:
             raise SimError(
-                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} places "
-                "in it; a tour needs two at least"
+                f"house {house.spec.name!r}: a body of radius {walkable.radius_m:g} m can stop at {len(nodes)} "
+                "places; valid: a house with two places or more"
             )
         return Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
 
     def length(self, stops: Sequence[int]) -> float:
-        """Of the way from stop to stop [m]."""
+        """Return the length of the path from stop to stop [m]."""
         return float(self.between[stops[:-1], stops[1:]].sum())
 
 
 def _stops_in(walkable: Walkable, room: Room) -> list[int]:
-    """Free places of a room that together show it: the most central first, then each far from those before it."""
+    """Choose free places that together show a room: the most central first, then each far from those before it."""
     count = min(_MAX_STOPS, 2 + round(len(_free(walkable, room)) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
     inside = comfortable(walkable, room)
     points, comfort = walkable.nodes[inside, :2], np.minimum(walkable.clearance[inside], 2 * COMFORT_M)
@@ -70,7 +71,7 @@ def _stops_in(walkable: Walkable, room: Room) -> list[int]:
 
 
 def comfortable(walkable: Walkable, room: Room) -> Int[np.ndarray, "_"]:
-    """The places of a room where one may stop: inside rather than in a doorway, and clear of obstacles where it allows."""
+    """Return the nodes of a room that are good stops: away from doorways, and clear of obstacles if the room allows."""
     inside = _free(walkable, room)
     depth = shapely.distance(room.polygon.exterior, shapely.points(walkable.nodes[inside, :2]))
     inside = inside[depth >= min(_INSIDE_M, 0.8 * depth.max())]

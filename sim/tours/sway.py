@@ -1,4 +1,4 @@
-"""`Sway`: how a carried or legged camera swings about its walk, as sums of sines; smooth to every derivative."""
+"""`Sway`: the periodic motion of a hand-held or legged camera about its path, as sums of sines, which are smooth."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -13,12 +13,12 @@ SWAYS: tuple[SwayName, ...] = get_args(SwayName)
 
 _HAND_HELD_HZ = (0.45, 0.9, 1.8)
 _HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15], [1, 1, 5, 0.10, 0.25, 0.05]])
-"""At each frequency: along x, y, z [mm], of roll, pitch, yaw [deg]. A step takes 0.55 s, two make a cycle."""
+"""Amplitudes at each frequency: x, y, z [mm], roll, pitch, yaw [deg]. A step takes 0.55 s and a cycle two steps."""
 _QUADRUPED_HZ = (1.5, 3.0)
 _QUADRUPED = np.array([[0, 5, 1, 0.9, 0.2, 0.3], [2, 0, 5, 0.1, 0.7, 0.0]])
-"""A trot: from side to side with each pair of legs, up and down with each step."""
+"""Amplitudes of a trot: from side to side with each pair of legs, up and down with each step."""
 _JITTER = 0.25
-"""Amplitudes and frequencies differ by up to this share from one walk to the next."""
+"""Largest relative deviation of a walk's amplitudes; frequencies deviate by up to half of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,18 +27,18 @@ class Sway:
 
     amplitude: Float64[np.ndarray, "m 6"]
     angular_frequency: Float64[np.ndarray, "m"]
-    """[rad/s]"""
+    """Angular frequency of each sine [rad/s]."""
     phase: Float64[np.ndarray, "m 6"]
-    """[rad]"""
+    """Phase of each sine [rad]."""
 
     def at(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 6"]:
-        """The swing at times [s], or its derivative of any order."""
+        """Return the sway at times [s], or its derivative of any order."""
         angle = self.angular_frequency[:, None] * t[:, None, None] + self.phase + derivative * np.pi / 2
         return np.asarray((self.amplitude * self.angular_frequency[:, None] ** derivative * np.sin(angle)).sum(axis=1))
 
 
 def draw_sway(kind: str, rng: np.random.Generator) -> Sway | None:
-    """The swing of one walk, of one of `SWAYS`. Raises `SimError` for another."""
+    """Draw the sway of one walk. `kind` is one of `SWAYS`, where "none" gives None. Raises `SimError` for another kind."""
     if kind not in SWAYS:
         raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(SWAYS)}")
     if kind == "none":

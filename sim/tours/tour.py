@@ -1,4 +1,11 @@
-"""`plan_tour`: a walk through a house that touches nothing and ends where it began, of any of several kinds."""
+"""`plan_tour`: plans a walk through a house that is free of collisions and ends where it began.
+
+1. Plan the nodes to visit, by the kind of tour (`itinerary`).
+2. Connect them by paths and smooth the whole path (`smooth`). If a length is requested, correct the plan by the length that
+   the smooth path turns out to have, and repeat.
+3. Choose the direction of view along the path (`view`).
+4. Time the path within the limits of speed and acceleration (`pace`), and add sway.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -19,47 +26,47 @@ from worlds.house import House
 from worlds.walkable import Walkable
 
 _RANDOM_M = 100.0
-"""Length of a random tour where none is asked for [m]."""
+"""Length of a random tour if none is requested [m]."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
-"""In metres, or as a share of the length: whichever is more."""
+"""Tolerance of the length in metres, and as a share of the length. The larger one counts."""
 _TRIES = 5
 _GOOD_ENOUGH = 0.3
-"""Share of the tolerance at which no better length is looked for."""
+"""Share of the tolerance within which no better length is searched for."""
 
 __all__ = ["Tour", "TourConfig", "plan_tour"]
 
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """A walk: the motion, and its poses at frame rate."""
+    """A walk through a house: the continuous motion, and its poses at the frame rate."""
 
     stamps: Float64[np.ndarray, "n"]
-    """[s]"""
+    """Times of the frames [s]."""
     T_W_B: Float64[np.ndarray, "n 4 4"]
-    """Body frame: x forward, z up, at eye height; level but for sway, and for stairs where they are looked along."""
+    """Poses of the body: x forward, z up, at eye height. They are level apart from sway and from pitch on stairs."""
     motion: Motion
     eye_height_m: float
 
     @property
     def distances_m(self) -> Float64[np.ndarray, "n"]:
-        """Length of the walked path up to every frame, without its sway [m]."""
+        """Length of the walked path up to each frame, without sway [m]."""
         return arc_length(replace(self.motion, sway=None).position(self.stamps))
 
     @property
     def length_m(self) -> float:
-        """Length of the walked path, without its sway [m]."""
+        """Length of the walked path, without sway [m]."""
         every = np.append(np.arange(0.0, self.motion.duration_s, 0.02), self.motion.duration_s)
         return float(arc_length(replace(self.motion, sway=None).position(every))[-1])
 
     def pose_at(self, t: float) -> Float64[np.ndarray, "4 4"]:
-        """The body's pose `T_W_B` at any time of the tour, exact; the ends' poses before and after [s]."""
+        """Return the exact body pose `T_W_B` at time `t` [s]; the first or last pose outside of the tour."""
         return np.squeeze(self.motion.poses_at(np.array([float(t)]), self.eye_height_m), axis=0)
 
 
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
-    """Plan a tour. Its way, `walkable`'s radius wide, is free of everything solid.
+    """Plan a tour. A body of `walkable`'s radius can walk it without collision.
 
-    Raises `SimError` where there is no room for a tour, or for one of the length asked for.
+    Raises `SimError` if the house has no room for a tour, or none of the requested length.
     """
     config = config or TourConfig()
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
@@ -73,7 +80,7 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
-    """The smooth path, of the length asked for: what is planned over the graph is corrected by how long it turns out."""
+    """Return the smooth path of the requested length. The planned length is corrected by that of the smooth path."""
     wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
     if wished is None:
         return _smooth(planner, None)
@@ -88,10 +95,10 @@ def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
             break
         share *= length / wished
     if best is None or abs(least - wished) > tolerance:
-        bound = "shortest" if least > wished else "longest"
+        bound = "at least" if least > wished else "at most"
         raise SimError(
-            f"tour: a walk of {wished:g} m was asked for, but the {bound} tour ({config.kind}) of house "
-            f"{planner.house.spec.name!r} that visits every room takes {least:.0f} m"
+            f"tour: length_m is {wished:g}; valid: {bound} {least:.0f} for a tour ({config.kind}) that visits every room of "
+            f"house {planner.house.spec.name!r}"
         )
     return best
 

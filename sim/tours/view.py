@@ -1,4 +1,4 @@
-"""Where a walker looks: ahead, now and then to the sides, and along the stairs."""
+"""Chooses the direction of view along a path: ahead, with glances to the sides in rooms, and along stairs."""
 
 from itertools import pairwise
 
@@ -15,16 +15,18 @@ from worlds.truth import room_at
 _SMOOTHING_M = 0.24
 _PITCH_SMOOTHING_M = 0.5
 _GLANCE_EVERY_M = 4.0
+"""Path length of one cycle of glances, to the left and to the right."""
 _DIGITS = 7
-"""Of what trigonometry gives: its last bits differ between processors, and the pace must not depend on them."""
+"""Decimals of angles. The last bits of trigonometric functions differ between processors, and the pace must not depend on
+them."""
 _AMBIGUOUS_RAD = 1e-3
-"""About-turns go to the left, whichever side rounding would choose."""
+"""Turns of 180 degrees go to the left, even if rounding makes them appear to go to the right."""
 
 
 def view_along(
     house: House, points: Float64[np.ndarray, "k 3"], glance_rad: float, pitch_on_stairs: bool
 ) -> Float64[np.ndarray, "k 2"]:
-    """Yaw, unwrapped, and pitch of the view at every point of a path; pitch is positive downwards [rad]."""
+    """Return the view's yaw, unwrapped, and pitch, positive downwards, at every point of a path [rad]."""
     step = np.diff(points, axis=0)
     heading = np.arctan2(step[:, 1], step[:, 0]).round(_DIGITS)
     turn = np.diff(heading)
@@ -42,7 +44,7 @@ def _smoothed(angle: Float64[np.ndarray, "k"], width_m: float) -> Float64[np.nda
 
 
 def _glances(house: House, points: Float64[np.ndarray, "k 3"], amplitude_rad: float) -> Float64[np.ndarray, "k"]:
-    """Look to one side and the other on the way through each room, ahead where it is entered and left."""
+    """Return the yaw offset of glances to both sides in each room; it is zero where the room is entered and left."""
     room, s = room_at(house, points), arc_length(points)
     bounds = [0, *(np.flatnonzero(np.diff(room)) + 1), len(room) - 1]
     offset = np.zeros(len(points))

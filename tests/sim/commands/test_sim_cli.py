@@ -188,7 +188,7 @@ def test_doctor_is_content_here(capsys):
         (["--fault", "bluer:9"], "unknown fault 'bluer' (did you mean 'blur'?); valid: dropped"),
         (["--fault", "blur:9,for=2"], "'for' is no field of blur (did you mean 'for_s'?); valid: pixels, at_s, for_s"),
         (["--fault", "dropped:2"], "share is 2.0; valid: 0 to 1"),
-        (["--fault", "dropped:0.1,share=0.2"], "share is said twice; valid: once"),
+        (["--fault", "dropped:0.1,share=0.2"], "share is given twice; valid: once"),
     ],
 )
 def test_bad_faults_cost_one_line(arguments, message, capsys):

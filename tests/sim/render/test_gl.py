@@ -75,7 +75,7 @@ def test_switched_off_by_any_of_mujocos_words(unset):
 @pytest.mark.parametrize(
     ("failure", "advice"),
     [
-        (RuntimeError("Failed to make the EGL context current."), "its context is lost; make the renderer anew"),
+        (RuntimeError("Failed to make the EGL context current."), "its context is lost; create a new renderer"),
         (gl.mujoco.FatalError("Could not allocate memory\nfor shadow map"), "too little memory; render smaller images"),
         (MemoryError(), "too little memory"),
         (ImportError("Failed to import OpenGL backend"), "apt-get install libegl1"),

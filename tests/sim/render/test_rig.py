@@ -106,7 +106,7 @@ def test_a_displaced_rig_is_moved_and_turned_as_one():
 def test_unknown_rigs_are_named():
     with pytest.raises(SimError, match=r"unknown rig 'spider'.*; valid: wide, stereo, front-rear, four, fisheye"):
         make_rig("spider")
-    with pytest.raises(SimError, match="fisheye of 480 px and 300"):
+    with pytest.raises(SimError, match="fisheye: 480 px and 300"):
         Fisheye(480, 300.0, np.eye(4))
 
 

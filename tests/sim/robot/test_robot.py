@@ -169,7 +169,7 @@ def test_the_same_seed_is_the_same_drive(home):
 
 
 def test_bad_waypoints_and_starts_are_named():
-    with pytest.raises(SimError, match="at least one and finite"):
+    with pytest.raises(SimError, match="valid: at least one, all finite"):
         go(two_rooms(), (np.nan, 0.0))
     with pytest.raises(SimError, match="nothing to stand on"):
         go(two_rooms(), (-3.0, 1.5), (1.0, 1.5))
