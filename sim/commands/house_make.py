@@ -160,8 +160,8 @@ IMPORT = Action(
             type=number(0.001, 0.3),
             default=0.05,
             metavar="M",
-            help="if the plan is invalid as drawn, move corners at most M metres apart onto one line; if rooms are drawn with "
-            "gaps for the walls, M has to be the thickness of the walls (default: %(default)s)",
+            help="if the plan is invalid as drawn, move corners at most M metres apart onto one line; if rooms are drawn "
+            "with gaps for the walls, M has to be the thickness of the walls (default: %(default)s)",
         ),
         argument(
             "--only-drawn",
