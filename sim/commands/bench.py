@@ -92,7 +92,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
 
     for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
         # Escaped, since rich would take a unit in brackets for a style and leave it out.
-        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"bar [{section.unit}]", "runs [count]"]
+        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"limit [{section.unit}]", "runs [count]"]
         table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
         for figure in section.figures:
             table.add_row(
