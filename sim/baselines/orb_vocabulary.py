@@ -1,4 +1,4 @@
-"""The visual words that encoders are compared with: learned from training houses of all presets and looks."""
+"""The ORB vocabulary of the place recognition baseline, learned from training houses of all presets and looks."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,9 +18,9 @@ _FILE = "orb-words.npz"
 
 
 def orb_vocabulary(work: Path | None = None) -> OrbWords:
-    """Learned in less than a minute; kept in the work folder if there is one.
+    """Learn the vocabulary, which takes less than a minute, or load it from the work folder; a new one is saved there.
 
-    Raises `SimError` for a file there that cannot be read, or was made of other houses or in another way.
+    Raises `SimError` if the file there cannot be read, or was made from other houses or with other settings.
     """
     draws = list(draw_houses(_HOUSES, TRAINING_SEEDS, np.random.default_rng(_SEED)))
     if work is None:

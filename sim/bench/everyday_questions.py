@@ -1,22 +1,22 @@
-"""Everyday questions to a robot at home, with the rooms that answer them. Data only.
+"""Everyday questions to a robot at home, with the rooms that are right answers. This module contains only data.
 
-A line is `question | room labels | kinds of things`: a room answers if it has one of the labels or holds one of the things.
-After `not:` the rooms that answer are all others. The wording of queries was chosen on the first list; the second list is
-for figures, and nothing may be tuned on it.
+A line is `question | room labels | kinds of things`. A room is a right answer if it has one of the labels or contains one of
+the things. With `not:` before the labels, all other rooms are the right answers. The prompts of `lexis query` were chosen on
+the list `TUNING`. The list `HELD_OUT` is for reported figures, and nothing may be tuned on it.
 """
 
 from typing import NamedTuple
 
 
 class EverydayQuestion(NamedTuple):
-    """A question and what makes a room an answer to it."""
+    """A question, and the condition for a room to be a right answer."""
 
     text: str
     labels: frozenset[str]
     kinds: frozenset[str]
-    """Kinds of things, of which one must stand in the room."""
+    """Kinds of things; a room that contains one of them is a right answer too."""
     negated: bool
-    """Whether the answers are the rooms with neither the labels nor the things."""
+    """Whether the right answers are instead the rooms with none of the labels and none of the things."""
 
 
 def _table(text: str) -> tuple[EverydayQuestion, ...]:
@@ -68,7 +68,7 @@ take me to the laboratory | laboratory |
 I need to lift weights | gym | weight bench, weight rack
 where can I park the car | garage |
 """)
-"""Among these are the wordings that gave rise to the list."""
+"""Questions for tuning. They include the wordings that were the reason for making this list."""
 
 HELD_OUT = _table("""
 I have to use the restroom | toilet | toilet bowl
@@ -106,4 +106,4 @@ is there a microscope | laboratory | microscope
 drive me to the gym | gym | treadmill, weight bench, weight rack
 where do pupils learn | classroom | school desk, blackboard
 """)
-"""For figures only."""
+"""Questions for reported figures only; nothing may be tuned on them."""

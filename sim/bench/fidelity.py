@@ -1,7 +1,8 @@
-"""`lexis-sim bench fidelity`: whether runs on features predict runs on renders, house by house.
+"""`lexis-sim bench fidelity`: how well runs with simulated features predict runs with rendered images, house by house.
 
-Both fidelities map the same walks of the same houses. Label accuracy is compared, since loops change little of it; images
-are few, and of the size that LEXIS takes.
+LEXIS maps the same walks through the same houses in both fidelities. The benchmark compares label accuracy and panoptic
+quality of rooms. Loop closing is off, since it hardly changes them. To save time, the walks have few frames, and images are
+rendered in the small size that LEXIS uses.
 """
 
 import collections
@@ -27,49 +28,50 @@ from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
 
 FIGURES = ("accuracy", "baseline", "pq")
-"""Of `HousePair`."""
+"""The figures that are compared: fields of `HousePair`."""
 _FRAME_RATE_HZ = 1.3
-"""A frame every 0.54 m: every one is a keyframe, but in turns."""
+"""Gives one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
 _SPEED_FRAMES, _WARM_UP = 2000, 100
 _IMAGE_PX = (480, 360)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
-"""What the feature sensor knows nothing of."""
+"""Appearances, as (field, value) of a house's appearance, that the feature sensor ignores."""
 _LOOKS_SHARE = 5
-"""Of so many houses, one more of every look."""
+"""For every so many houses, one house of each look is added."""
 _NO_LANDMARKS = Config(landmarks=LandmarkConfig(akaze_threshold=0.1, max_features=8))
-"""Loops are off, so that key points are of no use."""
+"""Finds hardly any key points, which saves time; they are not needed, since loops are off."""
 
 
 @dataclass(frozen=True)
 class HousePair:
-    """Figures of one house in both fidelities, rendered first."""
+    """Figures of one house in both fidelities, as pairs (rendered, features)."""
 
     group: str
-    """Its family, or its looks where these are unusual."""
+    """Family of the house, or its look if that is unusual."""
     name: str
     accuracy: tuple[float, float]
     baseline: tuple[float, float]
-    """Accuracy before refinement."""
+    """Label accuracy before refinement."""
     pq: tuple[float, float]
+    """Panoptic quality of rooms."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How well one figure is predicted over several houses."""
+    """How well features predict one figure of rendered runs, over several houses."""
 
     houses: int
     rho: float | None
-    """Spearman's; None for fewer than three houses and where a fidelity tells none apart."""
+    """Spearman's rank correlation; None for fewer than three houses, or if all houses have the same value in a fidelity."""
     rendered: float
-    """Mean."""
+    """Mean of the figure over rendered runs."""
     features: float
-    """Mean."""
+    """Mean of the figure over runs with features."""
     off: float
-    """Mean absolute difference."""
+    """Mean absolute difference between the two."""
 
 
 def mixed_houses(count: int, first_seed: int) -> list[tuple[str, RunConfig]]:
-    """Houses of mixed families, openness and clutter, then some more of unusual looks; each with its group."""
+    """Draw `count` houses of mixed families, openness and clutter, then some more with unusual looks, as (group, config)."""
     usual = choices(count, first_seed)
     mixed = [(choice.preset, _config(choice.spec())) for choice in usual]
     extra = choices(len(_LOOKS) * (count // _LOOKS_SHARE), first_seed + count)
@@ -95,7 +97,7 @@ def _config(spec: HouseSpec) -> RunConfig:
 def compare(
     configs: Sequence[tuple[str, RunConfig]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
-    """Run every house in both fidelities."""
+    """Run every house of (group, config) in both fidelities."""
     for group, config in configs:
         figures = []
         for fidelity in FIDELITIES:
@@ -106,7 +108,7 @@ def compare(
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
-    """How many views of a furnished home the sensor looks at and draws embeddings for, per second of one core."""
+    """Number of views of a furnished home for which the feature sensor draws an embedding, per second of processor time."""
     walked = walk(RunConfig(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
     poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
     sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), RunConfig().rig.front, first_seed)
@@ -118,7 +120,7 @@ def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> f
 
 
 def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:
-    """Of a figure's pairs."""
+    """Compare the pairs (rendered, features) of one figure over houses."""
     rendered, features = np.array(pairs).T
     ranked = len(pairs) > 2 and np.ptp(rendered) > 0.0 and np.ptp(features) > 0.0
     rho = float(spearmanr(rendered, features).statistic) if ranked else None
@@ -128,7 +130,7 @@ def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:
 
 
 def summarised(pairs: Sequence[HousePair]) -> Iterator[tuple[str, str, Agreement]]:
-    """(houses, figure, agreement): all figures over all houses of usual looks, then accuracy by group."""
+    """Yield (houses, figure, agreement): every figure over all houses with usual looks, then label accuracy by group."""
     usual = [pair for pair in pairs if pair.group in PRESETS]
     for name in FIGURES:
         yield "usual looks", name, agreement([getattr(pair, name) for pair in usual])

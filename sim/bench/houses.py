@@ -1,4 +1,4 @@
-"""The houses of a benchmark: those of a preset, one for each seed, and the same houses with more or fewer inner walls."""
+"""The houses of a benchmark: one house of a preset for each seed, as sampled or with another openness of inner walls."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -9,10 +9,10 @@ from worlds.variant import variant
 
 
 def configs(config: RunConfig, seeds: Sequence[int], openness: float | None = None) -> Iterator[RunConfig]:
-    """One configuration for each seed, all else as in `config`.
+    """Yield one configuration for each seed, all else as in `config`.
 
-    With `openness`, in [0, 1], inner walls of every house open or close until it is reached. Raises `WorldsError` for
-    another value.
+    If `openness` is given, inner walls of every house are opened or closed until the house has that openness. Raises
+    `WorldsError` if it is outside [0, 1].
     """
     for seed in seeds:
         own = replace(config, seed=seed)

@@ -1,4 +1,4 @@
-"""How much memory a whole run takes, in a process of its own: `python -m sim.bench.memory SEED` prints bytes."""
+"""Peak memory of a whole run, measured in a process of its own: `python -m sim.bench.memory SEED` prints bytes."""
 
 import subprocess
 import sys
@@ -8,7 +8,10 @@ from sim.errors import SimError
 
 
 def measure_memory(seed: int) -> int:
-    """Peak resident memory of a rendered run with LEXIS, less what torch and the encoder's library take alone [bytes]."""
+    """Peak resident memory of a rendered run with LEXIS, minus that of importing torch and open_clip alone [bytes].
+
+    Raises `SimError` if the run fails.
+    """
     command = [sys.executable, "-m", "sim.bench.memory", str(seed)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
@@ -17,16 +20,16 @@ def measure_memory(seed: int) -> int:
 
 
 def peak_memory() -> int:
-    """Most that was ever resident of this program [bytes].
+    """Peak resident memory of this process so far [bytes].
 
-    Not `ru_maxrss`, which begins with what was resident of the process that started this one.
+    `ru_maxrss` cannot be used: it starts at the resident memory of the process that started this one.
     """
     line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
     return int(line.split()[1]) * 1024
 
 
 def _run(seed: int) -> int:
-    import open_clip  # noqa: F401 - torch and what comes with it, which do not count
+    import open_clip  # noqa: F401 - loads torch and its dependencies, whose memory is subtracted
 
     torch_alone = peak_memory()
     from sim.harness import RunConfig, run

@@ -1,4 +1,4 @@
-"""How far rendering and LEXIS get in each other's way when they run at once, as they do in every run."""
+"""How much rendering and LEXIS slow each other down when they run in parallel, as they do in every run."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -17,7 +17,7 @@ from sim.tours.tour import Tour
 
 @dataclass(frozen=True)
 class Seconds:
-    """What some work took, in whichever threads."""
+    """Wall time of some work, and processor time of all its threads together [s]."""
 
     wall: float
     processor: float
@@ -25,7 +25,7 @@ class Seconds:
 
 @dataclass(frozen=True)
 class Overlap:
-    """One repetition: each alone, then both at once."""
+    """Times of one repetition: rendering alone, LEXIS alone, then both in parallel."""
 
     rendering: Seconds
     lexis: Seconds
@@ -35,22 +35,22 @@ class Overlap:
 
     @property
     def of_the_busiest(self) -> float:
-        """Wall time of both at once as a share of `busiest`; what is above 1 was spent waiting for each other."""
+        """Wall time of both in parallel divided by `busiest`; any excess over 1 was spent waiting for each other."""
         return self.both.wall / self.busiest
 
     @property
     def of_the_longer(self) -> float:
-        """Wall time of both at once as a share of the longer alone; 1 is perfect, on two free cores."""
+        """Wall time of both in parallel divided by that of the slower one alone; 1 is ideal, given two free cores."""
         return self.both.wall / max(self.rendering.wall, self.lexis.wall)
 
     @property
     def extra_work(self) -> float:
-        """Processor time of both at once as a share of each alone; 1 is perfect, whatever else the machine does."""
+        """Processor time of both in parallel divided by the sum of both alone; 1 is ideal, even on a busy machine."""
         return self.both.processor / (self.rendering.processor + self.lexis.processor)
 
 
 def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Overlap]:
-    """Measure the first `frames` frames of a run, whose images are kept in memory."""
+    """Measure the first `frames` frames of a run, `repetitions` times. LEXIS alone runs on images kept in memory."""
     walked, encoder = walk(config), load_encoder(config.encoder)
     tour, odometry = walked.tour, walked.odometry
     part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)
@@ -58,14 +58,14 @@ def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Ov
     session = Session(walked.house, part, reported, config.rig.front, config.faults, config.seed)
 
     def lexis(observations: Iterable[Observation]) -> float:
-        """Run it; return its own time [s]."""
+        """Run LEXIS; return the time spent in its stages [s]."""
         slam = Slam(config.rig.front, encoder, walked.house.spec.room_labels, slam_config(config))
         for observation in observations:
             slam.process(observation)
         return sum(slam.finish().stage_seconds.values())
 
     def rendering() -> float:
-        """Render all, for nobody; return the time spent on rendering since the session began [s]."""
+        """Render all frames and discard them; return the time spent on rendering since the session began [s]."""
         for _ in session:
             pass
         return session.render_seconds
@@ -77,7 +77,7 @@ def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Ov
         return Overlap(rendered, alone, both, max(slam_s, session.render_seconds - before))
 
     seen = [observation for observation, _ in session]
-    lexis(seen[: len(seen) // 4])  # the first use of torch compiles and allocates
+    lexis(seen[: len(seen) // 4])  # warm-up: torch compiles and allocates at its first use
     return [repetition() for _ in range(repetitions)]
 
 

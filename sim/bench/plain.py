@@ -1,4 +1,7 @@
-"""What rendering is compared with: `mujoco.Renderer` on a model with a geom per part of furniture and face of the shell."""
+"""The baseline for rendering speed: `mujoco.Renderer` on a model with one geom per furniture part and per wall face.
+
+The simulator itself merges these geoms into few meshes, which is faster.
+"""
 
 from collections.abc import Iterator, Sequence
 
@@ -19,7 +22,7 @@ _MAX_GEOMS = 20_000
 
 
 def unmerged(house: House) -> Visuals:
-    """The same quads as `visuals(house)`, each face of the shell and each part of an object on its own."""
+    """The same quads as `visuals(house)`, but each face of the building and each part of an object as a separate visual."""
     seen = visuals(house)
     things = [*house.furniture, *house.leaves, *house.windows]
     parts_of = {thing.id: thing.parts for thing in things}
@@ -40,7 +43,7 @@ def _pieces(visual: Visual, parts: Sequence[Part] | None) -> Iterator[Visual]:
 
 
 class PlainRenderer:
-    """MuJoCo's own renderer, with its default shadows and multi-sampling or without any."""
+    """MuJoCo's own renderer: without shadows and multi-sampling, or with MuJoCo's defaults for both."""
 
     def __init__(self, house: House, camera: Camera, *, defaults: bool = False) -> None:
         require_rendering()
@@ -63,7 +66,7 @@ class PlainRenderer:
                 self._renderer.scene.flags[flag] = False
 
     def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
-        """The picture from a pose of the body."""
+        """Render the image of the camera at a pose of the body."""
         T_W_C = T_W_B @ self._camera.T_B_C
         self._data.cam_xpos[0] = T_W_C[:3, 3]
         self._data.cam_xmat[0] = (T_W_C[:3, :3] @ _CV_FROM_MUJOCO).reshape(-1)

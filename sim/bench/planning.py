@@ -1,4 +1,8 @@
-"""`lexis-sim bench planning`: the same plans driven by LEXIS's estimate, by the truth, by odometry alone, and blindly."""
+"""`lexis-sim bench planning`: the same plans driven with different pose estimates, with and without the range scan.
+
+The waypoints and the pose of the robot come from LEXIS, from the truth or from odometry alone. A blind robot does not use
+its scan to avoid obstacles.
+"""
 
 import time
 from collections.abc import Iterator, Sequence
@@ -26,12 +30,12 @@ DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
         "odometry, blind": ("odometry", True),
     }
 )
-"""What steers, and whether it does without the scan. The plans are LEXIS's throughout."""
+"""Source of waypoints and pose, and whether the robot is blind, by name. All drivers follow the plans of LEXIS."""
 
 
 @dataclass(frozen=True)
 class PlanningRow:
-    """How the plans of a house fared."""
+    """Results of one driver on all plans of a house."""
 
     seed: int
     driver: str
@@ -39,18 +43,18 @@ class PlanningRow:
     success: float | None
     spl: float | None
     touched: int
-    """Drives that ended at a contact."""
+    """Number of drives that ended in a collision."""
     seconds: float
-    """For all queries together, on the machine's clock [s]."""
+    """Wall time for all queries together [s]."""
 
 
 def drive_houses(
     config: RunConfig, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
 ) -> Iterator[PlanningRow]:
-    """One run per seed, all else as in `config`; every driver drives all its plans.
+    """Make one run per seed, all else as in `config`, and let every driver drive all plans of the run.
 
-    For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the drives by LEXIS's estimate that
-    failed. Raises `SimError` where it cannot be made.
+    For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
+    Raises `SimError` if that folder cannot be made.
     """
     if pictures is not None:
         _make_folder(pictures)

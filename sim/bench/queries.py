@@ -1,4 +1,4 @@
-"""`lexis-sim bench queries`: everyday questions to the maps of generated houses, as `lexis query` answers them."""
+"""`lexis-sim bench queries`: how well `lexis query` answers everyday questions on maps of generated houses."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -21,42 +21,42 @@ SETS = {"tuning": TUNING, "held out": HELD_OUT}
 
 
 class Answered(NamedTuple):
-    """A question to a map, and what became of it."""
+    """The answer of a map to one question, compared with the truth."""
 
     question: EverydayQuestion
     has_answer: bool
-    """Whether a room of the map answers it."""
+    """Whether the map contains a room that is a right answer."""
     first: str
     """Label of the true room that was ranked first."""
     right: bool
-    """Whether that room answers it."""
+    """Whether the room that was ranked first is a right answer."""
     unknown: bool
-    """Whether `lexis query` says that nothing fits."""
+    """Whether `lexis query` reported that no room fits."""
 
     @property
     def succeeded(self) -> bool:
-        """A right room is told as such, or it is said that there is none."""
+        """Whether a right room was found if there is one, and "unknown" was reported if there is none."""
         return self.right and not self.unknown if self.has_answer else self.unknown
 
 
 @dataclass(frozen=True)
 class QueriesRow:
-    """Figures of some questions; None where nothing was asked."""
+    """Figures over several questions. A share is None if there are no such questions."""
 
     questions: int
-    """Those with an answer in the house."""
+    """Number of questions with a right answer in the map."""
     ranked_first: float | None
-    """Share of them whose best room is an answer."""
+    """Share of these questions for which the room ranked first is a right answer."""
     answered: float | None
-    """Share of them whose best room is an answer and reaches the probability from which on it is told."""
+    """Share of these questions for which the room ranked first is a right answer and probable enough to be reported."""
     vain: int
-    """Those without an answer."""
+    """Number of questions without a right answer in the map."""
     refused: float | None
-    """Share of these to which nothing is told to fit."""
+    """Share of these questions for which "unknown" is reported."""
 
 
 def ask_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
-    """One run per seed, all else as in `config`; the answers to every set of questions."""
+    """Make one run per seed, all else as in `config`; yield (seed, name of the set of questions, answers)."""
     encoder = load_encoder(config.encoder)
     calibration = calibration_of(encoder)
     for seed in seeds:
@@ -74,7 +74,7 @@ def ask_one(
     encoder: TextEncoder,
     calibration: Calibration | None,
 ) -> Answered:
-    """Ask a map one question. `rooms`: the true room of each of its rooms, by index into `house.rooms`."""
+    """Ask a map one question. `rooms` gives the true room of each room of the map, as an index into `house.rooms`."""
     answers = answering_rooms(question, house)
     answer = ask(lexis_map, question.text, encoder, calibration)
     first = rooms[next(i for i, room in enumerate(lexis_map.rooms) if room.id == answer.rooms[0].room.id)]
@@ -82,20 +82,20 @@ def ask_one(
 
 
 def answering_rooms(question: EverydayQuestion, house: House) -> Bool[np.ndarray, "rooms"]:
-    """Whether each room of the house answers the question."""
+    """Whether each room of the house is a right answer to the question."""
     holding = {thing.room for thing in objects(house) if thing.kind in question.kinds}
     answers = np.array([room.label in question.labels or room.id in holding for room in house.rooms])
     return ~answers if question.negated else answers
 
 
 def true_rooms(house: House, lexis_map: LexisMap, T_W_B: Float64[np.ndarray, "n 4 4"]) -> Int[np.ndarray, "rooms"]:
-    """The true room in which most keyframes of every room of the map were taken, by index into `house.rooms`."""
+    """For every room of the map, the true room in which most of its keyframes were taken, as an index into `house.rooms`."""
     owner = room_at(house, T_W_B[:, :3, 3])
     return np.array([np.bincount(owner[list(room.keyframes)] + 1)[1:].argmax() for room in lexis_map.rooms], int)
 
 
 def row_of(answered: Sequence[Answered]) -> QueriesRow:
-    """Figures of these questions."""
+    """Summarise answers."""
     asked = [one for one in answered if one.has_answer]
     vain = [one for one in answered if not one.has_answer]
     return QueriesRow(

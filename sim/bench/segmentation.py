@@ -1,4 +1,4 @@
-"""`lexis-sim bench segmentation`: the whole chain on several houses of a preset, with the default encoder unless told."""
+"""`lexis-sim bench segmentation`: labels, rooms, loops and plans of whole runs on several houses of a preset."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
@@ -19,25 +19,28 @@ class SegmentationRow:
     baseline: float
     """Label accuracy before refinement."""
     refined: float
-    """And after it."""
+    """Label accuracy after refinement."""
     pq: float
+    """Panoptic quality of rooms."""
     floors: float
+    """Floor accuracy."""
     odometry_m: float
-    """ATE [m]."""
+    """ATE of the odometry [m]."""
     ate_m: float
+    """ATE of the optimised trajectory [m]."""
     false_loops: int
     heavy_false_loops: int
-    """False edges that keep a weight above 0.5."""
+    """Number of false edges whose weight after optimisation is above 0.5."""
     loop_recall: float | None
-    """None where nothing was revisited."""
+    """Share of revisits with a true edge; None if there were no revisits."""
     plans: float | None
-    """Share that reach their room; None where none was asked for."""
+    """Share of plans whose drive reached the goal; None if there were no plans."""
 
 
 def run_houses(
     config: RunConfig, seeds: Sequence[int], openness: float | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
-    """One run per seed, all else as in `config`; for `openness` see `sim.bench.houses.configs`."""
+    """Make one run per seed, all else as in `config`; yield (seed, figures). For `openness` see `sim.bench.houses`."""
     encoder = load_encoder(config.encoder)
     for own in configs(config, seeds, openness):
         finished = run(own, encoder)
@@ -61,6 +64,9 @@ def run_houses(
 
 
 def mean_and_spread(rows: Sequence[Any]) -> tuple[list[float | None], list[float | None]]:
-    """Mean and standard deviation of every figure of dataclasses over the houses that have it; None where none has."""
+    """Mean and standard deviation of every field of `rows`, which are dataclasses with one figure per field.
+
+    Rows whose figure is None are left out; a field without any figure gives None.
+    """
     columns = [[value for value in column if value is not None] for column in zip(*map(astuple, rows), strict=True)]
     return [float(np.mean(c)) if c else None for c in columns], [float(np.std(c)) if c else None for c in columns]

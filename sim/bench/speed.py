@@ -1,4 +1,4 @@
-"""`lexis-sim bench speed`: how long a house, its scene and its frames take on this machine, beside what they may take."""
+"""`lexis-sim bench speed`: times of houses, scenes, frames and mapping on this machine, each with its required limit."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -25,25 +25,26 @@ _MANY_ROOMS, _MANY_HOUSES = 40, 5
 _FRAME_ROOMS = 10
 _RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
 _GREY_LEVELS = 2
+"""Pixels of merged and plain rendering count as equal if they differ by at most this much in every channel."""
 _RUN_FRAMES, _RUNS = 400, 5
 _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
 
 @dataclass(frozen=True)
 class SpeedFigure:
-    """A measured figure over repetitions, in the unit of its section."""
+    """Median and worst value of a measured figure over repetitions, in the unit of its section."""
 
     name: str
     median: float
     worst: float
     runs: int
     bar: str = ""
-    """What it has to be."""
+    """Required limit, such as "<= 500"; empty if there is none."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """Figures of one unit."""
+    """Figures that share a title and a unit."""
 
     title: str
     unit: str
@@ -51,7 +52,11 @@ class Section:
 
 
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
-    """Measure `houses` houses of a preset, from `seed` upwards, the scene, frames and memory of one, and the demo's run."""
+    """Measure, section by section, the speed of the simulator.
+
+    Measured are `houses` houses of a preset, with seeds from `seed` upwards; the scene, the frames and the memory of one
+    house; and rendering and LEXIS in the run of the demo.
+    """
     yield _houses(preset, houses, seed)
     house, walk = _furnished(seed)
     yield _scenes(house)
@@ -62,7 +67,7 @@ def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
 
 
 def complete_house(preset: str, seed: int, rooms: int | None = None) -> House:
-    """Plan, openings, stairs, furniture, truth and validation."""
+    """Make a house completely: plan, openings, stairs, furniture, truth and validation."""
     house = build_house(sample_house(preset, seed, rooms=rooms))
     for truth in (room_graph, boundary_lines, objects, openness):
         truth(house)
@@ -71,7 +76,7 @@ def complete_house(preset: str, seed: int, rooms: int | None = None) -> House:
 
 
 def _houses(preset: str, houses: int, seed: int) -> Section:
-    complete_house(preset, seed), complete_house("office", seed, _MANY_ROOMS)  # first use fills caches
+    complete_house(preset, seed), complete_house("office", seed, _MANY_ROOMS)  # warm-up: the first use fills caches
     seeds, many = range(seed, seed + houses), range(seed, seed + min(houses, _MANY_HOUSES))
     return Section(
         "houses: plan, openings, stairs, furniture, truth and validation, on one core",
@@ -86,7 +91,7 @@ def _houses(preset: str, houses: int, seed: int) -> Section:
 
 
 def _furnished(seed: int) -> tuple[House, Poses]:
-    """A house of ten rooms, and poses along a walk through it."""
+    """The first house from `seed` upwards with ten rooms or more, and poses along a walk through it."""
     candidates = (build_house(sample_house("home", s)) for s in range(seed, seed + 1000))
     house = next(house for house in candidates if len(house.rooms) >= _FRAME_ROOMS)
     tour = plan_tour(house, Walkable(house), np.random.default_rng(seed))
@@ -101,7 +106,10 @@ def _scenes(house: House) -> Section:
 
 
 def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Section]:
-    """Merged, plain and MuJoCo's defaults in turn at each pose, so that whatever else the machine does slows all alike."""
+    """Frame rates of merged and plain rendering and of MuJoCo's defaults, and their ratios.
+
+    The renderers take turns at each pose, so that other load on the machine slows all of them alike.
+    """
     camera, name = wide_camera(*size), f"{size[0]} x {size[1]}"
     plain, defaults = PlainRenderer(house, camera), PlainRenderer(house, camera, defaults=True)
     with CameraRenderer(build_scene(house, size, fovy_deg(camera.intrinsics)), camera) as merged:
@@ -137,7 +145,7 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
 
 
 def _runs() -> Iterator[Section]:
-    """Each alone and both at once, in turn, so that whatever else the machine does slows all alike."""
+    """Times of rendering and LEXIS, each alone and both in parallel, in turn, so that other load slows all of them alike."""
     runs = measure_overlap(RunConfig(), _RUN_FRAMES, _RUNS)
     parts = {
         "rendering alone": [run.rendering for run in runs],
@@ -169,7 +177,7 @@ def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Pose
 
 
 def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> SpeedFigure:
-    """The ratio of the medians, and the least of single views."""
+    """The ratio of the median times, and as the worst value the smallest ratio of a single view."""
     single = np.array(slow) / np.array(fast)
     return SpeedFigure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
 

@@ -1,4 +1,4 @@
-"""A command below another one, such as `lexis-sim house check`: a row of a table, with its own options and its example."""
+"""Subcommands of a command, such as `lexis-sim house check`, declared as a table with options and examples."""
 
 import argparse
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from sim.commands.arguments import Argument
 
 
 class Action(NamedTuple):
-    """A command, its example, and the arguments that it takes."""
+    """A subcommand: the function to call, its help text, an example and its arguments."""
 
     name: str
     command: Command
@@ -19,7 +19,7 @@ class Action(NamedTuple):
 
 
 def add_actions(commands: Commands, name: str, help: str, actions: Iterable[Action], metavar: str = "ACTION") -> None:
-    """Add a command that does nothing but choose among its actions; its help lists the example of each."""
+    """Add a command that only selects one of its actions. Its help text lists the examples of all actions."""
     actions = tuple(actions)
     examples = "\n".join(f"  {action.example}" for action in actions)
     group = commands.add_parser(

@@ -1,4 +1,4 @@
-"""`lexis-sim bench`: benchmarks, each some tables. A new one is a function and a row of `_BENCHMARKS`."""
+"""`lexis-sim bench`: benchmarks that print tables. To add one, write a function and add an entry to `_BENCHMARKS`."""
 
 import argparse
 import sys
@@ -31,23 +31,26 @@ Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 _PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
 _OPENNESS = argument(
-    "--openness", type=float, metavar="X", help="open or close inner walls of every house to X in [0, 1] (default: as drawn)"
+    "--openness",
+    type=float,
+    metavar="X",
+    help="open or close inner walls of every house to X in [0, 1] (default: as sampled)",
 )
-_HOUSES = argument("--houses", type=positive, default=5, help="how many, from --seed upwards (default: %(default)s)")
+_HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `bench` with its benchmarks."""
     add_actions(commands, "bench", "benchmarks", _BENCHMARKS, metavar="BENCHMARK")
 
 
 def _printing(tables: Tables) -> Command:
-    """A command that prints every table as soon as it is there."""
+    """Make a command that prints every table as soon as it is complete."""
 
     def command(arguments: argparse.Namespace) -> int:
-        # What is no terminal has no width, for which rich would take 80 columns and cut figures off.
+        # For output that is not a terminal, rich would assume 80 columns and cut figures off.
         console = Console(width=None if sys.stdout.isatty() else 200)
         for table in tables(arguments):
             console.print(table)
@@ -57,7 +60,7 @@ def _printing(tables: Tables) -> Command:
 
 
 def _houses(arguments: argparse.Namespace) -> str:
-    """The family of houses, for titles."""
+    """Name the family of houses in a table's title."""
     return arguments.preset if arguments.openness is None else f"{arguments.preset} at openness {arguments.openness:g}"
 
 
@@ -88,8 +91,8 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.speed import measure_speed
 
     for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
-        # Escaped, since rich would take a unit in brackets for a style and swallow it.
-        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"bar [{section.unit}]", "runs [count]"]
+        # Escaped, since rich would take a unit in brackets for a style and leave it out.
+        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"limit [{section.unit}]", "runs [count]"]
         table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
         for figure in section.figures:
             table.add_row(
@@ -172,14 +175,14 @@ _BENCHMARKS = (
     Action(
         "speed",
         _printing(_speed),
-        "how long houses, scenes, images and mapping take, each beside its bar",
+        "time for houses, scenes, images and mapping, each with its limit",
         "lexis-sim bench speed --preset home --houses 5",
         (_PRESET, _HOUSES, SEED),
     ),
     Action(
         "segmentation",
         _printing(_segmentation),
-        "labels, rooms, loops and plans of whole runs, a row for each house",
+        "labels, rooms, loops and plans of whole runs, one row per house",
         "lexis-sim bench segmentation --preset home --houses 5 --fidelity features",
         (
             _PRESET,
@@ -201,7 +204,7 @@ _BENCHMARKS = (
     Action(
         "queries",
         _printing(_queries),
-        "everyday questions to the maps of generated homes, and those that fail",
+        "everyday questions to the maps of generated homes, with a list of those that fail",
         "lexis-sim bench queries --preset home --houses 3 --seed 600",
         (_PRESET, _HOUSES, _ENCODER, SEED),
     ),
@@ -215,14 +218,14 @@ _BENCHMARKS = (
     Action(
         "planning",
         _printing(_planning),
-        "plans driven by LEXIS's estimate, by the truth and by odometry alone",
+        "plans driven with LEXIS's pose estimate, with the true pose and with odometry alone",
         "lexis-sim bench planning --preset home --houses 5 --pictures failed-drives",
         (
             _PRESET,
             _HOUSES,
             _OPENNESS,
             _ENCODER,
-            argument("--pictures", type=folder, metavar="DIR", help="draw the drives of LEXIS that failed"),
+            argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
             SEED,
         ),
     ),

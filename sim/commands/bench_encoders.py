@@ -1,4 +1,4 @@
-"""`lexis-sim bench encoders`: tables of accuracy, times, retrieval and questions."""
+"""`lexis-sim bench encoders`: tables of label accuracy, computing times, retrieval and answers to questions."""
 
 import argparse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -46,26 +46,30 @@ ARGUMENTS = (
         "--work",
         type=folder,
         metavar="DIR",
-        help="folder of train-encoder, whose frames teach the ceiling; test frames stay in it",
+        help="work folder of train-encoder: its frames train the ceiling classifier, and test frames are cached in it",
     ),
     argument(
-        "--architectures", nargs="+", default=[], metavar="NAME", help="of open_clip, with random weights: their times"
+        "--architectures",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="architectures of open_clip to time with random weights",
     ),
-    argument("--compiled", action="store_true", help="time compiled networks, too: a minute or more for each"),
-    argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times"),
-    argument("--plot", type=Path, metavar="FILE.png", help="draw it"),
+    argument("--compiled", action="store_true", help="also time compiled networks, which takes a minute or more for each"),
+    argument("--csv", type=Path, metavar="FILE", help="write the table of accuracy and times to this file"),
+    argument("--plot", type=Path, metavar="FILE.png", help="draw accuracy against time in this file"),
     argument(
         "--worst",
         type=positive,
         metavar="N",
-        help="list the N questions that fail most, and the N held-out names that cost most",
+        help="list the N questions that fail most often, and the N held-out names that lower accuracy most",
     ),
     argument("--seed", type=seed, default=0, help="number of the first test house (default: %(default)s)"),
 )
 
 
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
-    """Tables of every preset and encoder, then accuracy and times of all encoders, as in the paper's Table I."""
+    """Yield tables for every preset and encoder, then accuracy and times of all encoders, as in the paper's Table I."""
     from lexis.encoder.open_clip_encoder import load_encoder
     from sim.baselines.orb_vocabulary import orb_vocabulary
     from sim.bench.encoders.ceiling import ceiling_of
@@ -95,7 +99,7 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Raise before minutes of work what would be raised after them."""
+    """Check the arguments now that are otherwise used only after minutes of work."""
     from sim.bench.encoders.table import import_matplotlib
     from sim.bench.encoders.times import check_architecture
 
@@ -158,7 +162,7 @@ def _bands(houses: Sequence["EncoderFigures"]) -> Table:
     columns = {"accuracy": "right", "ceiling": "ceiling_right", "room that fills most": "prevails"}
     answers = {name: [getattr(house, field) for house in houses] for name, field in columns.items()}
     known = {name: np.concatenate(each) for name, each in answers.items() if each[0] is not None}
-    title = "by how much of the image shows the room that holds the camera"
+    title = "accuracy by the share of the image that shows the room containing the camera"
     table = Table("share of image", "share of frames", *known, title=title, title_justify="left")
     for band in by_own_room(np.concatenate([house.own_room for house in houses]), known):
         share = "all" if (band.low, band.high) == (0.0, 1.0) else f"{band.low:.0%} ... {band.high:.0%}"
@@ -169,7 +173,7 @@ def _bands(houses: Sequence["EncoderFigures"]) -> Table:
 def _worst(houses: Sequence["EncoderFigures"], count: int) -> Table:
     from sim.bench.encoders.questions import failures
 
-    title = "questions that fail most"
+    title = "questions that fail most often"
     table = Table(
         "about", "right answer", "topic", "wording", "asked", "right", "most said instead", title=title, title_justify="left"
     )
@@ -182,7 +186,7 @@ def _worst(houses: Sequence["EncoderFigures"], count: int) -> Table:
 def _worst_names(houses: Sequence["EncoderFigures"], count: int) -> Table:
     from sim.bench.encoders.measure import worst_names
 
-    title = "held-out names that cost most, where all other rooms keep theirs"
+    title = "held-out names that lower accuracy most, if all other rooms keep their labels as names"
     table = Table("rooms", "called", "loss of accuracy", title=title, title_justify="left")
     for label, name, loss in worst_names(houses)[:count]:
         table.add_row(label, name, f"{loss:.3f}")

@@ -1,4 +1,4 @@
-"""`lexis-sim calibrate-queries`: what turns an encoder's similarities into the probabilities of `lexis query`."""
+"""`lexis-sim calibrate-queries`: fit the map from an encoder's similarities to the probabilities of `lexis query`."""
 
 import argparse
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ TEST_PRESETS = ("home", "ori", "uh2-apt", "uh2-office")
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `calibrate-queries`."""
     calibrate = add_command(
         commands,
         "calibrate-queries",
@@ -32,16 +32,18 @@ def add_to(commands: Commands) -> None:
         '  lexis query map "a bathtub" --calibration vit-b-32.json',
     )
     calibrate.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    calibrate.add_argument("--houses", type=positive, default=24, help="rendered to fit to (default: %(default)s)")
+    calibrate.add_argument("--houses", type=positive, default=24, help="houses to render and fit to (default: %(default)s)")
     calibrate.add_argument(
         "--test-houses",
         type=positive,
         default=0,
         metavar="N",
-        help="measure on N test houses a preset",
+        help="measure the calibration on N test houses per preset",
     )
     SEED(calibrate)
-    calibrate.add_argument("-o", "--out", type=Path, metavar="FILE.json", help="default: that of mini in the package")
+    calibrate.add_argument(
+        "-o", "--out", type=Path, metavar="FILE.json", help="file to write (default: the calibration of mini in the package)"
+    )
 
 
 def _calibrate(arguments: argparse.Namespace) -> int:
@@ -52,10 +54,10 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     from sim.training.query_calibration import fit_calibration, measure, tuning_houses
 
     if arguments.out is None and arguments.encoder != MINI:
-        raise SimError(f"--out is missing: only the calibration of {MINI!r} has its place; valid: --out FILE.json")
+        raise SimError(f"--out is missing: only the calibration of {MINI!r} has a default file; valid: --out FILE.json")
     out: Path = arguments.out or MINI_CALIBRATION
     if not out.absolute().parent.is_dir():
-        raise SimError(f"--out {out}: there is no such folder; valid: a file in a folder that exists")
+        raise SimError(f"--out {out}: its folder does not exist; valid: a file in a folder that exists")
     encoder = load_encoder(arguments.encoder)
     calibration = fit_calibration(encoder, _asked(tuning_houses(arguments.houses, arguments.seed), encoder, arguments.seed))
     save_calibration(calibration, out)
@@ -74,8 +76,8 @@ def _said(figures: "CalibrationFigures") -> str:
     return (
         f"{figures.questions} questions: calibration error {figures.calibration_error:.3f}, of best rooms "
         f"{figures.best_calibration_error:.3f}; best room right {figures.right:.2f}; AUC of unknown "
-        f"{figures.unknown_auc:.3f}, answered {figures.found:.2f} of those with an answer, "
-        f"unknown {figures.unknown:.2f} of those without"
+        f"{figures.unknown_auc:.3f}; share answered {figures.found:.2f} of questions with an answer, "
+        f"share unknown {figures.unknown:.2f} of questions without one"
     )
 
 

@@ -1,4 +1,4 @@
-"""`lexis-sim doctor`: what this machine can do."""
+"""`lexis-sim doctor`: check whether this machine can run the simulator, and say what to fix."""
 
 import argparse
 
@@ -6,8 +6,14 @@ from lexis.command_line import Commands, add_command
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
-    add_command(commands, "doctor", _doctor, "GL back ends, cores, encoder, versions; what to fix", "lexis-sim doctor")
+    """Add the command `doctor`."""
+    add_command(
+        commands,
+        "doctor",
+        _doctor,
+        "check GL back ends, cores, encoder and versions, and say what to fix",
+        "lexis-sim doctor",
+    )
 
 
 def _doctor(arguments: argparse.Namespace) -> int:

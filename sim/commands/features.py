@@ -1,4 +1,4 @@
-"""`lexis-sim fit-features`: the model of an encoder that `--fidelity features` draws from."""
+"""`lexis-sim fit-features`: fit the model of an encoder from which `--fidelity features` draws embeddings."""
 
 import argparse
 from pathlib import Path
@@ -12,7 +12,7 @@ from sim.errors import SimError
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `fit-features`."""
     fit = add_command(
         commands,
         "fit-features",
@@ -21,8 +21,10 @@ def add_to(commands: Commands) -> None:
         "lexis-sim fit-features --encoder mini --out mini.npz\n  lexis-sim run --fidelity features --feature-model mini.npz",
     )
     fit.add_argument("--encoder", default="mini", help=ENCODER_HELP)
-    fit.add_argument("--houses", type=positive, default=72, help="rendered for the embeddings (default: %(default)s)")
-    fit.add_argument("-o", "--out", type=Path, metavar="FILE.npz", help="default: the model of mini in the package")
+    fit.add_argument("--houses", type=positive, default=72, help="houses to render and fit to (default: %(default)s)")
+    fit.add_argument(
+        "-o", "--out", type=Path, metavar="FILE.npz", help="file to write (default: the model of mini in the package)"
+    )
 
 
 def _fit(arguments: argparse.Namespace) -> int:
@@ -32,9 +34,9 @@ def _fit(arguments: argparse.Namespace) -> int:
     from sim.feature_sensor.model import MINI_FEATURES, save_features
 
     if arguments.out is None and arguments.encoder != MINI:
-        raise SimError(f"--out is missing: only the model of {MINI!r} has its place; valid: --out FILE.npz")
+        raise SimError(f"--out is missing: only the model of {MINI!r} has a default file; valid: --out FILE.npz")
     out: Path = arguments.out or MINI_FEATURES
-    if out.is_dir() or not out.parent.is_dir():  # said here, and not after an hour of rendering
+    if out.is_dir() or not out.parent.is_dir():  # checked here, before an hour of rendering
         raise SimError(f"{out}: cannot be written; valid: a file in a folder that exists")
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
@@ -45,6 +47,6 @@ def _fit(arguments: argparse.Namespace) -> int:
     save_features(model, out)
     loops = model.loops
     print(f"{out}: {out.stat().st_size / 1e3:.0f} kB")
-    print(f"error of embeddings: {(model.embedding.errors**2).sum() ** 0.5:.2f} of unit norm")
-    print(f"loops: {len(loops.true_edges.inliers)} true and {len(loops.false_edges.inliers)} false edges remembered")
+    print(f"error of embeddings: {(model.embedding.errors**2).sum() ** 0.5:.2f}, where embeddings have unit norm")
+    print(f"loops: {len(loops.true_edges.inliers)} true and {len(loops.false_edges.inliers)} false edges stored")
     return 0

@@ -1,4 +1,4 @@
-"""`lexis-sim house`: houses as files. A new action is a function and a row of `_ACTIONS`."""
+"""`lexis-sim house`: commands on house files. To add one, write a function and add an entry to `_ACTIONS`."""
 
 import argparse
 import json
@@ -19,16 +19,16 @@ from worlds.spec import HouseSpec, json_schema
 from worlds.validation import built_and_checked
 
 _MOST_TILES = 1000
-"""Plans on a page of a gallery."""
+"""Largest number of plans on one page of a gallery."""
 
 
 def add_to(commands: Commands) -> None:
-    """Add the actions."""
+    """Add the command `house` with its actions."""
     add_actions(commands, "house", "generate, check and show houses", _ACTIONS)
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    return _write(arguments, PLANS, checked=False)  # a plan shows what is wrong
+    return _write(arguments, PLANS, checked=False)  # the plan of an invalid house helps to see what is wrong
 
 
 def _export(arguments: argparse.Namespace) -> int:
@@ -48,9 +48,11 @@ def _gallery(arguments: argparse.Namespace) -> int:
     from sim.gallery import plans_page, png, room_views, rooms_page, sample_page
 
     if arguments.houses > _MOST_TILES:
-        raise SimError(f"--houses {arguments.houses} are too many for a page; valid: a whole number from 1 to {_MOST_TILES}")
+        raise SimError(
+            f"--houses {arguments.houses} are too many for one page; valid: a whole number from 1 to {_MOST_TILES}"
+        )
     if arguments.out.suffix.lower() != ".png":
-        raise SimError(f"{arguments.out}: is no name of a PNG; valid: a name with .png")
+        raise SimError(f"{arguments.out}: does not end in .png; valid: a file name that ends in .png")
     presets = [name.strip() for name in arguments.preset.split(",")]
     houses = sample_page(presets, arguments.seed, arguments.houses)
     page = plans_page(houses) if arguments.view == "plans" else rooms_page(list(room_views(houses)))
@@ -80,19 +82,24 @@ _ACTIONS = (
     Action(
         "export",
         _export,
-        "for other tools: glTF, MJCF with its textures beside it, the truth as JSON, or the plan as GeoJSON",
+        "write the house for other tools: as glTF, MJCF with textures, truth as JSON, or plan as GeoJSON",
         "lexis-sim house export home.json -o home.glb",
         (FILE, out_file("FILE.glb|.xml|.json|.geojson")),
     ),
     Action(
         "gallery",
         _gallery,
-        "many houses on one page: their plans, or a look into a room of each label",
+        "draw many houses on one page: their plans, or a view of one room of each label",
         "lexis-sim house gallery --view rooms --seed 3 -o rooms.png",
         (
-            argument("--preset", default=",".join(PRESETS), metavar="A,B,...", help="families, in turn (default: all)"),
-            argument("--view", choices=("plans", "rooms"), default="plans", help="default: %(default)s"),
-            argument("--houses", type=positive, default=25, help="how many (default: %(default)s)"),
+            argument(
+                "--preset",
+                default=",".join(PRESETS),
+                metavar="A,B,...",
+                help="families of houses, used in turn (default: all)",
+            ),
+            argument("--view", choices=("plans", "rooms"), default="plans", help="what to draw (default: %(default)s)"),
+            argument("--houses", type=positive, default=25, help="number of houses (default: %(default)s)"),
             SEED,
             out_file("FILE.png"),
         ),

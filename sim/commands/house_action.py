@@ -1,4 +1,4 @@
-"""Shared steps of the commands of `lexis-sim house`: a house is read, checked, written and described."""
+"""Steps that the commands of `lexis-sim house` share: the argument for a file, checking and writing, and a description."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ FILE = argument("file", type=Path, metavar="FILE.json")
 
 
 def write_checked(spec: HouseSpec, path: Path) -> None:
-    """Write a house that stands, and say what it is. Raises `HouseError` for one that does not, and writes nothing."""
+    """Check a house, write it and print its description. An invalid house raises `HouseError`, and nothing is written."""
     house = built_and_checked(spec)
     with replaced_file(path) as file:
         file.write_text(spec.to_json())
@@ -21,7 +21,7 @@ def write_checked(spec: HouseSpec, path: Path) -> None:
 
 
 def describe(house: House) -> str:
-    """A house in a line."""
+    """Describe a house in one line: rooms, floors, area, openness, furniture."""
     floors = len(house.storeys)
     return (
         f"{len(house.rooms)} rooms on {floors} floor{'s' * (floors > 1)}, {floor_area(house):.0f} m², "

@@ -1,4 +1,4 @@
-"""`lexis-sim house check|prove`: a house on its own, and thousands, proved to stand and to be walkable."""
+"""`lexis-sim house check|prove`: check that one house, or thousands of sampled ones, are valid and walkable."""
 
 import argparse
 import os
@@ -39,7 +39,9 @@ def _prove(arguments: argparse.Namespace) -> int:
             proofs.append(proof)
             if proof.failure is not None:
                 print(f"{proof.case}: {proof.failure}")
-    table = Table("family", "houses", "failed", "median, ms", "worst, ms", title="time of one core, for a complete house")
+    table = Table(
+        "family", "houses", "failed", "median, ms", "worst, ms", title="processor time for a complete house, on one core"
+    )
     for row in summaries(proofs):
         table.add_row(*(f"{value:.0f}" if isinstance(value, float) else str(value) for value in astuple(row)))
     Console().print(table)
@@ -57,19 +59,32 @@ def _presets(text: str) -> list[str]:
 CHECK = Action(
     "check",
     _check,
-    "prove that a house can stand and be walked, or name every place that is wrong",
+    "check that a house is valid and walkable, or list everything that is wrong",
     "lexis-sim house check home.json",
     (FILE,),
 )
 PROVE = Action(
     "prove",
     _prove,
-    "make and validate many houses, and make each again in another process: not a bit may differ",
+    "sample and check many houses, each in two processes whose results must be equal bit by bit",
     "lexis-sim house prove --houses 1000",
     (
-        argument("--preset", type=_presets, default=PRESETS, metavar="A,B,...", help="families, in turn (default: all)"),
-        argument("--houses", type=positive, default=1000, help="how many, from --seed upwards (default: %(default)s)"),
-        argument("--processes", type=positive, default=os.cpu_count() or 2, help="at least 2 run (default: one a core)"),
+        argument(
+            "--preset",
+            type=_presets,
+            default=PRESETS,
+            metavar="A,B,...",
+            help="families of houses, used in turn (default: all)",
+        ),
+        argument(
+            "--houses", type=positive, default=1000, help="number of houses, from --seed upwards (default: %(default)s)"
+        ),
+        argument(
+            "--processes",
+            type=positive,
+            default=os.cpu_count() or 2,
+            help="number of processes; at least 2 are used (default: one per core)",
+        ),
         SEED,
     ),
 )

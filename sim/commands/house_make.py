@@ -1,4 +1,4 @@
-"""`lexis-sim house generate|variant|import`: where houses as files come from."""
+"""`lexis-sim house generate|variant|import`: the commands that make house files."""
 
 import argparse
 from pathlib import Path
@@ -21,7 +21,9 @@ def _generate(arguments: argparse.Namespace) -> int:
     rooms, options = arguments.rooms, {"openness": arguments.openness}
     if rooms is not None and not rooms.strip().lstrip("-").isdecimal():
         if arguments.preset is not None:
-            raise SimError(f"--preset {arguments.preset} goes with a number of --rooms, not with a list")
+            raise SimError(
+                f"--preset {arguments.preset}: cannot be combined with a list of --rooms; valid: --rooms with a number"
+            )
         labels = [label.strip() for label in rooms.split(",")]
         spec = sample_from_rooms(
             labels,
@@ -84,15 +86,17 @@ def _with_appearance(spec: HouseSpec, arguments: argparse.Namespace) -> HouseSpe
     return spec.model_copy(update={"appearance": spec.appearance.model_copy(update=asked)}) if asked else spec
 
 
-_OPENNESS = "share of the inner walls' area that is gap, 0 to 1"
-_CLUTTER = "how much furniture, 0 (none) to 4 (a hoarder's)"
+_OPENNESS = "open share of the area of the inner walls, 0 to 1"
+_CLUTTER = "amount of furniture, 0 (none) to 4 (very crowded)"
 _APPEARANCE = (
     argument(
         "--texture",
         choices=get_args(AppearanceSpec.model_fields["texture"].annotation),
-        help="poor: few features; repeating: walls and floors with a period",
+        help="poor: few visual features; repeating: walls and floors with periodic patterns",
     ),
-    argument("--light", choices=get_args(AppearanceSpec.model_fields["light"].annotation), help="of the windows and lamps"),
+    argument(
+        "--light", choices=get_args(AppearanceSpec.model_fields["light"].annotation), help="lighting by windows and lamps"
+    ),
 )
 
 GENERATE = Action(
@@ -105,9 +109,15 @@ GENERATE = Action(
         argument(
             "--rooms",
             metavar="N|A,B,...",
-            help="how many besides corridors, halls and stairs, 2 to 40; or which, as labels (default: the family's)",
+            help="number of rooms besides corridors, halls and stairs, 2 to 40, or a list of room labels "
+            "(default: the family's)",
         ),
-        argument("--storeys", type=int, metavar="N", help="1 to 4 (default: the family's; 1 with a list of rooms)"),
+        argument(
+            "--storeys",
+            type=int,
+            metavar="N",
+            help="number of storeys, 1 to 4 (default: the family's; 1 with a list of rooms)",
+        ),
         argument("--openness", type=float, metavar="X", help=f"{_OPENNESS} (default: the family's)"),
         argument("--clutter", type=float, default=1.0, metavar="X", help=f"{_CLUTTER} (default: %(default)s)"),
         *_APPEARANCE,
@@ -118,16 +128,16 @@ GENERATE = Action(
 VARIANT = Action(
     "variant",
     _variant,
-    "the same house with one thing changed and everything else as it was",
+    "change one property of a house and leave everything else as it is",
     "lexis-sim house variant home.json --openness 0.8 -o open.json",
     (
         FILE,
         argument("--openness", type=float, metavar="X", help=_OPENNESS),
-        argument("--clutter", type=float, metavar="X", help=f"{_CLUTTER}; furniture that the file lists stays"),
-        argument("--mirror", action="store_true", help="in x"),
-        argument("--rotate", type=int, default=0, metavar="N", help="quarter turns counter-clockwise"),
-        argument("--repaint", type=seed, metavar="SEED", help="other materials and colours"),
-        argument("--add-storey", action="store_true", help="the top storey's plan once more on top"),
+        argument("--clutter", type=float, metavar="X", help=f"{_CLUTTER}; furniture listed in the file stays"),
+        argument("--mirror", action="store_true", help="mirror the house in x"),
+        argument("--rotate", type=int, default=0, metavar="N", help="turn the house by N quarter turns counter-clockwise"),
+        argument("--repaint", type=seed, metavar="SEED", help="draw other materials and colours"),
+        argument("--add-storey", action="store_true", help="repeat the plan of the top storey on top"),
         *_APPEARANCE,
         _OUT,
     ),
@@ -135,25 +145,28 @@ VARIANT = Action(
 IMPORT = Action(
     "import",
     _import,
-    "a floor plan drawn elsewhere, SVG or GeoJSON, becomes a house",
+    "make a house from a floor plan drawn as SVG or GeoJSON",
     "lexis-sim house import plan.svg --metres-per-unit 0.01 -o house.json",
     (
         argument("plan", type=Path, metavar="PLAN.svg|.geojson"),
         argument(
-            "--metres-per-unit", type=float, metavar="X", help="scale of the drawing (default: GeoJSON 1; SVG what it says)"
+            "--metres-per-unit",
+            type=float,
+            metavar="X",
+            help="scale of the drawing (default: 1 for GeoJSON, the file's for SVG)",
         ),
         argument(
             "--snap",
             type=number(0.001, 0.3),
             default=0.05,
             metavar="M",
-            help="corners so near to each other lie on one line, in metres; as wide as walls are drawn, if rooms have gaps "
-            "between (default: %(default)s)",
+            help="if the plan is invalid as drawn, move corners at most M metres apart onto one line; if rooms are drawn "
+            "with gaps for the walls, M has to be the thickness of the walls (default: %(default)s)",
         ),
         argument(
             "--only-drawn",
             action="store_true",
-            help="no doors but the drawn ones (default: rooms that they do not reach get doors made up)",
+            help="use only the drawn doors (default: rooms that they do not reach get additional doors)",
         ),
         SEED,
         _OUT,

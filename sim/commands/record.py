@@ -1,4 +1,4 @@
-"""`lexis-sim record`: a run as a dataset for other programs."""
+"""`lexis-sim record`: write a run as a dataset for other programs."""
 
 import argparse
 from pathlib import Path
@@ -10,45 +10,46 @@ from lexis.command_line import Commands, add_command, tell_of_replacement
 from sim.commands.arguments import add_walk, folder, number, numbers, walk_options
 
 FORMATS = {
-    "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it, from PNG",
-    "tum": "TUM RGB-D: colour, 16-bit depth, the camera's true path, accelerometer, odometry; ORB-SLAM3 reads it as RGB-D",
-    "ros2": "ROS 2 bag (sqlite3): stereo, IMU, odometry, tf; VINS-Fusion and OpenVINS read it, with raw images",
-    "mcap": "the same as MCAP",
+    "euroc": "EuRoC ASL: stereo, 200 Hz IMU, true states, odometry; ORB-SLAM3 reads it if images are png",
+    "tum": "TUM RGB-D: colour, 16-bit depth, true camera trajectory, accelerometer, odometry; ORB-SLAM3 reads it as RGB-D",
+    "ros2": "ROS 2 bag (sqlite3): stereo, IMU, odometry, tf; VINS-Fusion and OpenVINS read it if images are raw",
+    "mcap": "ROS 2 bag with the same topics, stored as MCAP",
 }
 IMAGES_HELP = (
-    "png: replay gives the map of the live run, bit by bit; jpg: lossy, so that labels and loops may differ a little; "
-    "raw: uncompressed, in bags only (default: %(default)s)"
+    "png: LEXIS makes the same map from the recording as in the live run, bit by bit; jpg: lossy, so labels and loops may "
+    "differ a little; raw: uncompressed, in bags only (default: %(default)s)"
 )
 
 RIGS = ("wide", "stereo", "front-rear", "four")
 RIG_HELP = (
-    f"cameras: {', '.join(RIGS)}; LEXIS sees the first; wide gets a second one 0.11 m to the right (default: %(default)s)"
+    f"cameras: {', '.join(RIGS)}; LEXIS uses the first one; wide gets a second camera 0.11 m to the right "
+    "(default: %(default)s)"
 )
 
 LEVER_ARM = "X,Y,Z[,ROLL,PITCH,YAW]"
 LEVER_ARM_HELP = (
-    "place of the cameras on the IMU: forward, left, up in metres, up to 0.15 in all, and their rotation in degrees "
-    "(default: in the IMU, looking ahead); --lever-arm=-0.02,... where the first is negative"
+    "position of the cameras relative to the IMU: forward, left, up in metres, at most 0.15 in all, and their rotation in "
+    "degrees (default: at the IMU, looking ahead); write --lever-arm=-0.02,... if the first number is negative"
 )
 IMU_BIAS_HELP = (
-    "biases with which the IMU starts, drawn with standard deviations of FACTOR x 0.5 deg/s and FACTOR x 20 mg "
+    "initial biases of the IMU, drawn with standard deviations of FACTOR x 0.5 deg/s and FACTOR x 20 mg "
     "(default: none; without a number: 1)"
 )
 DISTORTION_HELP = (
-    "radial-tangential distortion of the images, as in --distortion=-0.1,0.008,0,0, or barrel, usual of a lens this "
-    "wide; calibrations and settings say so (default: none)"
+    "radial-tangential distortion of the images, as in --distortion=-0.1,0.008,0,0, or 'barrel' for coefficients usual for "
+    "a lens this wide; calibrations and settings contain it (default: none)"
 )
 BARREL = (-0.1, 0.008, 0.0005, -0.0003)
-"""Like a wide lens, not like EuRoC's: coefficients fitted to 78 degrees make straight lines wavy at 100."""
+"""Coefficients typical of a wide lens. EuRoC's, which were fitted for 78 degrees, would make straight lines wavy at 100."""
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `record`."""
     record = add_command(
         commands,
         "record",
         _record,
-        "a run as a dataset for other programs, and for 'lexis run'",
+        "write a run as a dataset for other programs and for 'lexis run'",
         "lexis-sim record --preset home --seed 7 --format euroc -o recording\n"
         "  lexis run recording --rooms recording/rooms.json -o map",
     )
@@ -59,12 +60,12 @@ def add_to(commands: Commands) -> None:
     record.add_argument("--format", choices=FORMATS, default="euroc", help=f"{formats} (default: %(default)s)")
     record.add_argument("--images", choices=("png", "jpg", "raw"), default="png", help=IMAGES_HELP)
     record.add_argument(
-        "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder (default: %(default)s)"
+        "-o", "--out", type=folder, default=Path("recording"), metavar="DIR", help="folder to write (default: %(default)s)"
     )
 
 
 def _add_calibration(record: argparse.ArgumentParser) -> None:
-    """Imperfections that a real rig has and an ideal one has not."""
+    """Add the options for imperfections of a real rig: lever arm, IMU biases and lens distortion."""
     record.add_argument(
         "--lever-arm", type=numbers(LEVER_ARM, (3, 6)), default=(0.0,) * 3, metavar=LEVER_ARM, help=LEVER_ARM_HELP
     )

@@ -1,4 +1,4 @@
-"""`lexis-sim train-encoder`: the weights of `mini`, anew."""
+"""`lexis-sim train-encoder`: train the weights of the encoder `mini` again."""
 
 import argparse
 import tempfile
@@ -12,23 +12,33 @@ from sim.errors import SimError
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `train-encoder`."""
     train = add_command(
         commands, "train-encoder", _train, "train the mini encoder", "lexis-sim train-encoder --work encoder-training"
     )
-    train.add_argument("--houses", type=positive, default=520, help="to train on (default: %(default)s)")
-    train.add_argument("--epochs", type=positive, default=10, help="of dense supervision (default: %(default)s)")
-    train.add_argument("--align-epochs", type=positive, default=4, help="of alignment with text (default: %(default)s)")
+    train.add_argument("--houses", type=positive, default=520, help="houses to train on (default: %(default)s)")
+    train.add_argument("--epochs", type=positive, default=10, help="epochs of dense supervision (default: %(default)s)")
+    train.add_argument(
+        "--align-epochs", type=positive, default=4, help="epochs of alignment with text (default: %(default)s)"
+    )
     SEED(train)
     train.add_argument(
-        "--work", type=folder, default=Path("encoder-training"), help="frames and checkpoints; resumed when it exists"
+        "--work",
+        type=folder,
+        default=Path("encoder-training"),
+        help="folder for frames and checkpoints; training resumes from it",
     )
     train.add_argument(
-        "--workers", type=positive, default=2, help="processes that render, threads that train (default: %(default)s)"
+        "--workers",
+        type=positive,
+        default=2,
+        help="number of rendering processes and of training threads (default: %(default)s)",
     )
-    train.add_argument("--start", type=Path, metavar="FILE", help="weights whose image tower to begin with")
-    train.add_argument("--teacher", type=folder, help="MiniLM's weights (default: those of the extra 'training')")
-    train.add_argument("--out", type=Path, help="weights (default: those in the package)")
+    train.add_argument("--start", type=Path, metavar="FILE", help="weights of lexis-mini whose image tower to start from")
+    train.add_argument(
+        "--teacher", type=folder, help="folder with MiniLM's weights (default: those of the extra 'training')"
+    )
+    train.add_argument("--out", type=Path, help="file for the weights (default: those in the package)")
 
 
 def _train(arguments: argparse.Namespace) -> int:
@@ -52,11 +62,11 @@ def _train(arguments: argparse.Namespace) -> int:
 
 
 def _check_writable(option: str, folder: Path) -> None:
-    """Make the folder; raise before hours of training what would be raised after them."""
+    """Make the folder and check that it can be written, before hours of training. Raises `SimError` if it cannot."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         raise SimError(
-            f"{option} in {folder}: cannot be written: {error.strerror}; valid: a folder that can be made"
+            f"{option} in {folder}: cannot be written: {error.strerror}; valid: a folder that can be made and written to"
         ) from None

@@ -1,6 +1,6 @@
-"""Runs as EuRoC's datasets are laid out (ASL): stereo images, 200 Hz IMU, true states, and the odometry as one more sensor.
+"""Runs in the ASL folder layout of the EuRoC datasets: stereo images, 200 Hz IMU, true states, and odometry as a sensor.
 
-Body and IMU are one frame, so every `T_BS` of a camera is its `T_B_C`.
+Body and IMU share one frame, so the `T_BS` of every camera is its `T_B_C`.
 """
 
 import csv
@@ -36,7 +36,7 @@ ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for
 
 
 def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
-    """Write a take. Beside `mav0` lie a list of stamps for ORB-SLAM3, and settings of other systems. Raises OSError."""
+    """Write a take: `mav0`, a list of image stamps for ORB-SLAM3, and settings files for other systems. Raises OSError."""
     sensors = folder / SENSORS
     sensors.mkdir()
     (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
@@ -47,7 +47,7 @@ def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], image
 
 
 def _write_frames(folder: Path, take: Take, frames: Iterable[RecordedFrame], suffix: str) -> None:
-    """Images and odometry, which pass but once."""
+    """Write images and odometry together, since `frames` can be read only once."""
     sensors = folder / SENSORS
     stamps: list[int] = []
     odometry: list[list[float]] = []
@@ -89,12 +89,12 @@ def _stamped(take: Take, rows: Float64[np.ndarray, "n k"]) -> Iterable[list[floa
 
 
 def _state_rows(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "n 7"]:
-    """Position and quaternion w x y z."""
+    """Rows of position and quaternion w x y z."""
     return pose_rows(poses)[:, [0, 1, 2, 6, 3, 4, 5]]
 
 
 def _write_csv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]]) -> None:
-    """Numbers with every digit: floats are written so that reading gives the same bits."""
+    """Write rows as CSV. Floats are written with enough digits to be read back bit by bit."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         file.write(",".join(columns) + "\n")
         csv.writer(file, lineterminator="\n").writerows(rows)

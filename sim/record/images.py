@@ -1,4 +1,4 @@
-"""Images as the bytes of files."""
+"""Encoding of images and depth maps as the bytes of image files."""
 
 import cv2
 import numpy as np
@@ -9,22 +9,22 @@ from sim.errors import SimError
 
 SUFFIXES = {"png": ".png", "jpg": ".jpg"}
 _PARAMETERS = {
-    # Of rendered rooms no slower setting makes files that are 3 % smaller.
+    # Slower settings make the files of rendered rooms less than 3 % smaller.
     ".png": [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_RLE],
     ".jpg": [cv2.IMWRITE_JPEG_QUALITY, 95],
 }
 
 DEPTH_FACTOR = 5000.0
-"""Of the TUM RGB-D benchmark: 5000 is one metre."""
+"""Depth units per metre, as in the TUM RGB-D benchmark."""
 
 
 def encoded(image: Image, suffix: str) -> bytes:
-    """An RGB image as PNG or JPEG (quality 95)."""
+    """Encode an RGB image as PNG or as JPEG of quality 95, by the suffix `.png` or `.jpg`."""
     return _encoded(image[..., ::-1], suffix)
 
 
 def encoded_depth(depth: Float32[np.ndarray, "h w"]) -> bytes:
-    """Depth [m] as a 16-bit PNG; what is farther than it can say (13.1 m) is 0, which means unknown."""
+    """Encode depth [m] as a 16-bit PNG. Depth beyond its range of 13.1 m is written as 0, which means unknown."""
     units = np.round(depth * DEPTH_FACTOR)
     return _encoded(np.where(units <= np.iinfo(np.uint16).max, units, 0).astype(np.uint16), ".png")
 
@@ -32,5 +32,5 @@ def encoded_depth(depth: Float32[np.ndarray, "h w"]) -> bytes:
 def _encoded(pixels: UInt8[np.ndarray, "h w 3"] | UInt16[np.ndarray, "h w"], suffix: str) -> bytes:
     fine, content = cv2.imencode(suffix, pixels, _PARAMETERS[suffix])
     if not fine:
-        raise SimError(f"an image of {pixels.shape} was not encoded as {suffix}")
+        raise SimError(f"an image of shape {pixels.shape} could not be encoded as {suffix}")
     return content.tobytes()

@@ -1,4 +1,4 @@
-"""ROS 2 messages of standard types, from what a take holds. Their classes come from `rosbags`, at run time."""
+"""ROS 2 messages of standard types from the data of a take. Package `rosbags` provides the classes at run time."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -43,17 +43,17 @@ _TYPES = (
 
 
 class Messages:
-    """Makes messages. Stamps are in [ns]; poses are `T_parent_child`."""
+    """Factory of ROS 2 messages. Stamps are in [ns]; poses are `T_parent_child`."""
 
     def __init__(self, types: Any, latched: Any) -> None:
         self.types = types
         self.latched = latched
-        """Quality of service of topics that late listeners get too."""
+        """Quality of service of latched topics, whose messages late subscribers receive too."""
         self._of = {name.rsplit("/", 1)[1]: types.types[name] for name in _TYPES}
 
     @staticmethod
     def load() -> "Messages":
-        """The messages of ROS 2. Raises SimError without `rosbags`."""
+        """Load the message types of ROS 2 Humble. Raises `SimError` if `rosbags` is not installed."""
         try:
             from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
             from rosbags.typesys import Stores, get_typestore
@@ -74,12 +74,12 @@ class Messages:
         return Messages(get_typestore(Stores.ROS2_HUMBLE), (latched,))
 
     def static_transforms(self, stamp_ns: int, cameras: Mapping[str, Camera]) -> Any:
-        """Where the sensors are on the body."""
+        """The poses of the sensors on the body."""
         places = {IMU: np.eye(4), **{name: camera.T_B_C for name, camera in cameras.items()}}
         return self._of["TFMessage"]([self._transform(stamp_ns, name, T) for name, T in places.items()])
 
     def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
-        """The calibration of a camera; in P, how far it is to the right of the first one."""
+        """The calibration of a camera. P contains its baseline to the first camera: -fx * distance to the right of it."""
         k = camera.intrinsics
         to_the_right = (inverse(first.T_B_C) @ camera.T_B_C)[0, 3]
         P = np.column_stack([k.matrix, [-k.fx * to_the_right, 0.0, 0.0]])
@@ -99,13 +99,13 @@ class Messages:
         )
 
     def image(self, stamp_ns: int, name: str, image: Image) -> Any:
-        """An image as it is."""
+        """An uncompressed image."""
         height, width = image.shape[:2]
         pixels = np.ascontiguousarray(image).ravel()
         return self._of["Image"](self._header(stamp_ns, name), height, width, "rgb8", 0, 3 * width, pixels)
 
     def compressed_image(self, stamp_ns: int, name: str, kind: str, content: bytes) -> Any:
-        """An image as PNG or JPEG."""
+        """An image whose `content` is encoded as `kind`, png or jpg."""
         form = {"png": "rgb8; png compressed bgr8", "jpg": "rgb8; jpeg compressed bgr8"}[kind]
         return self._of["CompressedImage"](self._header(stamp_ns, name), form, np.frombuffer(content, np.uint8))
 
@@ -116,9 +116,9 @@ class Messages:
         specific_force: Float64[np.ndarray, "3"],
         config: ImuConfig,
     ) -> Any:
-        """A measurement of the IMU; it knows no orientation."""
+        """A measurement of the IMU, without orientation. Covariances follow from the noise densities and the rate."""
         unknown = np.zeros(9)
-        unknown[0] = -1.0
+        unknown[0] = -1.0  # how sensor_msgs/Imu marks an orientation that is not measured
         gyroscope, accelerometer = (
             np.ravel(density**2 * config.rate_hz * np.eye(3))
             for density in (config.gyroscope_noise, config.accelerometer_noise)
@@ -134,7 +134,7 @@ class Messages:
         )
 
     def pose(self, stamp_ns: int, row: Float64[np.ndarray, "7"]) -> Any:
-        """A pose in the world: position, quaternion x y z w."""
+        """A pose in the world from a row of position and quaternion x y z w."""
         return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(row))
 
     def odometry(
@@ -146,9 +146,18 @@ class Messages:
         increment_covariance: Float64[np.ndarray, "6 6"],
         seconds: float,
     ) -> Any:
-        """The odometry; both covariances come rotation first and on the right, the first is that of the pose.
+        """The odometry: pose and twist with covariances.
 
-        ROS has translation first, and the pose's covariance in the axes of the odometry's frame.
+        ROS orders covariances translation first and gives that of the pose in the axes of the odometry frame. So both
+        covariances are reordered, and that of the pose is rotated.
+
+        Args:
+            stamp_ns: time stamp [ns].
+            T_O_B: pose of the body in the odometry frame.
+            covariance: of the pose, rotation first, perturbation on the right (body axes).
+            increment: motion since the last message, in body axes.
+            increment_covariance: of the increment, rotation first, perturbation on the right.
+            seconds: time since the last message; 0 for the first one, which gets a twist of zero.
         """
         axes = np.kron(np.eye(2), T_O_B[:3, :3])
         in_odom = axes @ covariance[np.ix_(_TRANSLATION_FIRST, _TRANSLATION_FIRST)] @ axes.T
@@ -165,7 +174,7 @@ class Messages:
         )
 
     def matrix(self, values: Float64[np.ndarray, "rows columns"]) -> Any:
-        """A matrix, row by row."""
+        """A matrix in row-major order."""
         sizes = (("rows", values.shape[0], values.size), ("columns", values.shape[1], values.shape[1]))
         layout = self._of["MultiArrayLayout"]([self._of["MultiArrayDimension"](*size) for size in sizes], 0)
         return self._of["Float64MultiArray"](layout, values.ravel())

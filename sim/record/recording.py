@@ -1,4 +1,4 @@
-"""`record`: a run written as a dataset. The folder appears whole or not at all."""
+"""`record`: write a run as a dataset. The folder appears complete or not at all."""
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -25,14 +25,14 @@ Write: TypeAlias = Callable[[Path, Take, Iterable[RecordedFrame], str], None]
 
 @dataclass(frozen=True)
 class Format:
-    """A form that runs can be recorded in."""
+    """A dataset format."""
 
     write: Write
-    """Writes frames to a folder, with images of the kind named last."""
+    """Writes a take's frames to a folder; its last argument is the kind of images, such as png."""
     images: tuple[str, ...]
-    """Kinds of images that it can hold."""
+    """Kinds of images that the format supports."""
     depth: bool = False
-    """Whether it holds the depth of cam0 instead of further cameras."""
+    """Whether the format contains the depth of cam0 instead of further cameras."""
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
@@ -45,7 +45,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 )
 
 _BYTES_PER_PIXEL = {"png": 1.5, "jpg": 0.4, "raw": 3.0}
-"""About, of rendered rooms; for the check of free space."""
+"""Approximate sizes of images of rendered rooms, for the check of free disk space."""
 _DEPTH_BYTES_PER_PIXEL = 1.0
 
 
@@ -60,11 +60,20 @@ def record(
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
-    `images` is png, jpg or, in bags, raw; the cameras are the pinholes of the config's rig, a single one with a partner to
-    the right of it; `progress` is told the share of frames done; `imu_config` has another IMU than EuRoC's;
-    `distortion` is that of every camera's lens, by default none. Returns the bytes written. Raises `LexisError` where `out`
-    holds anything else or cannot be written, `SimError` for an unknown format or kind of images, a distortion that cannot be
-    rendered, or too little room on the disk, and what `sim.harness.run` raises.
+    The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
+
+    Args:
+        config: the run to record.
+        out: folder to write.
+        format: a key of `FORMATS`.
+        images: png, jpg or, in bags only, raw.
+        progress: called after every frame with the share of frames done, in [0, 1].
+        imu_config: noise of the IMU, by default that of EuRoC's.
+        distortion: lens distortion of every camera, by default none.
+
+    Returns the number of bytes written. Raises `LexisError` if `out` contains anything but a recording or cannot be written;
+    `SimError` for an unknown format or kind of images, a distortion that cannot be rendered, or too little disk space; and
+    whatever `sim.harness.run` raises.
     """
     form = _format(format, images)
     with replaced_folder(out, ROOMS) as folder:

@@ -1,6 +1,6 @@
-"""`rooms.json`: the rooms of the house, and the one that every frame was taken in. It is truth: LEXIS does not read it.
+"""`rooms.json`: the ground truth of a recording, namely the rooms of the house and the room of every frame.
 
-Only its list `labels` is an input of LEXIS, where `lexis run --rooms rooms.json` says so.
+LEXIS reads only the list `labels` of it, as the names of rooms, if it is called as `lexis run --rooms rooms.json`.
 """
 
 import json
@@ -18,7 +18,7 @@ _DIGITS = 4
 
 
 class FrameRooms:
-    """Remembers where frames were taken, while they pass."""
+    """Collects the true room, storey and faults of frames while they are being written."""
 
     def __init__(self, house: House) -> None:
         self._house = house
@@ -28,7 +28,7 @@ class FrameRooms:
         self._faults: dict[int, list[str]] = {}
 
     def note(self, frames: Iterable[RecordedFrame]) -> Iterable[RecordedFrame]:
-        """The frames, each noted."""
+        """Yield the frames unchanged, and note the truth of each."""
         for frame in frames:
             if frame.truth.faults:
                 self._faults[len(self._stamps)] = list(frame.truth.faults)
@@ -38,7 +38,7 @@ class FrameRooms:
             yield frame
 
     def write(self, path: Path) -> None:
-        """Write the rooms, and what was noted."""
+        """Write the rooms of the house and the notes on all frames as JSON."""
         labels = self._house.spec.room_labels
         data = {
             "schema": 1,

@@ -1,7 +1,7 @@
-"""Runs as ROS 2 bags of standard messages, written without ROS by the package `rosbags`; topics as in EuRoC's bags.
+"""Runs as ROS 2 bags of standard messages. Package `rosbags` writes them, without ROS; topics are named as in EuRoC's bags.
 
-`lexis.datasets.ros2` says which of them LEXIS reads. The others are `/cam1/...`, `/imu0` and
-`/ground_truth/pose`, the truth.
+`lexis.datasets.ros2` lists the topics that LEXIS reads. The others are `/cam1/...`, `/imu0` and the true poses in
+`/ground_truth/pose`.
 """
 
 import sqlite3
@@ -26,11 +26,14 @@ if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
 
 _VERSION: Literal[8] = 8
-"""Of the bag's metadata: read by every ROS 2 that is supported."""
+"""Version of the bag's metadata that every supported ROS 2 release can read."""
 
 
 def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str, storage: str = "sqlite3") -> None:
-    """Write a take as the bag `bag`, stored by sqlite3 or mcap. Raises SimError without `rosbags`, or room on the disk."""
+    """Write a take as the bag `bag`, stored as sqlite3 or mcap.
+
+    Raises `SimError` if `rosbags` is not installed or the disk is full.
+    """
     messages = Messages.load()
     write_settings(folder / "settings", take)
     with _writer(folder / "bag", storage) as writer:
@@ -58,7 +61,7 @@ def _writer(path: Path, storage: str) -> Iterator["Writer"]:
 
 
 class _Bag:
-    """Writes messages, each to its topic."""
+    """Writes messages to their topics and opens each topic at its first message."""
 
     def __init__(self, writer: "Writer", messages: Messages) -> None:
         self._writer, self.messages = writer, messages
@@ -76,7 +79,7 @@ class _Bag:
 
 
 class _Inertial:
-    """Writes IMU and true poses in the order of time, between the frames."""
+    """Writes IMU measurements and true poses between the frames, so that the bag is in the order of time."""
 
     def __init__(self, take: Take, bag: _Bag) -> None:
         self._take, self._bag = take, bag
@@ -84,7 +87,7 @@ class _Inertial:
         self._next = 0
 
     def until(self, stamp_ns: int) -> None:
-        """Write what was measured up to that stamp."""
+        """Write all measurements up to and including that stamp [ns] that were not written yet."""
         imu, config = self._take.imu, self._take.imu_config
         end = int(np.searchsorted(self._take.imu_ns, stamp_ns, side="right"))
         for k in range(self._next, end):
@@ -96,7 +99,11 @@ class _Inertial:
 
 
 class _Odometry:
-    """Writes the odometry, with the covariance of its pose, and exactly what LEXIS is given beside."""
+    """Writes the odometry twice: as a standard message with the covariance of its pose, and as the input of LEXIS.
+
+    The input of LEXIS is the covariance of the increment since the last message. It goes to a topic of its own, since the
+    standard message contains it only scaled and reordered, which would not replay bit by bit.
+    """
 
     def __init__(self, bag: _Bag) -> None:
         self._bag = bag
@@ -104,7 +111,7 @@ class _Odometry:
         self._covariance = np.zeros((6, 6))
 
     def write(self, stamp_ns: int, seen: Observation) -> None:
-        """Write that of one observation."""
+        """Write the odometry of one observation. The pose's covariance accumulates from the increments."""
         increment, seconds = np.eye(4), 0.0
         if self._last is not None:
             increment, seconds = between(self._last.T_O_B, seen.T_O_B), seen.stamp - self._last.stamp

@@ -1,6 +1,7 @@
-"""Calibration in the words of the systems that are to run on a recording: ORB-SLAM3, VINS-Fusion, Kalibr and OpenVINS.
+"""Settings files with which other systems run on a recording: ORB-SLAM3, VINS-Fusion and OpenVINS (with Kalibr's files).
 
-Tuning parameters are those that the systems ship for EuRoC; the noise of the IMU is what it has.
+Calibrations and the IMU's noise are the true ones of the recording. Tuning parameters are those that the systems ship for
+EuRoC.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,11 +19,14 @@ from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"
 _OPENVINS_JERK_M_S2 = 0.2
-"""Deviation of the accelerometer by which OpenVINS takes the rest to be over; a walker starts more gently than a drone."""
+"""Standard deviation of the accelerometer above which OpenVINS takes the rest at the start to be over [m/s^2].
+
+It is lower than that for EuRoC, since a walker starts more gently than a drone.
+"""
 
 
 def write_settings(folder: Path, take: Take) -> None:
-    """Write the settings of all systems, if cam0 and cam1 look the same way, as a stereo pair does. Raises OSError."""
+    """Write the settings of all systems if cam0 and cam1 are parallel, as in a stereo pair, else nothing. Raises OSError."""
     left, right = take.cameras["cam0"], take.cameras["cam1"]
     if not np.allclose(left.T_B_C[:3, :3], right.T_B_C[:3, :3]):
         return
@@ -141,7 +145,7 @@ def _kalibr_imu(imu: ImuConfig) -> str:
 
 
 def _openvins(rate_hz: float) -> str:
-    """The settings that OpenVINS ships for EuRoC, without those for other data; it reads the two files of Kalibr as well."""
+    """The settings that OpenVINS ships for EuRoC, without those for other data. They refer to the two files of Kalibr."""
     return (
         f'{_YAML}verbosity: "INFO"\nuse_fej: true\nuse_imuavg: true\nuse_rk4int: true\n'
         "use_stereo: true\nmax_cameras: 2\n"
@@ -171,7 +175,10 @@ def _openvins(rate_hz: float) -> str:
 
 
 def _discrete(density: float, imu: ImuConfig) -> float:
-    """Noise per sample, as VINS-Fusion takes it, that of the rate of the biases too: it multiplies all by the time step."""
+    """Convert a noise density to noise per sample, which VINS-Fusion expects for the random walk of the biases too.
+
+    It multiplies all of them by the time step.
+    """
     return float(density * np.sqrt(imu.rate_hz))
 
 

@@ -1,7 +1,7 @@
-"""What the sensors of a robot report on one walk: images of several cameras, depth, IMU and odometry, beside the truth.
+"""The sensor data of one walk: images of several cameras, depth, IMU and odometry, together with the truth.
 
-A take begins with a moment at rest, which visual-inertial systems use to find gravity. LEXIS makes nothing of it: it keeps
-no frame where the odometry has not moved.
+A take begins with two seconds at rest, during which visual-inertial systems estimate the direction of gravity. The rest does
+not change LEXIS's map, since LEXIS adds no keyframe while the odometry does not move.
 """
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -27,49 +27,49 @@ from sim.truth import Truth
 from sim.world_states import FrameRenderer, WorldStates
 
 EPOCH_NS = 10**18
-"""Stamp of the first frame, in 2001: stamps have 19 digits, as tools that cut them into seconds and nanoseconds expect."""
+"""Stamp of the first frame [ns], in 2001. Tools that split stamps into seconds and nanoseconds expect 19 digits."""
 REST_S = 2.0
-"""At the start [s]."""
+"""Duration of the rest at the start [s]."""
 _MARGIN_S = 0.1
-"""The IMU begins this much before the first frame and ends this much after the walk [s]."""
+"""The IMU starts this long before the first frame and stops this long after the end of the walk [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedFrame:
-    """All that is recorded at one instant."""
+    """All data that is recorded with one camera frame."""
 
     stamp_ns: int
     observation: Observation
-    """What LEXIS is given; its image is that of the first camera."""
+    """Input of LEXIS; its image is that of the first camera."""
     truth: Truth
     images: Mapping[str, Image]
-    """By camera, the first one included."""
+    """Images by camera name, including that of the first camera."""
     depth: Float32[np.ndarray, "h w"] | None
-    """Of the first camera, along its optical axis [m]."""
+    """Depth of the first camera along its optical axis [m]; None if it was not asked for."""
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """One walk, its sensors, and what they report."""
+    """One walk with its sensors and their data. Images are rendered only when `frames` is read."""
 
     config: RunConfig
     walk: Walk
     cameras: Mapping[str, Camera]
-    """cam0 is the one that LEXIS sees."""
+    """Cameras by name; LEXIS receives the images of cam0."""
     imu_config: ImuConfig
     distortion: Distortion
     """Distortion of the lens of every camera."""
     imu: Imu
-    """Stamps count from the start of the walk, so they begin below 0 [s]."""
+    """IMU data. Stamps count from the start of the walk, so those of the rest before it are negative [s]."""
 
     @property
     def rest_frames(self) -> int:
-        """How many frames are at rest before the walk begins."""
+        """Number of frames at rest before the walk begins."""
         return round(REST_S / self.frame_s)
 
     @property
     def frame_s(self) -> float:
-        """Time between frames [s]."""
+        """Time between consecutive frames [s]."""
         return float(self.walk.tour.stamps[1] - self.walk.tour.stamps[0])
 
     def __len__(self) -> int:
@@ -92,17 +92,17 @@ class Take:
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
-        """The frames as they arrive, with images of cam0 and of the other `cameras` named, and its depth if asked for.
+        """Render the frames one by one: images of cam0 and of the other `cameras` named, and the depth of cam0 on request.
 
-        Faults of images are those of cam0 alone, whose images LEXIS sees; faults of the world are seen by all.
+        Image faults affect only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
 
-        Raises `GraphicsError` where there is no off-screen OpenGL.
+        Raises `GraphicsError` if off-screen OpenGL is not available.
         """
         walked, faults, seed = self.walk, self.config.faults, self.config.seed
         camera = self.cameras["cam0"]
         bent = self.distortion
         session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed, distortion=bent)
-        # A staging of its own: the session renders in another thread.
+        # The session renders in another thread, so the other cameras need world states of their own.
         rendered = rendered_camera(camera, bent) if bent else camera
         staging = WorldStates(walked.house, walked.tour, rendered, faults, seed)
         with ExitStack() as stack:
@@ -123,7 +123,7 @@ class Take:
                 yield from self._at_rest(frame) if k == 0 else [frame]
 
     def _at_rest(self, first: RecordedFrame) -> Iterator[RecordedFrame]:
-        """The first frame as often as the rest lasts, then once more; nothing moves, so the odometry makes no error."""
+        """Repeat the first frame during the rest, then yield it itself. Without motion the odometry's covariance is zero."""
         still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
         for k in range(-self.rest_frames, 1):
             stamp = first.observation.stamp + k * self.frame_s
@@ -131,26 +131,28 @@ class Take:
 
 
 def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: Distortion | None = None) -> Take:
-    """Plan what `config` describes; nothing is rendered yet. Raises what `sim.harness.run` raises, and what `Lens` does.
+    """Plan the walk and simulate odometry and IMU for `config`; nothing is rendered yet.
 
-    The cameras are the pinholes of the config's rig; beside a single one, another to the right of it. All have the same
-    `distortion`, by default none.
+    The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
+    All have the same `distortion`, by default none.
+
+    Raises what `sim.harness.run` and `Lens` raise, and `SimError` for a camera too far from the IMU.
     """
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     pinholes = tuple(config.rig.cameras.values())
     cameras = (*pinholes, stereo_partner(config.rig.front)) if len(pinholes) == 1 else pinholes
     _check_places(cameras)
     if distortion:
-        rendered_camera(config.rig.front, distortion)  # refuses what cannot be rendered, before the work
+        rendered_camera(config.rig.front, distortion)  # raises before the walk is planned
     walked = walk(config)
-    # A stream of the IMU's own, so that it leaves those of the run alone.
+    # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
     return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu)
 
 
 def _check_places(cameras: Sequence[Camera]) -> None:
-    """Raise SimError for a camera outside of the space that is kept free around the body."""
+    """Raise `SimError` for a camera outside of the space around the body that walks keep free of obstacles."""
     for k, camera in enumerate(cameras):
         if (distance_m := float(np.linalg.norm(camera.T_B_C[:2, 3]))) > FREE_M:
             raise SimError(
@@ -160,19 +162,19 @@ def _check_places(cameras: Sequence[Camera]) -> None:
 
 
 def stereo_partner(camera: Camera) -> Camera:
-    """The same camera to the right of it, parallel."""
+    """The right camera of a stereo pair whose left one is `camera`: parallel, `STEREO_BASELINE_M` to the right."""
     step = np.eye(4)
     step[0, 3] = STEREO_BASELINE_M
     return Camera(camera.intrinsics, camera.T_B_C @ step)
 
 
 def stamp_ns(seconds: float) -> int:
-    """The stamp of a time that counts from the start of the walk [ns]."""
+    """Convert a time since the start of the walk [s] to a stamp [ns]."""
     return EPOCH_NS + round((seconds + REST_S) * 1e9)
 
 
 def _with_rest(imu: Imu, rate_hz: float) -> Imu:
-    """The measurements with rest before and after them: the motion begins and ends with it, upright."""
+    """Add measurements at rest before and after the walk. The motion starts and ends upright and at rest."""
     before, after = round((REST_S + _MARGIN_S) * rate_hz), round(_MARGIN_S * rate_hz)
     stamps = np.arange(-before, len(imu.stamps) + after) / rate_hz
     pad = ((before, after), (0, 0))

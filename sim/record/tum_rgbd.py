@@ -1,7 +1,7 @@
-"""Runs as the TUM RGB-D benchmark lays them out: colour, depth, the camera's true path, accelerometer; and the odometry.
+"""Runs in the layout of the TUM RGB-D benchmark: colour, depth, true trajectory, accelerometer, and also the odometry.
 
-`groundtruth.txt` is of the camera's optical frame, as in the benchmark; `odometry.tum` is of the body (see
-`lexis.datasets.tum_rgbd`).
+`groundtruth.txt` contains poses of the camera's optical frame, as in the benchmark. `odometry.tum` contains poses of the
+body (see `lexis.datasets.tum_rgbd`).
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,10 @@ from sim.record.settings import write_rgbd_settings
 from sim.record.take import RecordedFrame, Take
 
 ASSOCIATIONS = "associations.txt"
-"""Images beside their depth, as the benchmark's `associate.py` writes them; ORB-SLAM3 reads it, and no comments in it."""
+"""List of images with their depth maps, as the benchmark's `associate.py` writes it for ORB-SLAM3.
+
+It has no header, since ORB-SLAM3 cannot read comments in it.
+"""
 _HEADERS = {
     IMAGE_LIST: "# color images\n# timestamp filename\n",
     "depth.txt": "# depth maps, 16 bit, 5000 per metre along the optical axis, 0 where unknown\n# timestamp filename\n",
@@ -29,7 +32,7 @@ _HEADERS = {
 
 
 def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
-    """Write a take. Raises OSError."""
+    """Write a take. `images` is png or jpg. Raises OSError."""
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
     write_camera(folder / CAMERA, camera, take.distortion.coefficients)
     write_rgbd_settings(folder / "settings", take)
@@ -64,6 +67,6 @@ def _write_rows(path: Path, header: str, take: Take, rows: Float64[np.ndarray, "
 
 
 def _seconds(stamp_ns: int) -> str:
-    """To the microsecond, as in the benchmark."""
+    """Format a stamp in seconds with microseconds, as in the benchmark."""
     micro = round(stamp_ns / 1000)
     return f"{micro // 10**6}.{micro % 10**6:06d}"

@@ -1,4 +1,4 @@
-"""The confusion matrix of labels."""
+"""The confusion matrix of room labels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,10 @@ from sim.report.data import KeyframeTable
 
 @dataclass(frozen=True, eq=False)
 class Confusion:
-    """Counts of keyframes; rows are true labels, columns are predicted ones. The columns begin with the rows."""
+    """Counts of keyframes by true label (rows) and predicted label (columns).
+
+    The first columns are the labels of the rows, in the same order, so that the diagonal counts correct labels.
+    """
 
     rows: tuple[str, ...]
     columns: tuple[str, ...]
@@ -19,12 +22,12 @@ class Confusion:
 
     @property
     def recalls(self) -> list[float]:
-        """Per row: the share of its keyframes that carry its label."""
+        """Recall of every row: the share of its keyframes that were labelled correctly."""
         return [float(share) for share in np.diagonal(self.counts) / self.counts.sum(axis=1)]
 
 
 def confusion(table: KeyframeTable, label_names: Sequence[str]) -> Confusion:
-    """Rows for the labels that occur in truth, columns for these and for the others that were predicted."""
+    """Count keyframes by label: a row for each true label, a column for each of these and of the other predicted labels."""
     n = len(label_names)
     counts = np.zeros((n, n), dtype=np.int64)
     np.add.at(counts, (table.true_labels, table.predicted_labels), 1)

@@ -1,4 +1,4 @@
-"""What a report shows, as plain data: no type of the simulator or of LEXIS, so that any SLAM's run can be reported."""
+"""The input of a report, as plain data: it uses no types of LEXIS, so that the run of any SLAM system can be reported."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from sim.errors import SimError
 from worlds.spec import OpeningKind
 
 Outline = Float64[np.ndarray, "corners 2"]
-"""A polygon of the plan, in W [m]."""
+"""A polygon of the floor plan, in W [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,32 +19,32 @@ class PlannedRoom:
     """A room of the floor plan."""
 
     name: str
-    """Of the instance, such as "bedroom 2"."""
+    """Name of the room instance, such as "bedroom 2"."""
     label: str
     outline: Outline
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedOpening:
-    """A gap between two rooms."""
+    """An opening between two rooms."""
 
     kind: OpeningKind
     ends: Float64[np.ndarray, "2 2"]
-    """[m]"""
+    """Both ends of the opening, in W [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedLeaf:
-    """A door leaf as it stands."""
+    """A door leaf at its opening angle."""
 
     outline: Outline
     arc: Float64[np.ndarray, "k 2"]
-    """The way of its free end from shut to where it stands [m]."""
+    """Path of the leaf's free end from the closed position to the present one [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class FloorPlan:
-    """One storey, seen from above."""
+    """The floor plan of one storey."""
 
     level: int
     floor_m: float
@@ -56,67 +56,69 @@ class FloorPlan:
     treads: tuple[Outline, ...] = ()
     leaves: tuple[PlannedLeaf, ...] = ()
     windows: tuple[Float64[np.ndarray, "2 2"], ...] = ()
-    """The two ends of each [m]."""
+    """Both ends of each window [m]."""
     house: str | None = None
     """Name of the house."""
 
 
 @dataclass(frozen=True, eq=False)
 class KeyframeTable:
-    """Truth and estimate of every keyframe, one row each, in the order of time. Poses are in W."""
+    """Truth and estimate of every keyframe, one row per keyframe, in the order of time. Poses are `T_W_B`."""
 
     stamps: Float64[np.ndarray, "n"]
-    """[s]"""
+    """Time stamps [s]."""
     true_poses: Float64[np.ndarray, "n 4 4"]
     odometry_poses: Float64[np.ndarray, "n 4 4"]
-    """Aligned to the truth as for the ATE, the optimised ones too, so that both can be compared."""
+    """Aligned to the truth as for the ATE. The optimised poses are aligned in the same way, so that both can be compared."""
     optimised_poses: Float64[np.ndarray, "n 4 4"]
     storeys: Int[np.ndarray, "n"]
-    """True level."""
+    """Level of the storey that the keyframe is truly on."""
     true_labels: Int[np.ndarray, "n"]
-    """Row of `ReportData.label_names`, as the two below."""
+    """Index into `ReportData.label_names`, as for the two fields below."""
     baseline_labels: Int[np.ndarray, "n"]
+    """Predicted from the keyframe's image alone."""
     predicted_labels: Int[np.ndarray, "n"]
+    """Predicted after refinement."""
     true_rooms: tuple[str, ...]
-    """Name of the room instance that holds the camera."""
+    """Name of the room instance that contains the camera."""
     predicted_rooms: tuple[str, ...]
-    """Name of the room instance that LEXIS put it in."""
+    """Name of the room instance that LEXIS assigned the keyframe to."""
 
     @property
     def wrong(self) -> Bool[np.ndarray, "n"]:
-        """Whether the refined label is not the true room's."""
+        """Whether the refined label differs from the true one."""
         return np.asarray(self.predicted_labels != self.true_labels)
 
     @property
     def odometry_errors(self) -> Float64[np.ndarray, "n"]:
-        """Distance of the odometry from the truth [m]."""
+        """Distance between the odometry's position and the true one [m]."""
         return np.asarray(np.linalg.norm(self.odometry_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
     @property
     def optimised_errors(self) -> Float64[np.ndarray, "n"]:
-        """Distance of the optimised pose from the truth [m]."""
+        """Distance between the optimised position and the true one [m]."""
         return np.asarray(np.linalg.norm(self.optimised_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
 
 @dataclass(frozen=True)
 class LoopMark:
-    """A loop edge between two keyframes, and whether it is true."""
+    """A loop edge between two keyframes, and whether its relative pose is true."""
 
     query: int
     match: int
     true: bool
     weight: float
-    """The robust kernel's final weight, in [0, 1]."""
+    """Final weight of the edge under the optimiser's robust kernel, in [0, 1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampleFrame:
-    """A frame worth looking at."""
+    """A frame that the report shows as an example."""
 
     keyframe: int
     image: UInt8[np.ndarray, "h w 3"]
     scores: tuple[tuple[str, float], ...]
-    """The labels with the largest similarity and that similarity, best first."""
+    """Labels with the largest similarity to the image and their similarities, best first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,15 +128,15 @@ class PlanPath:
     start: str
     goal: str
     points: Float[np.ndarray, "k 3"]
-    """Where the robot's foot was [m]; none where no plan was found."""
+    """Positions of the robot on the floor [m]; empty if no plan was found."""
     success: bool | None = None
-    """Whether it arrived; None: it was not driven."""
+    """Whether the robot reached the goal; None if the plan was not driven."""
     reason: str = ""
-    """Why it did not arrive."""
+    """Why the robot did not reach the goal."""
     ended: str | None = None
-    """Name of the room that it ended in; None outside of all, or where it was not driven."""
+    """Name of the room that the robot ended in; None if it ended outside of all rooms or the plan was not driven."""
     shortest_m: float | None = None
-    """Shortest way to the goal [m]."""
+    """Length of the shortest path to the goal [m]."""
 
     @property
     def driven_m(self) -> float:
@@ -144,7 +146,7 @@ class PlanPath:
 
 @dataclass(frozen=True, eq=False)
 class ReportData:
-    """All that `write_report` needs."""
+    """Everything that `write_report` needs. Raises `SimError` for no keyframes, or for indices out of range."""
 
     result: Mapping[str, Any]
     """The contents of result.json."""
@@ -155,11 +157,11 @@ class ReportData:
     samples: tuple[SampleFrame, ...] = ()
     paths: tuple[PlanPath, ...] = ()
     unseen_rooms: tuple[str, ...] = ()
-    """Rooms of the walk that no keyframe is in."""
+    """Names of the rooms on the walk that contain no keyframe."""
 
     @property
     def failed(self) -> tuple[PlanPath, ...]:
-        """The plans that did not arrive, numbered from 1 in this order wherever they are shown."""
+        """The plans whose goal was not reached. The report numbers them from 1 in this order."""
         return tuple(path for path in self.paths if path.success is False)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The little that a plan is drawn with: marks in metres, and the styles that both SVG and PNG give them."""
+"""The drawing model of floor plans: marks with coordinates in metres, and the styles that SVG and PNG output share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,36 +10,36 @@ from jaxtyping import Float
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A polygon, line, dot or text in plan coordinates (x right, y up, metres)."""
+    """A polygon, line, dot or text in plan coordinates (x to the right, y up, in metres)."""
 
     kind: Literal["polygon", "line", "dot", "text"]
     style: str
-    """A key of `STYLES`; in SVG also the class."""
+    """A key of `STYLES`; in SVG also the class of the element."""
     points: Float[np.ndarray, "k 2"]
-    """One point for dots and texts; a text begins there."""
+    """Vertices in metres. Dots and texts have a single point; a text starts at its point."""
     colour: str | None = None
-    """In place of the style's: the fill of polygons, dots and texts, the stroke of lines; `#rrggbb`."""
+    """Overrides the style: the fill of polygons, dots and texts, or the stroke of lines; `#rrggbb`."""
     text: str = ""
-    """The content of a text; the tooltip of anything else."""
+    """Content of a text mark; tooltip of any other mark."""
     size: float = 0.3
     """Height of a text [m]."""
     keyframe: int | None = None
-    """That it stands for."""
+    """Index of the keyframe that the mark represents."""
 
 
 @dataclass(frozen=True)
 class Style:
-    """How marks look on white."""
+    """How marks look on a white background."""
 
     fill: str | None = None
     fill_opacity: float = 1.0
     stroke: str | None = None
     width: float = 1.0
-    """Of the stroke, in hundredths of a metre."""
+    """Width of the stroke [cm]."""
     dash: tuple[float, float] | None = None
-    """Drawn and left out, of lines [cm]."""
+    """Lengths of a dash and of the gap after it [cm]; lines only."""
     radius: float = 0.0
-    """Of a dot [m]."""
+    """Radius of a dot [m]."""
     opacity: float = 1.0
 
 
@@ -73,27 +73,32 @@ STYLES: dict[str, Style] = {
     "plan-number": Style(fill="#d5202a"),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
-"""Painted in this order. Green and red never stand alone: what is wrong is also larger, dashed or ringed."""
+"""Styles by name, in painting order. Errors are not marked by red alone but are also larger, dashed or ringed, for
+readers who cannot tell green from red."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Marks and the part of the plan to show. They are painted by style, in the order of `STYLES`."""
+    """Marks, and the rectangle of the plan to show. Marks are painted by style, in the order of `STYLES`."""
 
     marks: Sequence[Mark]
     low: Float[np.ndarray, "2"]
     """Lower left corner [m]."""
     high: Float[np.ndarray, "2"]
+    """Upper right corner [m]."""
     title: str = field(default="plan", kw_only=True)
 
     @property
     def layers(self) -> list[Mark]:
-        """The marks in the order they are painted."""
+        """The marks in painting order."""
         order = {style: i for i, style in enumerate(STYLES)}
         return sorted(self.marks, key=lambda mark: order[mark.style])
 
     def with_marks(self, more: Sequence[Mark], reach_m: float = 1.5) -> "Drawing":
-        """The drawing with more marks, widened for them by at most `reach_m`."""
+        """A drawing with more marks, whose rectangle is extended to show them, by at most `reach_m` on each side.
+
+        The limit keeps the plan large when a trajectory has drifted far away.
+        """
         points = np.concatenate([mark.points for mark in more]) if more else np.array([self.low, self.high])
         low = np.minimum(self.low, np.maximum(points.min(axis=0), self.low - reach_m))
         high = np.maximum(self.high, np.minimum(points.max(axis=0), self.high + reach_m))

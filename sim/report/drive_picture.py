@@ -1,4 +1,4 @@
-"""A drive on the plans of the storeys that it touches: what was planned, what was driven, where it ended."""
+"""A picture of one drive on the floor plans: the planned path, the driven path, and where the drive ended."""
 
 import cv2
 import numpy as np
@@ -14,13 +14,17 @@ from worlds.truth import storey_of
 
 _PIXELS_PER_METRE = 60
 _SAME_STOREY_M = 0.3
-"""Stairs are walked up to the next floor: this little below it, one is there."""
+"""On stairs, a point counts as on the upper storey from this far below its floor [m]."""
 
 
 def drive_png(
     house: House, planned: Float64[np.ndarray, "j 3"], path: Float64[np.ndarray, "k 3"], touched: tuple[str, ...] = ()
 ) -> bytes:
-    """The plan's line dashed, the drive's solid, its end ringed; all in W [m]. The end's ring names what was touched."""
+    """Draw a drive on the plans of all storeys, as a PNG file.
+
+    The planned path is dashed and the driven path is solid; both are in W [m]. A ring marks the end of the drive, and beside
+    it stands the name of the first object that the robot touched.
+    """
     plans = floor_plans(house)
     floors = [plan.floor_m for plan in plans]
     colours = label_colours(room.label for plan in plans for room in plan.rooms)

@@ -1,4 +1,4 @@
-"""Every figure of result.json: its name, how it is written, what it means."""
+"""The figures of result.json: the name, number format and meaning that reports show for each of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ MISSING = "–"
 
 @dataclass(frozen=True)
 class Definition:
-    """How one figure is shown."""
+    """How reports show one figure of result.json."""
 
     name: str
     form: str
-    """A format of `str.format`."""
+    """Format string for `str.format`."""
     meaning: str = ""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure as it is shown."""
+    """One figure of a run, formatted for a reader."""
 
     name: str
     value: str
@@ -29,100 +29,159 @@ class Figure:
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
 _SIGNED = "{:+d}"
 PLACES = "place_recognition"
-"""The section whose figures are by N and not by name."""
+"""Section of result.json whose keys are the values of N instead of names of figures."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {
-        "rooms_with_keyframe": Definition("rooms in the map", _COUNT, "rooms of the walk that have a keyframe"),
-        "rooms_walked": Definition("rooms on the walk", _COUNT, "rooms that the walk went through"),
+        "rooms_with_keyframe": Definition(
+            "rooms in the map", _COUNT, "rooms on the walk that contain at least one keyframe"
+        ),
+        "rooms_walked": Definition("rooms on the walk", _COUNT, "rooms that the walk passes through"),
         "path_covered": Definition(
             "share of the walk",
             _SHARE,
-            "between the first and the last keyframe, without gaps over 3 m; no other figure is about the rest",
+            "share of the walk's length that lies between the first and the last keyframe, not counting gaps of more than "
+            "3 m between keyframes; figures over keyframes say nothing about the rest of the walk",
         ),
     },
     "labels": {
-        "accuracy": Definition("label accuracy", _SHARE, "keyframes labelled as the true room that contains the camera"),
-        "accuracy_baseline": Definition("… before refinement", _SHARE, "the same, for the label of each image alone"),
+        "accuracy": Definition(
+            "label accuracy", _SHARE, "share of keyframes with the label of the true room that contains the camera"
+        ),
+        "accuracy_baseline": Definition(
+            "… before refinement", _SHARE, "the same share for the labels before refinement, each from its own image alone"
+        ),
         "accuracy_graded": Definition(
-            "… graded", _SHARE, "the same, but within 0.75 m of an open boundary the label of either side is right"
+            "… graded",
+            _SHARE,
+            "the same share after refinement, but within 0.75 m of an open boundary the label of the room on either side "
+            "counts as right",
         ),
     },
     "rooms": {
         "pq": Definition(
             "panoptic quality",
             _SCORE,
-            "of predicted and true rooms, matched one to one at IoU > 0.5 of their keyframes: "
-            "the IoU of the matches, lowered by rooms without a match; 1 is perfect",
+            "predicted and true rooms match where the IoU of their sets of keyframes is above 0.5; the figure is the sum of "
+            "the matches' IoU divided by (matches + half of the rooms without a match); 1 is perfect",
         ),
-        "precision": Definition("precision", _SHARE, "predicted rooms that have a match"),
-        "recall": Definition("recall", _SHARE, "true rooms that have a match"),
+        "precision": Definition("precision", _SHARE, "share of predicted rooms that have a match"),
+        "recall": Definition("recall", _SHARE, "share of true rooms that have a match"),
         "hydra_precision": Definition(
-            "Hydra's precision", _SHARE, "mean share of a predicted room that one true room covers; splits do not lower it"
+            "Hydra's precision",
+            _SHARE,
+            "largest share of a predicted room that a single true room covers, averaged over the predicted rooms; splits do "
+            "not lower it",
         ),
         "hydra_recall": Definition(
-            "Hydra's recall", _SHARE, "mean share of a true room that one predicted room covers; merges do not lower it"
+            "Hydra's recall",
+            _SHARE,
+            "largest share of a true room that a single predicted room covers, averaged over the true rooms; merges do not "
+            "lower it",
         ),
-        "ari": Definition("adjusted Rand index", _SCORE, "agreement on which keyframes share a room; 0 by chance, 1: equal"),
-        "v_measure": Definition("V-measure", _SCORE, "harmonic mean of homogeneity and completeness of predicted rooms"),
-        "splits": Definition("splits", _COUNT, "predicted rooms beyond the first that lie mostly (> half) in one true room"),
-        "merges": Definition("merges", _COUNT, "true rooms beyond the first that lie mostly (> half) in one predicted room"),
-        "count_error": Definition("count error", _SIGNED, "predicted minus true number of rooms that have a keyframe"),
+        "ari": Definition(
+            "adjusted Rand index",
+            _SCORE,
+            "agreement with the truth on which pairs of keyframes share a room; 0 is the level of chance, 1 is perfect",
+        ),
+        "v_measure": Definition(
+            "V-measure", _SCORE, "harmonic mean of the homogeneity and the completeness of the predicted rooms; 1 is perfect"
+        ),
+        "splits": Definition(
+            "splits",
+            _COUNT,
+            "number of predicted rooms that lie mostly (> half) in the same true room, not counting the first one in each",
+        ),
+        "merges": Definition(
+            "merges",
+            _COUNT,
+            "number of true rooms that lie mostly (> half) in the same predicted room, not counting the first one in each",
+        ),
+        "count_error": Definition("count error", _SIGNED, "predicted minus true number of rooms that contain a keyframe"),
     },
     "floors": {
-        "accuracy": Definition("floor accuracy", _SHARE, "keyframes off the stairs that are on the right floor"),
-        "count_error": Definition("count error", _SIGNED, "predicted minus true number of floors that have a keyframe"),
+        "accuracy": Definition(
+            "floor accuracy", _SHARE, "share of the keyframes off the stairs that are assigned to the right floor"
+        ),
+        "count_error": Definition("count error", _SIGNED, "predicted minus true number of floors that contain a keyframe"),
     },
     "loops": {
-        "proposed": Definition("proposed pairs", _COUNT, "candidate pairs handed to geometric verification"),
-        "verified": Definition("loop edges", _COUNT, "pairs that verification accepted"),
-        "true": Definition("true edges", _COUNT, "edges whose relative pose is within 0.5 m and 0.2 rad of the truth"),
-        "false": Definition("false edges", _COUNT, "all other edges"),
-        "precision": Definition("precision", _SHARE, "true edges among the edges"),
+        "proposed": Definition(
+            "proposed pairs", _COUNT, "candidate keyframe pairs that were passed to geometric verification"
+        ),
+        "verified": Definition("loop edges", _COUNT, "pairs that geometric verification accepted"),
+        "true": Definition("true edges", _COUNT, "loop edges whose relative pose is within 0.5 m and 0.2 rad of the truth"),
+        "false": Definition("false edges", _COUNT, "all other loop edges"),
+        "precision": Definition("precision", _SHARE, "share of loop edges that are true"),
         "recall": Definition(
-            "recall", _SHARE, "true revisits (within 1 m and 0.5 rad, 10 s apart or more) that got at least one true edge"
+            "recall",
+            _SHARE,
+            "share of revisits that got at least one true edge; a revisit is a keyframe whose true pose is within 1 m and "
+            "0.5 rad of one taken at least 10 s earlier",
         ),
     },
     PLACES: {},
     "trajectory": {
-        "ate_odometry_m": Definition("ATE, odometry", _METRES, "RMSE of positions after SE(3) alignment, no scale"),
-        "ate_m": Definition("ATE, optimised", _METRES, "the same, after loop closing; as `evo_ape tum -a` prints it"),
-        "rpe_8m_odometry_m": Definition("RPE 8 m, odometry", _METRES, "RMSE of the translation over stretches of 8 m"),
+        "ate_odometry_m": Definition(
+            "ATE, odometry", _METRES, "RMSE of the keyframe positions after SE(3) alignment to the truth, without scaling"
+        ),
+        "ate_m": Definition("ATE, optimised", _METRES, "the same after loop closing; `evo_ape tum -a` prints this value"),
+        "rpe_8m_odometry_m": Definition(
+            "RPE 8 m, odometry", _METRES, "RMSE of the translation error over stretches of 8 m of path"
+        ),
         "rpe_8m_m": Definition("RPE 8 m, optimised", _METRES, "the same, after loop closing"),
-        "rpe_24m_odometry_m": Definition("RPE 24 m, odometry", _METRES, "RMSE of the translation over stretches of 24 m"),
+        "rpe_24m_odometry_m": Definition(
+            "RPE 24 m, odometry", _METRES, "RMSE of the translation error over stretches of 24 m of path"
+        ),
         "rpe_24m_m": Definition("RPE 24 m, optimised", _METRES, "the same, after loop closing"),
     },
     "planning": {
-        "queries": Definition("queries", _COUNT, "room-to-room plans that were asked for and driven by a simulated robot"),
-        "success": Definition("success", _SHARE, "the robot ended in a room of the goal's name and had touched nothing"),
-        "spl": Definition("SPL", _SCORE, "success weighted by path length: shortest way over driven way, 0 for failures"),
+        "queries": Definition(
+            "queries", _COUNT, "room-to-room plans that were requested, and driven by a simulated robot if found"
+        ),
+        "success": Definition(
+            "success",
+            _SHARE,
+            "share of queries for which the robot ended in a room with the goal's label and touched nothing",
+        ),
+        "spl": Definition(
+            "SPL",
+            _SCORE,
+            "success weighted by path length: mean over queries of shortest path / driven path, with 0 for a failure",
+        ),
         "collisions": Definition("collisions", _COUNT, "drives that ended because the robot touched something"),
     },
     "run": {
         "path_m": Definition("path", "{:.1f} m", "length of the walk"),
-        "duration_s": Definition("duration", "{:.0f} s", "simulated"),
+        "duration_s": Definition("duration", "{:.0f} s", "simulated duration of the walk"),
         "frames": Definition("frames", _COUNT, "camera frames along the walk"),
         "keyframes": Definition("keyframes", _COUNT, "nodes of the pose graph"),
     },
     "house": {
-        "rooms": Definition("rooms", _COUNT, "of the house, stairs and gardens among them"),
-        "floors": Definition("floors", _COUNT, "of the house"),
-        "area_m2": Definition("area", "{:.1f} m²", "indoors"),
-        "openness": Definition("openness", "{:.2f}", "open share of the walls between rooms; 0: all doors, 1: no walls"),
+        "rooms": Definition("rooms", _COUNT, "rooms of the house, including stairs and gardens"),
+        "floors": Definition("floors", _COUNT, "floors of the house"),
+        "area_m2": Definition("area", "{:.1f} m²", "indoor floor area"),
+        "openness": Definition(
+            "openness",
+            "{:.2f}",
+            "open share of the area of the walls between rooms; 0: all rooms are behind doors, 1: no walls between rooms",
+        ),
     },
     "time": {
-        "house_s": Definition("house", _SECONDS, "generate, furnish and check the house, and plan the walk"),
-        "scene_s": Definition("scene", _SECONDS, "build the MuJoCo model"),
-        "render_s": Definition("rendering", _SECONDS, "images, or features in their place"),
-        "slam_s": Definition("LEXIS", _SECONDS, "all stages of the SLAM"),
-        "realtime_factor": Definition("real-time factor", "{:.2f} ×", "simulated duration over LEXIS's time"),
+        "house_s": Definition("house", _SECONDS, "generating, furnishing and checking the house, and planning the walk"),
+        "scene_s": Definition("scene", _SECONDS, "building the MuJoCo model"),
+        "render_s": Definition("rendering", _SECONDS, "rendering images, or drawing features in their place"),
+        "slam_s": Definition("LEXIS", _SECONDS, "all stages of the SLAM system"),
+        "realtime_factor": Definition(
+            "real-time factor", "{:.2f} ×", "simulated duration divided by LEXIS's computing time"
+        ),
     },
 }
-"""By the sections and keys of result.json, in the order of reading."""
+"""Definitions by section and key of result.json, in the order in which reports show them."""
 
 
 def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
-    """The numbers of a section; ones without a definition are shown by their key, absent ones left out."""
+    """Format the numbers of a section. A number without a definition is shown under its key; an absent one is left out."""
     if section == PLACES:
         return _places(result)
     known, values = SECTIONS[section], result.get(section) or {}
@@ -136,24 +195,24 @@ def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
 
 
 def _places(result: Mapping[str, Any]) -> list[Figure]:
-    """Place recognition as rows: per N, the queries that succeeded among those that could."""
+    """One row for each N: how many queries succeeded, of those that could have succeeded."""
     return [
         Figure(
             f"found, N = {n}",
             f"{shown(counts.get('tp'), _COUNT)} of {shown(counts.get('possible'), _COUNT)}",
-            f"queries with {n} or more right proposals, of those with so many earlier keyframes within 1 m and 0.5 rad",
+            f"queries with {n} or more right proposals, of those with {n} or more earlier keyframes within 1 m and 0.5 rad",
         )
         for n, counts in (result.get(PLACES) or {}).items()
     ]
 
 
 def figure(result: Mapping[str, Any], section: str, key: str) -> str:
-    """One figure as it is shown."""
+    """Format one figure of result.json."""
     return shown((result.get(section) or {}).get(key), SECTIONS[section][key].form)
 
 
 def shown(value: object, form: str) -> str:
-    """A value in its form; a dash for a figure that the run cannot have."""
+    """Format a value. None, for a figure that the run cannot have, becomes a dash."""
     if value is None:
         return MISSING
     if value == 0 and form == _SIGNED:

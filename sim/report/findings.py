@@ -1,4 +1,4 @@
-"""The few sentences that a reader wants first: what went wrong, where, and how badly."""
+"""The summary of a report: a few sentences that say what went wrong in a run, where, and how badly."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,13 +13,14 @@ from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
-"""Share of the walk from which on nothing need be said of the rest."""
+"""If the map covers at least this share of the walk, the report does not mention the uncovered rest."""
 _STRETCHES_M = (8.0, 24.0)
+"""Lengths of path over which the relative pose error is reported [m]; the same as in result.json."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A sentence on the run, and the keyframe to look at first."""
+    """One sentence about the run, and the keyframe that shows it best."""
 
     good: bool
     text: str
@@ -27,17 +28,17 @@ class Finding:
 
 
 def findings(data: ReportData) -> list[Finding]:
-    """What is worth saying about a run, by stage; what went wrong comes first."""
+    """List the findings about a run in the order of the pipeline's stages, but all bad ones before all good ones."""
     stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
 def missed(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
-    """Say which part of the walk the map does not cover; None where that is next to nothing.
+    """Say which part of the walk the map does not cover. None if no room and at most 5 % of the walk are missing.
 
     Args:
         result: the contents of result.json.
-        rooms: names of the rooms of the walk that no keyframe is in.
+        rooms: names of the rooms on the walk that contain no keyframe.
     """
     sentences = []
     covered = (result.get("coverage") or {}).get("path_covered")
@@ -56,12 +57,12 @@ def _extent(result: Mapping[str, Any]) -> str | None:
 
 
 def unseen(rooms: Sequence[str]) -> str | None:
-    """Which rooms of the walk no keyframe is in: figures over keyframes are silent on them. None where there is none."""
+    """Name the rooms on the walk that contain no keyframe, since the figures do not cover them. None if there are none."""
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
     count = f"{len(rooms)} rooms" if len(rooms) > 1 else "1 room"
-    return f"No keyframe in {count} of the walk, so no figure of labels and rooms is about {names}."
+    return f"No keyframe was taken in {count} of the walk, so the figures of labels and rooms do not cover {names}."
 
 
 def _coverage(data: ReportData) -> Iterator[Finding]:
@@ -89,7 +90,7 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
     if mended or spoiled:
         first = int(np.flatnonzero(before & ~after)[0]) if spoiled else None
-        text = f"Refinement corrected the labels of {mended} keyframes and spoiled {spoiled} that were right."
+        text = f"Refinement corrected the labels of {mended} keyframes and made {spoiled} correct labels wrong."
         yield Finding(mended >= spoiled, text, first)
 
 
@@ -108,7 +109,7 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
         text = (
             f"{len(errors.losses)} of {len(set(true))} true rooms {have.format(SUBSTANTIAL)} keyframes in a "
             "predicted room that lies mostly elsewhere, which counts as neither split nor merge: "
-            f"{_listed(errors.losses, ' in part in ')}."
+            f"{_listed(errors.losses, ' partly in ')}."
         )
         yield Finding(False, text, true.index(next(iter(errors.losses))))
 
@@ -121,7 +122,7 @@ def _listed(groups: Groups, joint: str, most: int = 3) -> str:
 def _loops(data: ReportData) -> Iterator[Finding]:
     false = sorted((loop for loop in data.loops if not loop.true), key=lambda loop: -loop.weight)
     if not data.loops:
-        yield Finding(False, "No loop was closed, so that the drift stays as it was.")
+        yield Finding(False, "No loop was closed, so the drift of the odometry was not corrected.")
     elif not false:
         yield Finding(True, f"All {len(data.loops)} loop edges are true.")
     else:
@@ -131,8 +132,9 @@ def _loops(data: ReportData) -> Iterator[Finding]:
         held = ", but the optimiser gives little weight to any of them" if ignored else ""
         yield Finding(
             ignored,
-            f"{len(false)} of {len(data.loops)} loop edges are false{held}; the heaviest has weight {worst.weight:.2f} and "
-            f"ties keyframe {worst.query} to {worst.match}, {np.linalg.norm(ends[0] - ends[1]):.1f} m apart in truth.",
+            f"{len(false)} of {len(data.loops)} loop edges are false{held}; the strongest has weight {worst.weight:.2f} and "
+            f"connects keyframe {worst.query} to keyframe {worst.match}, truly {np.linalg.norm(ends[0] - ends[1]):.1f} m "
+            "away.",
             worst.query,
         )
 
@@ -150,13 +152,13 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
 
 
 def _drift(table: KeyframeTable) -> Iterator[Finding]:
-    """Say how loop closing changed the error of the whole trajectory and of stretches of it."""
+    """Compare the errors before and after loop closing, over the whole trajectory and over stretches of it."""
     truth, odometry, optimised = table.true_poses, table.odometry_poses, table.optimised_poses
     ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, optimised)]
-    yield from _compared("Loop closing took the ATE", *ate)
+    yield from _compared("Loop closing changed the ATE", *ate)
     for delta in _STRETCHES_M:
         rpe = [rpe_translation(poses, truth, delta) for poses in (odometry, optimised)]
-        yield from _compared(f"Loop closing took the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
+        yield from _compared(f"Loop closing changed the relative error over stretches of {delta:.0f} m (RPE)", *rpe)
 
 
 def _compared(what: str, before: float | None, after: float | None) -> Iterator[Finding]:

@@ -1,4 +1,4 @@
-"""The floor plans of a house, as data and as a picture."""
+"""The floor plans of a house, as data for reports and as a picture."""
 
 import cv2
 import numpy as np
@@ -16,11 +16,11 @@ from worlds.parts import Part
 
 _PIXELS_PER_METRE = 60
 _MOST_PIXELS = 12e6
-"""Of one storey; larger plans are drawn at a smaller scale."""
+"""Limit on the pixels of one storey's picture; larger plans are drawn at a smaller scale."""
 
 
 def floor_plans(house: House) -> tuple[FloorPlan, ...]:
-    """The plan of every storey, lowest first."""
+    """The floor plan of every storey, lowest first."""
     return tuple(_plan(house, level) for level in range(len(house.storeys)))
 
 
@@ -36,7 +36,7 @@ def plan_svg(house: House) -> str:
 
 
 def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
-    """The plans of all storeys, side by side from the lowest up; large houses at a smaller scale."""
+    """A picture of the plans of all storeys, side by side from the lowest up; large houses are drawn at a smaller scale."""
     drawings = _drawings(house)
     area = max(float(np.prod(drawing.high - drawing.low)) for drawing in drawings)
     scale = int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
@@ -53,7 +53,8 @@ def _drawings(house: House) -> list[Drawing]:
 
 def _plan(house: House, level: int) -> FloorPlan:
     storey, floor_m = house.spec.storeys[level], house.storeys[level].floor_m
-    # A wall that starts above the floor is over an opening; one that ends low is a fence, or below an opening.
+    # A wall that starts above the floor is a lintel over an opening. A wall that ends below the ceiling is a fence, or the
+    # low part of an opening such as a counter.
     standing = [wall for wall in house.walls if wall.storey == level and wall.bottom_m <= floor_m]
     high = [wall for wall in standing if wall.top_m >= house.storeys[level].ceiling_m]
     below = {boundary for boundary, opening in house.boundaries[level] if opening is not None}

@@ -1,4 +1,4 @@
-"""What a run adds to the plan of a storey: trajectories, loop edges, planned paths and labelled keyframes."""
+"""The marks that a run adds to the plan of a storey: trajectories, loop edges, planned paths and labelled keyframes."""
 
 from collections.abc import Iterator, Mapping
 from itertools import count
@@ -11,14 +11,15 @@ from sim.report.drawing import Mark
 from worlds.truth import storey_of
 
 _HEADING_M = 0.28
+"""Length of the tick that shows where a keyframe's camera looks."""
 _CROSS_M = 0.16
 """Half the width of the cross where a failed plan ended."""
 _NUMBER_M = 0.3
-"""Height of the number beside it."""
+"""Height of the number beside the cross."""
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:
-    """Everything of the run that belongs to a storey."""
+    """All marks of the run on one storey; `colours` maps labels to colours."""
     table = data.keyframes
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
@@ -36,13 +37,13 @@ def _trajectory(poses: Float64[np.ndarray, "n 4 4"], here: Bool[np.ndarray, "n"]
 
 
 def _runs(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
-    """The stretches of consecutive rows that are here, of two rows or more."""
+    """Runs of two or more consecutive rows for which `here` is true, as row indices."""
     rows = np.flatnonzero(here)
     return [run for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(run) > 1]
 
 
 def _plans(data: ReportData, level: int) -> Iterator[Mark]:
-    """The plans that arrived, and over them those that failed, each with a cross and its number where it ended."""
+    """Paths of all plans. A failed one also gets a cross and its number at the point where the drive ended."""
     numbers, floors_m = count(1), [plan.floor_m for plan in data.plans]
     for path in data.paths:
         here, number = storey_of(path.points[:, 2], floors_m) == level, next(numbers) if path.success is False else None
@@ -76,7 +77,7 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
-    """At the optimised pose, in the predicted label's colour."""
+    """A dot for every keyframe at its optimised position, in the colour of its predicted label, with a tick for heading."""
     table, wrong = data.keyframes, data.keyframes.wrong
     for k in np.flatnonzero(table.storeys == level):
         pose = table.optimised_poses[k]
@@ -87,7 +88,7 @@ def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iter
 
 
 def describe(data: ReportData, k: int) -> str:
-    """One line on a keyframe."""
+    """Describe a keyframe in one line: time, true and predicted room, and position errors."""
     table = data.keyframes
     rows = table.true_labels, table.baseline_labels, table.predicted_labels
     true, before, after = (data.label_names[labels[k]] for labels in rows)

@@ -1,4 +1,4 @@
-"""`write_report`: one HTML file that shows a run and needs no network."""
+"""`write_report`: one HTML file that shows a run and can be read offline."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ _ENVIRONMENT = jinja2.Environment(
 )
 
 _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
-"""Metres of plan across the page: fewer would be coarse, more would be small."""
+"""Limits on the metres of plan across the page: with fewer the plan looks coarse, with more it is too small to read."""
 
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),
@@ -45,7 +45,7 @@ _HEADLINES = (
 
 @dataclass(frozen=True)
 class Headline:
-    """A figure at the top of the page."""
+    """A figure in the header of the page."""
 
     name: str
     value: str
@@ -53,14 +53,14 @@ class Headline:
 
 
 def write_report(path: Path, data: ReportData) -> None:
-    """Write the report as one file, whole or not at all. Raises LexisError where it cannot be written."""
+    """Write the report to one file, whole or not at all. Raises `LexisError` if the file cannot be written."""
     page = render_report(data)
     with replaced_file(path) as beside:
         beside.write_text(page, encoding="utf-8")
 
 
 def render_report(data: ReportData) -> str:
-    """The page as text."""
+    """Render the report as the text of an HTML page."""
     result = data.result
     colours = label_colours([*data.label_names, *(room.label for plan in data.plans for room in plan.rooms)])
     drawings = [plan_drawing(plan, colours).with_marks(run_marks(data, plan.level, colours)) for plan in data.plans]
@@ -97,14 +97,17 @@ def _headlines(result: Mapping[str, Any]) -> list[Headline]:
 
 
 def _widths(drawings: Sequence[Drawing]) -> list[float]:
-    """The share of the page that each plan takes [%]: all at one scale, side by side unless that is too small to read."""
+    """Width of each plan as a share of the page's width [%].
+
+    All plans have the same scale. They stand side by side if that leaves them large enough to read.
+    """
     widths = [float(drawing.high[0] - drawing.low[0]) for drawing in drawings]
     metres = max(sum(widths), _LEAST_PAGE_M) if sum(widths) <= _MOST_PAGE_M else max(*widths, _LEAST_PAGE_M)
     return [97 * width / metres for width in widths]
 
 
 def _present(data: ReportData) -> list[str]:
-    """The labels that occur in the plan or in the keyframes."""
+    """Labels that occur in the floor plans or among the keyframes; the legend shows only these."""
     table = data.keyframes
     used = {int(i) for rows in (table.true_labels, table.baseline_labels, table.predicted_labels) for i in rows}
     planned = {room.label for plan in data.plans for room in plan.rooms}
@@ -112,7 +115,7 @@ def _present(data: ReportData) -> list[str]:
 
 
 def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Cards of the frames that the encoder alone had right, and of those that it had wrong."""
+    """Cards of the sample frames that the encoder labelled right before refinement, and of those that it labelled wrong."""
     cards = [_sample(data, sample) for sample in data.samples]
     return [card for card in cards if card["seen"] == card["true"]], [card for card in cards if card["seen"] != card["true"]]
 
@@ -130,7 +133,7 @@ def _sample(data: ReportData, sample: SampleFrame) -> dict[str, Any]:
 
 
 def _stages(result: Mapping[str, Any]) -> list[tuple[str, float, float]]:
-    """Name, seconds and share of the slowest, slowest first."""
+    """Name, seconds and seconds relative to the slowest stage, for every stage, slowest first."""
     stages: Mapping[str, float] = (result.get("time") or {}).get("stages_s") or {}
     slowest = max([*stages.values(), 1e-9])
     return [(name, seconds, seconds / slowest) for name, seconds in sorted(stages.items(), key=lambda item: -item[1])]

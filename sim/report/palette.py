@@ -24,7 +24,7 @@ _OTHERS = (
 
 
 def label_colours(labels: Iterable[str]) -> dict[str, str]:
-    """A colour `#rrggbb` for every label: the usual one where there is one, else the next of a fixed list."""
+    """Choose a colour `#rrggbb` for every label: a fixed one for common labels, else the next one of a fixed list."""
     labels = tuple(dict.fromkeys(labels))
     unusual = [label for label in labels if label not in _USUAL]
     spare = {label: _OTHERS[i % len(_OTHERS)] for i, label in enumerate(unusual)}

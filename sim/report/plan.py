@@ -1,4 +1,4 @@
-"""The plan of a storey as a drawing: rooms in the colour of their label, walls, openings, furniture, names, a scale."""
+"""The drawing of a storey's floor plan: rooms in the colour of their label, walls, openings, furniture, names, scale."""
 
 from collections.abc import Iterator, Mapping
 
@@ -15,13 +15,13 @@ _INSET_M = 0.16
 _SCALE_M = 2.0
 _LEAST_TEXT_M = 0.02
 _SAMPLE_M = 0.6
-"""Length of the samples of symbols in the legend."""
+"""Length of the symbols in the legend."""
 _LEGEND_TEXT_M = 0.2
 _GLYPH_ASPECT = 0.58  # width over height of an average letter
 
 
 def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
-    """Draw a storey; `colours` is by room label. Raises `SimError` where the storey has no rooms."""
+    """Draw a storey. `colours` maps room labels to colours. Raises `SimError` if the storey has no rooms."""
     if not plan.rooms:
         raise SimError(f"plan of storey {plan.level}: it has no rooms; at least one is needed")
     corners = np.concatenate([room.outline for room in plan.rooms])
@@ -45,7 +45,11 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
 
 
 def _name(room: PlannedRoom) -> Iterator[Mark]:
-    """The name in an upper left corner, where few paths run: where and on as many lines as keep it large; or none."""
+    """The room's name in an upper left corner of the room, where few paths run.
+
+    Of all such corners, and of one or two lines of text, the combination with the largest text is taken. A name that would
+    be too small to read is left out.
+    """
     text = room.name if room.label in room.name else f"{room.name} ({room.label})"
     (size, _, lines), corner = max(
         (
@@ -71,14 +75,14 @@ def _fitting_size(lines: tuple[str, ...], width: float) -> float:
 
 
 def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float64[np.ndarray, "2"], float]]:
-    """The left end of every edge that the room lies below, moved inside, and the width there [m]."""
+    """For every upper edge of the room: its left end, moved inside the room, and the width available there [m]."""
     for right, left in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         if left[0] < right[0]:  # counter-clockwise: upper edges run to the left
             yield left + [_INSET_M, -_INSET_M], float(right[0] - left[0]) - 2 * _INSET_M
 
 
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
-    """A sample of each symbol in the plan with its name, in rows between the plan and the scale, as wide as the plan."""
+    """The legend: each symbol of the plan with its name, in rows as wide as the plan, between the plan and the scale bar."""
     kinds = {opening.kind for opening in plan.openings}
     names = [NAMES[kind] for kind in NAMES if kind in kinds] + ([WINDOW] if plan.windows else [])
     x, y = start

@@ -1,4 +1,4 @@
-"""Drawings as pictures, for places that show no SVG."""
+"""Drawings as raster images, for viewers that cannot show SVG."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ _OVERSAMPLING = 3
 
 
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
-    """Paint a drawing on white."""
+    """Paint a drawing on a white background. It is painted at three times the size and scaled down, to smooth edges."""
     painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
     for mark in drawing.layers:
         painter.paint(mark)
@@ -27,7 +27,7 @@ class _Painter:
 
     def paint(self, mark: Mark) -> None:
         style = STYLES[mark.style]
-        # An "RGBA" draw on an "RGB" picture blends.
+        # Drawing in mode "RGBA" on an "RGB" picture blends translucent colours instead of overwriting.
         draw = ImageDraw.Draw(self.picture, "RGBA")
         fill = _colour(style.fill if mark.kind == "line" else mark.colour or style.fill, style.fill_opacity * style.opacity)
         stroke = _colour(mark.colour if mark.kind == "line" and mark.colour else style.stroke, style.opacity)
@@ -54,7 +54,7 @@ def _colour(name: str | None, opacity: float) -> tuple[int, ...] | None:
 def _dashes(
     points: list[tuple[float, float]], dash: tuple[float, float], scale: float
 ) -> Iterator[list[tuple[float, float]]]:
-    """The stretches of a line that are drawn; `scale` in pixels per unit of `dash`."""
+    """The dashes of a line, each as a list of points. `scale` is in pixels per unit of `dash`."""
     line = np.array(points)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     drawn, left_out = (length * scale for length in dash)

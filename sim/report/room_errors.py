@@ -1,4 +1,8 @@
-"""Rooms that were cut, joined, or lost a part: the splits and merges of result.json by name, and what is neither."""
+"""Errors of room segmentation by room name: the splits and merges that result.json counts, and partial losses.
+
+A partial loss is a true room, not merged with another one, of which a substantial part was assigned to a predicted room that
+lies mostly elsewhere. result.json counts it as neither split nor merge.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,27 +16,27 @@ from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import SHARE
 
 SUBSTANTIAL = 0.2
-"""The share of a true room that must lie in a predicted one of another place before that is worth a line."""
+"""Smallest share of a true room's keyframes in a predicted room elsewhere that is reported as a loss."""
 
 Groups: TypeAlias = dict[str, tuple[str, ...]]
-"""By the name of a room, names of rooms of the other side."""
+"""Maps the name of a true or predicted room to names of rooms of the other kind."""
 
 
 @dataclass(frozen=True)
 class RoomErrors:
-    """What is wrong with a partition of keyframes into rooms."""
+    """Errors in a partition of keyframes into rooms."""
 
     splits: Groups
-    """True rooms, each with the several predicted ones that lie mostly (> half) in it."""
+    """True rooms, each with the two or more predicted rooms that lie mostly (> half) in it."""
     merges: Groups
-    """Predicted rooms, each with the several true ones that lie mostly (> half) in it."""
+    """Predicted rooms, each with the two or more true rooms that lie mostly (> half) in it."""
     losses: Groups
-    """True rooms that are in no merge, each with the predicted ones that hold a substantial share of it and lie mostly
-    elsewhere."""
+    """True rooms that are part of no merge, each with the predicted rooms that contain a substantial share of it but lie
+    mostly elsewhere."""
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
-    """Compare the true and the predicted room of every keyframe, both by name."""
+    """Compare the true and the predicted room of every keyframe, both given by name."""
     true_names, true_ids = _numbered(true)
     predicted_names, predicted_ids = _numbered(predicted)
     table = overlap(predicted_ids, true_ids)
@@ -49,7 +53,7 @@ def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
 
 
 def surplus(groups: Groups) -> int:
-    """Rooms beyond the first of every group: how result.json counts splits and merges."""
+    """Count the rooms of all groups without the first of each, which is how result.json counts splits and merges."""
     return sum(len(names) - 1 for names in groups.values())
 
 
@@ -59,6 +63,6 @@ def _numbered(rooms: Sequence[str]) -> tuple[list[str], Int[np.ndarray, "n"]]:
 
 
 def _groups(belongs: Bool[np.ndarray, "a b"], names: Sequence[str], others: Sequence[str], least: int) -> Groups:
-    """By the name of a row, the columns that belong to it, where there are at least so many."""
+    """Map the name of each row to its columns with a true entry; rows with fewer than `least` of them are left out."""
     rows = zip(names, belongs, strict=True)
     return {name: tuple(compress(others, row)) for name, row in rows if row.sum() >= least}

@@ -1,4 +1,4 @@
-"""How openings, door leaves and windows are drawn in a plan: the symbols that architects use."""
+"""The symbols of openings, door leaves and windows in a floor plan, as architects draw them."""
 
 from collections.abc import Iterator
 
@@ -12,20 +12,20 @@ from worlds.spec import OpeningKind
 from worlds.walls import WALL_THICKNESS_M
 
 NAMES: dict[OpeningKind, str] = {
-    "door": "door way",
+    "door": "doorway",
     "cased": "cased opening",
     "arch": "arch",
     "half wall": "half wall",
     "counter": "counter",
     "open": "open boundary, no wall",
 }
-"""What a reader is told of each kind."""
+"""Name of each kind of opening in the legend and in tooltips."""
 WINDOW = "window"
 _HALF = WALL_THICKNESS_M / 2
 
 
 def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
-    """The symbol of a gap between two rooms."""
+    """The symbol of an opening between two rooms."""
     ends, text = opening.ends, NAMES[opening.kind]
     match opening.kind:
         case "open":
@@ -47,13 +47,13 @@ def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
 
 
 def leaf_marks(leaf: PlannedLeaf) -> Iterator[Mark]:
-    """A door leaf where it stands, and the way of its free end."""
+    """A door leaf at its opening angle, and the arc that its free end describes."""
     yield Mark("line", "swing", leaf.arc)
     yield Mark("polygon", "leaf", leaf.outline, text="door leaf")
 
 
 def window_marks(ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:
-    """A window: two faces and the pane between them."""
+    """The symbol of a window: both wall faces and the pane between them."""
     yield Mark("polygon", "window", _band(ends, _HALF), text=WINDOW)
     yield Mark("line", "pane", ends, text=WINDOW)
 
@@ -72,7 +72,7 @@ def _band(ends: Float64[np.ndarray, "2 2"], half: float) -> Float64[np.ndarray, 
 
 
 def _turned_down(ends: Float64[np.ndarray, "2 2"]) -> Float64[np.ndarray, "k 2"]:
-    """The curve of an arch, laid down into the plan."""
+    """The curve of an arch, folded from its vertical plane into the floor plan."""
     width = float(np.linalg.norm(ends[1] - ends[0]))
     shares = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2
     height = [arch_rise(width) - arch_drop(width, (share - 0.5) * width) for share in shares]

@@ -1,4 +1,4 @@
-"""The result of a run as a terminal table."""
+"""The result of a run as a table for the terminal."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,13 +10,13 @@ from sim.report.figures import SECTIONS, figures
 
 
 def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
-    """One line on what was run; `house` is the name of a house that is of no preset."""
+    """Describe the run in one line. `house` is the name of the house if it was not made from a preset."""
     line = "house {house}, seed {seed}: {encoder} encoder, {odometry} odometry, {fidelity} fidelity"
     return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
 
 
 def result_table(result: Mapping[str, Any], meanings: bool = True) -> Table:
-    """A rich table with every figure of a result.json, and its meaning beside it, for `rich.console.Console.print`."""
+    """A table of all figures of a result.json with their meanings, for `rich.console.Console.print`."""
     table = Table("", "figure", box=SIMPLE_HEAD)
     table.add_column("value", justify="right", no_wrap=True, style="bold")
     if meanings:
@@ -30,7 +30,7 @@ def result_table(result: Mapping[str, Any], meanings: bool = True) -> Table:
 
 
 class _Absent(dict[str, Any]):
-    """Formats keys that are not there as a question mark."""
+    """A dict that gives a question mark for a missing key."""
 
     def __missing__(self, key: str) -> str:
         return "?"

@@ -1,9 +1,15 @@
-"""Stage 2 of the image tower: alignment with the frozen text tower, through text similarity alone.
+"""Stage 2 of training the image tower: alignment with the frozen text tower.
 
-Every image is compared with captions, never with class weights: its room over one freshly worded caption per label, the
-presence of every thing over a caption that names it. And every caption is compared with all images of a batch, since that is
-how questions are answered: by the images that fit best. Noise on the text embeddings keeps the image tower from using what
-only the trained wordings share. The dense losses stay on, so that nothing that was learned is lost.
+Images are compared only with embeddings of captions, never with learned class weights. The loss has five parts:
+
+1. Room: cross-entropy over one randomly drawn caption per room label.
+2. Things: for every kind of thing, binary cross-entropy of its presence, by the similarity to a caption that names it.
+3. Search: every caption is compared with all images of a batch, since questions are answered by the images that fit best.
+4. Places: a contrastive loss that makes images of one place similar.
+5. Dense: the losses of stage 1 are kept, so that what was learned there is not lost.
+
+Noise is added to the text embeddings, so that the image tower does not rely on details that only the trained wordings share.
+At the end the trunk is frozen and the projection alone is fitted to all frames (`AlignLearner.settle`).
 """
 
 import math
@@ -27,25 +33,26 @@ from sim.training.text_tower import encode_texts
 from worlds.labels import ROOM_LABELS
 
 TEXT_NOISE = 1.25
-"""Length of the noise added to unit text embeddings."""
+"""Expected length of the noise vector that is added to unit text embeddings."""
 WORDINGS = (200, 32)
-"""Captions drawn of every room label and of every thing, once; of these, every step draws one each."""
+"""Numbers of captions that are drawn once for every room label and for every thing; every step uses one of them each."""
 SETTLING_STEPS = 1000
-"""Of the projection alone, at the end."""
+"""Training steps of the projection alone, at the end."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
 _PLACES_WEIGHT = 1.0
 _SETTLING_PLACES_WEIGHT, _SETTLING_PLACES_TEMPERATURE = 8.0, 0.03
-"""While the projection alone settles, places weigh more, and the likest other places most: a revisit is found as often as by
-weight 4 and temperature 0.07, and 0.79 of the tuning frames have the right room instead of 0.77."""
+"""While the projection alone is trained, the place loss has a larger weight, and its low temperature emphasises the most
+similar other places. Compared with weight 4 and temperature 0.07, as many revisits are found, and 0.79 instead of 0.77 of
+the tuning frames get the right room."""
 _ROOM_SEARCH_WEIGHT, _THING_SEARCH_WEIGHT = 0.5, 1.0
-"""Of images found by captions of rooms and of things."""
+"""Weights of the search losses for captions of rooms and of things."""
 _BATCH = 256
 
 
 class AlignedTower(nn.Module):
-    """The dense tower with its projection into the text tower's space."""
+    """The dense tower with a projection into the embedding space of the text tower, and the scales of the losses' logits."""
 
     def __init__(self, dense: DenseTower, embed_dim: int, seed: int = 0) -> None:
         super().__init__()
@@ -59,17 +66,17 @@ class AlignedTower(nn.Module):
         self.search_scale = nn.Parameter(torch.tensor(math.log(15.0)))
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b e"], Seen]:
-        """Unit embeddings, and what the dense heads see."""
+        """Unit embeddings of images, and the output of the dense heads."""
         seen = self.dense(images)
         return self.embedded(seen.pooled), seen
 
     def embedded(self, pooled: Float[Tensor, "b f"]) -> Float[Tensor, "b e"]:
-        """The unit embeddings of features."""
+        """Project the trunk's pooled features to unit embeddings."""
         return nn.functional.normalize(self.projection(pooled), dim=-1)
 
 
 class AlignLearner:
-    """Stage 2."""
+    """The learner of stage 2; see the module's docstring for its loss."""
 
     name = "align"
 
@@ -88,14 +95,14 @@ class AlignLearner:
         self._things = _wordings(text, THINGS, object_caption, wordings[1], rng)
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """Of rooms and things by captions, of places, and the dense one."""
+        """The weighted sum of the losses of captions and places and of the dense loss."""
         embedding, seen = self.module(batch.images)
         captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
         places = place_loss(embedding @ embedding.T, batch.same_place, batch.apart)
         return captions + _PLACES_WEIGHT * places + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
 
     def settle(self, frames: Frames, seed: int, steps: int) -> None:
-        """Fit the projection alone, to all frames as they are."""
+        """Fit the projection and the logit scales to all frames without augmentation; the trunk stays fixed."""
         rng = np.random.default_rng([seed, 4])
         features = self._pooled(frames)
         rooms = torch.from_numpy(frames.rooms).to(PROCESSOR)
@@ -122,7 +129,7 @@ class AlignLearner:
         shown: Float[Tensor, "b things"],
         rng: np.random.Generator,
     ) -> Tensor:
-        """Of rooms and things told by captions, and of images found by them."""
+        """The losses of rooms and things by their captions, and of the search for images by captions."""
         tower = self.module
         to_room, to_thing = embedding @ _drawn(self._rooms, rng).T, embedding @ _drawn(self._things, rng).T
         room, search = tower.room_scale.exp() * to_room, tower.search_scale.exp()
@@ -136,16 +143,16 @@ class AlignLearner:
         )
 
     def accuracy(self, frames: Frames) -> float:
-        """Zero-shot: the most similar room name among the labels present, each by its ensemble of prompts."""
+        """Zero-shot label accuracy among the labels present; every label is embedded as the mean over its prompts."""
         return told_right(self.embeddings(frames) @ room_embeddings(self._text, ROOM_LABELS).T, frames.rooms)
 
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:
-        """Of images as they are, unit norm."""
+        """Embeddings of images without augmentation, unit norm."""
         with torch.inference_mode():
             return np.asarray(self.module.embedded(self._pooled(frames)).cpu().numpy())
 
     def _pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
-        """The trunk's features of images as they are."""
+        """The trunk's pooled features of images without augmentation."""
         with torch.no_grad():
             parts = range(0, len(frames.rooms), _BATCH)
             return torch.cat(
@@ -159,16 +166,16 @@ def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Genera
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
-    """As `lexis.encoder.open_clip_encoder` embeds room names: unit means over prompts."""
+    """Embed room names as `lexis.encoder.open_clip_encoder` does: mean over the prompts of a name, scaled to unit norm."""
     said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
     means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))
 
 
 def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:
-    """How far every caption is from finding, among the images, those that show it (1).
+    """Cross-entropy of finding, for every caption, the images of the batch that show it (where `shown` is 1).
 
-    All captions that some image shows count alike, so that rare things are found as well as common ones.
+    It is the mean over all captions that some image shows, so that rare things count as much as common ones.
     """
     counts = shown.sum(dim=0)
     found = (shown * nn.functional.log_softmax(logits, dim=0)).sum(dim=0)
@@ -182,13 +189,13 @@ def _wordings(
     count: int,
     rng: np.random.Generator,
 ) -> Float32[np.ndarray, "names count e"]:
-    """Unit embeddings of `count` captions of every name."""
+    """Unit embeddings of `count` randomly drawn captions for every name."""
     drawn = encode_texts(text, [caption(name, rng) for name in names for _ in range(count)])
     return drawn.reshape(len(names), count, -1)
 
 
 def _drawn(wordings: Float32[np.ndarray, "names count e"], rng: np.random.Generator) -> Float[Tensor, "names e"]:
-    """One unit embedding of every name, blurred."""
+    """For every name, the embedding of one of its captions with noise added, scaled to unit norm."""
     names, count, width = wordings.shape
     exact = wordings[np.arange(names), rng.integers(count, size=names)]
     noise = rng.normal(0.0, TEXT_NOISE / math.sqrt(width), exact.shape)

@@ -1,4 +1,8 @@
-"""Arrays that take minutes to make, kept in files that say what they were made from; files of another origin are refused."""
+"""A file cache for arrays that take minutes to make.
+
+Every file contains fingerprints (origins) of what its arrays were made from. A file whose origins do not match is rejected,
+so that arrays of earlier code or settings are never used by mistake.
+"""
 
 import hashlib
 from collections.abc import Callable, Mapping
@@ -20,7 +24,7 @@ _FILE = FileKind("a file of an earlier run; delete it to have it made again", 10
 
 
 def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
-    """The arrays in a file, made and written first where there is none. Raises as `loaded` does."""
+    """Load the arrays of a file; if there is no file, make the arrays and write it first. Raises as `loaded` does."""
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         arrays: dict[str, Any] = {**make(), _ORIGINS: np.array(origins)}
@@ -30,23 +34,25 @@ def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Array
 
 
 def loaded(path: Path, origins: tuple[str, ...]) -> Arrays:
-    """The arrays in a file whose origins begin with these.
+    """Load the arrays of a file whose first origins are `origins`.
 
-    Raises `SimError` for a file that cannot be read, and for arrays that were made from anything else.
+    Raises `SimError` if the file cannot be read or its arrays have other origins.
     """
     arrays = read_arrays(path, _FILE)
     if tuple(arrays.pop(_ORIGINS, ()))[: len(origins)] != origins:
-        raise SimError(f"{path}: made of other houses or in another way than today; delete its folder to have it made again")
+        raise SimError(
+            f"{path}: made from other houses or settings than the present ones; delete its folder to make it again"
+        )
     return arrays
 
 
 def origin(*sources: object) -> str:
-    """A digest of what arrays are made from, by its `repr`."""
+    """SHA-256 fingerprint of the values that arrays are made from, by their `repr`."""
     return hashlib.sha256(repr(sources).encode()).hexdigest()
 
 
 def house_origin(draw: HouseDraw) -> str:
-    """A digest of a house as it is drawn and built today: its shell, what stands there, and what that looks like."""
+    """Fingerprint of a house as the present code samples and builds it: specification, walls, stairs, objects and looks."""
     spec = draw.spec()
     house = build_house(spec)
     things = (*house.furniture, *house.leaves, *house.windows)

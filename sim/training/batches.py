@@ -1,4 +1,4 @@
-"""Batches of frames: normalised, augmented, with what is present in them after the crop."""
+"""Batches of training frames: normalised and augmented images, with the things that are visible after cropping."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -13,29 +13,32 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""Share of the image from which on a thing counts as present."""
+"""A thing counts as present in an image if it fills more than this share of it."""
 PATCH_PRESENT = 0.02
-"""And share of a patch."""
+"""A thing counts as present in a patch if it fills more than this share of it."""
 STRETCH = 4
-"""Frames of one house in a batch, so that places are told from others of the same house."""
+"""Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
 
 
 class Batch(NamedTuple):
-    """What one step learns from; presence is 0 or 1."""
+    """Input and targets of one training step. The presence of things is 0 or 1."""
 
     images: Float[Tensor, "b 3 h w"]
     rooms: Int[Tensor, "b"]
     views: Float[Tensor, "b labels"]
-    """Share of the image by room label, summing to one."""
+    """Share of the image that shows rooms of each label; sums to one."""
     things: Float[Tensor, "b things"]
+    """Whether each thing is present in the image."""
     patches: Float[Tensor, "b things rows columns"]
+    """Whether each thing is present in each patch."""
     same_place: Bool[Tensor, "b b"]
+    """Whether two frames show the same place, by `places.pairs_of_places`."""
     apart: Bool[Tensor, "b b"]
-    """Pairs of frames, by `places.pairs_of_places`."""
+    """Whether two frames show different places."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
-    """All frames once, less those that do not fill the last batch."""
+    """Yield batches with every frame once, in random order. Frames left over at the end do not make a batch."""
     for chosen in chosen_once(frames.houses, size, rng):
         _, house = np.unique(frames.houses[chosen], return_inverse=True)
         grid = _crops(house, rng).to(device)
@@ -57,15 +60,16 @@ def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.d
 
 
 def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]:
-    """Images of the encoder's size as it wants them."""
+    """Normalise RGB images, which have the encoder's size, with the encoder's mean and standard deviation."""
     pixels = torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0
     return (pixels - torch.tensor(MINI_MEAN)[:, None, None]) / torch.tensor(MINI_STD)[:, None, None]
 
 
 def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
-    """Indices of the frames of every batch: stretches of walks through houses, in random order.
+    """Yield the indices of the frames of every batch, in which each frame occurs at most once.
 
-    Stretches are `STRETCH` frames of one house, one after another; few hold the end of one walk and the start of the next.
+    The frames are cut into stretches of `STRETCH` consecutive frames, which are shuffled and joined to batches. A stretch is
+    from the walk through one house, except for the few at the end of a walk, which go on with the start of another.
     """
     walks = np.split(np.arange(len(houses)), np.flatnonzero(np.diff(houses)) + 1)
     joined = np.concatenate([np.roll(walks[i], rng.integers(len(walks[i]))) for i in rng.permutation(len(walks))])
@@ -75,7 +79,10 @@ def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generato
 
 
 def _crops(house: Int[np.ndarray, "n"], rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
-    """Zoom and shift every frame a little; mirror all frames of a house or none, since mirrored places are other places."""
+    """Random affine crops: every frame is zoomed and shifted a little.
+
+    Either all or none of a house's frames are mirrored, since a place and its mirror image would count as one place.
+    """
     n = len(house)
     zoom, mirrored = rng.uniform(0.75, 1.0, n), rng.choice([-1.0, 1.0], house.max() + 1)
     theta = np.zeros((n, 2, 3), np.float32)
@@ -93,7 +100,7 @@ def _sampled(maps: Float[Tensor, "b c h w"], theta: Float[Tensor, "b 2 3"], padd
 def _tints(
     house: Int[np.ndarray, "n"], rng: np.random.Generator, device: torch.device
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
-    """Gains per channel and an offset, of every house: colours tell its places apart."""
+    """Random gains per channel and an offset, the same for all frames of a house, since colours distinguish its places."""
     houses = house.max() + 1
     gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
     offset = rng.normal(0.0, 0.15, (houses, 1, 1, 1))

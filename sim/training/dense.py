@@ -1,7 +1,8 @@
-"""Stage 1 of the image tower: dense supervision, which the renderer gives for free.
+"""Stage 1 of training the image tower: dense supervision by ground truth from the renderer.
 
-Linear heads on the tower's features tell which things are where in the image, how much of it shows rooms of each label, in
-which room the camera is, and whether two images show one place. They are thrown away after stage 2.
+Linear heads on the tower's features predict which things are visible in the image and in each patch, how much of the image
+shows rooms of each label, which room the camera is in, and whether two images show the same place. The heads are discarded
+after stage 2.
 """
 
 from typing import Any, NamedTuple
@@ -19,19 +20,19 @@ from sim.training.places import place_loss
 from worlds.labels import ROOM_LABELS
 
 TRUNK = "regnetx_002"
-"""timm's name of the image tower."""
+"""Name of the image tower's architecture in timm."""
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
-"""Beside the room's loss; presence is a mean over very many things that are absent."""
+"""Weights relative to the room loss. Presence has a large one, since its loss is a mean over many things, mostly absent."""
 _PLACES_WEIGHT = 1.0
 _PLACE_DIM = 128
 _RARE = -4.0
-"""Logit that presence starts from."""
+"""Initial logit of presence: most things are absent from most images."""
 _BATCH = 256
 
 
 class Seen(NamedTuple):
-    """What the tower makes of images, and what the heads read from it (logits)."""
+    """Pooled features of images, and the output of the heads (logits, except for `places`)."""
 
     pooled: Float[Tensor, "b f"]
     rooms: Float[Tensor, "b labels"]
@@ -39,11 +40,11 @@ class Seen(NamedTuple):
     things: Float[Tensor, "b things"]
     patches: Float[Tensor, "b things rows columns"]
     places: Float[Tensor, "b p"]
-    """Unit vectors that are alike where frames show one place."""
+    """Unit vectors that are similar if frames show the same place."""
 
 
 class DenseTower(nn.Module):
-    """The trunk with its heads."""
+    """The image trunk with the heads of stage 1."""
 
     def __init__(self, seed: int = 0) -> None:
         super().__init__()
@@ -58,7 +59,7 @@ class DenseTower(nn.Module):
         nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> Seen:
-        """Features and what the heads say of them, in full precision."""
+        """Compute features and heads in bfloat16; return them in full precision."""
         with torch.autocast(PROCESSOR, torch.bfloat16):
             maps = self.trunk.forward_features(images)
             pooled = self.trunk.forward_head(maps)
@@ -68,7 +69,7 @@ class DenseTower(nn.Module):
 
 
 def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
-    """How far the heads are from the truth."""
+    """The weighted sum of the losses of all heads."""
     presence = nn.functional.binary_cross_entropy_with_logits
     return (
         nn.functional.cross_entropy(seen.rooms, batch.rooms, weights, label_smoothing=_SMOOTHING)
@@ -80,14 +81,14 @@ def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Te
 
 
 def room_weights(rooms: Int[np.ndarray, "n"]) -> Float[Tensor, "labels"]:
-    """Rare labels count more, by the square root of their rarity."""
+    """Weights of the labels in the room loss: inversely proportional to the square root of a label's number of frames."""
     counts = np.bincount(rooms, minlength=len(ROOM_LABELS))
     weights = np.where(counts > 0, 1.0 / np.sqrt(np.maximum(counts, 1)), 0.0)
     return torch.from_numpy((weights / weights[rooms].mean()).astype(np.float32)).to(PROCESSOR)
 
 
 class DenseLearner:
-    """Stage 1."""
+    """The learner of stage 1."""
 
     name = "dense"
 
@@ -100,7 +101,7 @@ class DenseLearner:
         return dense_loss(self.module(batch.images), batch, self._weights)
 
     def accuracy(self, frames: Frames) -> float:
-        """Of the room head, over the labels present."""
+        """Accuracy of the room head among the labels present in `frames`."""
         with torch.inference_mode():
             parts = range(0, len(frames.rooms), _BATCH)
             logits = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).rooms for i in parts]
@@ -108,6 +109,6 @@ class DenseLearner:
 
 
 def told_right(scores: Float[np.ndarray, "n labels"], rooms: Int[np.ndarray, "n"]) -> float:
-    """Share of frames whose own room scores highest among the labels present."""
+    """Share of frames whose true label has the highest score among the labels present in `rooms`."""
     present = np.unique(rooms)
     return float(np.mean(present[scores[:, present].argmax(axis=1)] == rooms))

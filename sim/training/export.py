@@ -1,4 +1,4 @@
-"""Weights and configuration of `lexis-mini`, as open_clip loads them."""
+"""Export of `lexis-mini`: weights and configuration in the format that open_clip loads."""
 
 import json
 import math
@@ -23,7 +23,7 @@ _PROJECTION = "visual.head.proj.weight"
 
 
 def model_config() -> dict[str, Any]:
-    """The architecture, as an open_clip model configuration."""
+    """The architecture of `lexis-mini` as an open_clip model configuration."""
     vision = {
         "timm_model_name": TRUNK,
         "timm_model_pretrained": False,
@@ -35,12 +35,15 @@ def model_config() -> dict[str, Any]:
 
 
 def export(tower: AlignedTower, text: TextTransformer, temperature: float, path: Path) -> None:
-    """Write both towers in half precision with the logit scale that the temperature makes, and the configuration beside."""
+    """Write both towers in half precision to `path`, and the model configuration beside it as JSON.
+
+    open_clip's logit scale is stored as a logarithm, hence log(1 / temperature).
+    """
     weights = {name: value.clone() for name, value in text.state_dict().items()}
     weights |= {_TRUNK + name: value for name, value in tower.dense.trunk.state_dict().items()}
     weights[_PROJECTION] = tower.projection.weight.detach()
     weights["logit_scale"] = torch.tensor(-math.log(temperature))
-    open_clip.CLIP(**model_config()).load_state_dict(weights)  # what does not fit is seen here
+    open_clip.CLIP(**model_config()).load_state_dict(weights)  # raises if names or shapes do not fit open_clip's model
     with replaced_file(path) as beside:
         save_file({name: value.half().contiguous().cpu() for name, value in weights.items()}, beside)
     with replaced_file(path.with_suffix(".json")) as beside:
@@ -48,7 +51,7 @@ def export(tower: AlignedTower, text: TextTransformer, temperature: float, path:
 
 
 def start_trunk_from(path: Path, tower: DenseTower) -> None:
-    """Take the image trunk out of an earlier `lexis-mini`. Raises `SimError` where it is not one."""
+    """Load the image trunk of an earlier `lexis-mini` into `tower`. Raises `SimError` if the file contains no such trunk."""
     try:
         weights = load_file(path)
         trunk = {name.removeprefix(_TRUNK): value.float() for name, value in weights.items() if name.startswith(_TRUNK)}

@@ -1,4 +1,4 @@
-"""The loop that both stages of the image tower share: epochs, schedule, checkpoints."""
+"""The training loop that both stages of the image tower share: epochs, learning rate schedule, checkpoints."""
 
 import os
 from collections.abc import Callable
@@ -21,7 +21,7 @@ PROCESSOR = "cuda" if torch.cuda.is_available() else "cpu"
 
 @dataclass(frozen=True)
 class Schedule:
-    """How long and how hard to train."""
+    """Length of training and parameters of the optimiser."""
 
     epochs: int
     learning_rate: float
@@ -32,36 +32,36 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Progress:
-    """What is reported after every epoch."""
+    """The report after an epoch."""
 
     stage: str
     epoch: int
     loss: float
-    """Mean over the epoch."""
+    """Mean loss over the epoch."""
     accuracy: float
-    """Share of tuning frames whose room is told right."""
+    """Share of tuning frames whose room is predicted right."""
 
 
 @runtime_checkable
 class Learner(Protocol):
-    """A stage: a module with parameters, a loss and a figure of merit."""
+    """Interface of a training stage: a module to train, its loss and its accuracy."""
 
     @property
     def name(self) -> str:
-        """Of the stage."""
+        """Name of the stage."""
         ...
 
     @property
     def module(self) -> nn.Module:
-        """What is trained."""
+        """The module whose parameters are trained."""
         ...
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """To be made small."""
+        """The loss on one batch, which training minimises."""
         ...
 
     def accuracy(self, frames: Frames) -> float:
-        """On frames that it was not trained on."""
+        """Share of frames, not used for training, whose room is predicted right."""
         ...
 
 
@@ -73,9 +73,11 @@ def fit(
     report: Callable[[Progress], None],
     checkpoint: Path | None = None,
 ) -> None:
-    """Train on `frames`, report accuracy on `tuning` after every epoch; go on from `checkpoint` where it exists.
+    """Train on `frames` and report the accuracy on `tuning` after every epoch.
 
-    With one torch thread on a CPU, a run that was stopped ends in the same weights as one that was not.
+    Training resumes from the file `checkpoint` if it exists, and writes it after every epoch. With one torch thread on a
+    CPU, an interrupted and resumed run ends with the same weights as an uninterrupted one. Raises `SimError` if the frames
+    do not fill a batch or the checkpoint cannot be read.
     """
     device = torch.device(PROCESSOR)
     module = learner.module.to(device).to(memory_format=torch.channels_last)  # convolutions on a CPU are a third faster
@@ -120,5 +122,5 @@ def _resume(path: Path | None, *parts: object) -> int:
         for part, values in zip(parts, state["parts"], strict=True):
             part.load_state_dict(values)  # type: ignore[attr-defined]
         return int(state["epoch"])
-    except Exception as error:  # a damaged or foreign file makes torch raise nearly everything
-        raise SimError(f"{path}: cannot go on from it: {one_line(error)}; delete it to begin the stage anew") from None
+    except Exception as error:  # torch raises many types for damaged or foreign files
+        raise SimError(f"{path}: cannot resume from it: {one_line(error)}; delete it to start the stage again") from None

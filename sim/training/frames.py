@@ -1,4 +1,4 @@
-"""Training frames: what a camera sees on tours through houses, and what is in view, patch by patch."""
+"""Training frames: images along tours through houses, with ground truth of what is visible in each image and patch."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -26,31 +26,31 @@ from worlds.truth import objects, room_at
 from worlds.visuals.house_visuals import STAIRS_OBJECT
 
 THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
-"""What is told apart in a frame."""
+"""The kinds of things that are distinguished in a frame."""
 PATCHES = (4, 5)
-"""Rows and columns of patches in a frame: the image tower's last feature map."""
+"""Rows and columns of patches in a frame, as in the last feature map of the image tower."""
 BARE = 0.03
-"""Frames with less than this share of things and of other rooms show walls only."""
+"""Frames whose `content` is below this share show little but bare walls."""
 
 _FORMAT = 1
-"""Of kept frames. Raise it where textures, ways or renderers change; what else decides is in their origins."""
+"""Version of cached frames. Raise it after changes of textures, tours or renderers; other causes are in the origins."""
 _IDS_SIZE = (80, 60)
 _NONE = -1
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Images with what is true of them."""
+    """Images with ground truth."""
 
     images: UInt8[np.ndarray, "n h w 3"]
     rooms: Int[np.ndarray, "n"]
-    """Index into `ROOM_LABELS` of the room that holds the camera."""
+    """Label of the room that contains the camera, as an index into `ROOM_LABELS`."""
     things: UInt8[np.ndarray, "n rows columns things"]
-    """Of every patch, the share that shows each of `THINGS`, in 1/255."""
+    """Share of every patch that shows each of `THINGS`, in units of 1/255."""
     views: Float32[np.ndarray, "n labels"]
-    """Of the image, the share that shows rooms of each label: their surfaces and what stands there."""
+    """Share of the image that shows rooms of each label, including the objects in them."""
     content: Float32[np.ndarray, "n"]
-    """Of the image, the share that shows anything but the camera's own room's bare surfaces."""
+    """Share of the image that shows anything but bare surfaces of the camera's own room or the sky."""
     houses: Int[np.ndarray, "n"]
     """Seed of the house."""
     T_W_B: Float64[np.ndarray, "n 4 4"]
@@ -58,12 +58,12 @@ class Frames:
 
     @staticmethod
     def joined(parts: "Sequence[Frames]") -> "Frames":
-        """All frames of several sets, in order."""
+        """Concatenate several sets of frames."""
         return Frames(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Frames)))
 
     @property
     def arrays(self) -> Arrays:
-        """All of them, by name."""
+        """All fields, by name."""
         return {f.name: getattr(self, f.name) for f in fields(Frames)}
 
     @cached_property
@@ -72,14 +72,14 @@ class Frames:
         return np.asarray(self.things.mean(axis=(1, 2), dtype=np.float32) / np.float32(255.0))
 
     def __getitem__(self, chosen: np.ndarray) -> "Frames":
-        """Some of the frames, by index or mask."""
+        """Select frames by index or mask."""
         return Frames(*(getattr(self, f.name)[chosen] for f in fields(Frames)))
 
 
 def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Iterator[Frames]:
-    """Frames of every house, in order; those that lie in `folder` are taken from there, others are left there.
+    """Yield the frames of every house, in order. `folder` is a cache: frames are loaded from it, and new ones saved in it.
 
-    Raises `SimError` for files in the folder that cannot be read, or were made of other houses or in another way.
+    Raises `SimError` if a file in the folder cannot be read, or was made from other houses or with other settings.
     """
     if workers == 1:
         yield from map(partial(_kept, folder), houses)
@@ -89,12 +89,15 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
 
 
 def frames_in(folder: Path) -> Frames:
-    """All frames that `rendered` left in a folder. Raises `SimError` where there are none."""
+    """Load all frames that `rendered` saved in a folder. Raises `SimError` if there are none."""
     return Frames.joined(list(frames_by_house(folder)))
 
 
 def frames_by_house(folder: Path) -> Iterator[Frames]:
-    """The same, house by house, for who does not need all images at once."""
+    """Load the frames that `rendered` saved in a folder house by house, which needs less memory than all at once.
+
+    Raises `SimError` if there are none.
+    """
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise SimError(f"{folder}: no frames in it; valid: the frames of lexis-sim train-encoder")
@@ -103,20 +106,20 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
 
 
 def frames_origin(views: ViewpointConfig) -> str:
-    """A digest of how frames are taken and told, whatever house they are of."""
+    """Fingerprint of how frames are rendered and annotated, independent of the house."""
     told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
     looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
     return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)
 
 
 def frames_of_house(draw: HouseDraw, views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Frames along a tour through one house; none where there is no way."""
+    """Render frames along a tour through one house, in trained colours; none if no tour through the house is found."""
     house = repainted(build_house(draw.spec()), held_out=False)
     return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 
 
 def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
+    """Render frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
     camera, plain = wide_camera(*views.rendered), wide_camera(*_IDS_SIZE)
     scene = build_scene(house, views.rendered, fovy_deg(camera.intrinsics))
     images, ids = [], []
@@ -140,7 +143,7 @@ def _told(
     thing_of_geom: Int[np.ndarray, "geoms"],
     room_of_geom: Int[np.ndarray, "geoms"],
 ) -> tuple[UInt8[np.ndarray, "n rows columns things"], Float32[np.ndarray, "n labels"], Float32[np.ndarray, "n"]]:
-    """Things, views and content of frames."""
+    """The fields `things`, `views` and `content` of frames, from the ids of the geoms that every pixel shows."""
     things, seen = thing_of_geom[ids], room_of_geom[ids]
     (n, height, width), (rows, columns) = ids.shape, PATCHES
     patches = things.reshape(n, rows, height // rows, columns, width // columns).swapaxes(2, 3)
@@ -152,7 +155,7 @@ def _told(
 
 
 def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray, "*n bins"]:
-    """Of the last axis, the share of every value in 0 ... bins - 1."""
+    """The share of each value in 0 ... bins - 1 along the last axis; negative values are not counted."""
     flat = values.reshape(-1, values.shape[-1])
     index = np.arange(len(flat))[:, None] * bins + flat
     counts = np.bincount(index[flat >= 0], minlength=len(flat) * bins)
@@ -160,7 +163,10 @@ def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray
 
 
 def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np.ndarray, "geoms"]]:
-    """Of every geom, its index into `THINGS` and into `house.rooms`, or `_NONE`; the last entry is for the sky."""
+    """For every geom, its thing and its room as indices into `THINGS` and `house.rooms`, or `_NONE`.
+
+    The last entry is for the sky, whose id of -1 indexes it.
+    """
     kinds = {thing.id: THINGS.index(thing.kind) for thing in objects(house)} | {STAIRS_OBJECT: THINGS.index(STAIRS)}
     number = {room.id: i for i, room in enumerate(house.rooms)}
     homes = {thing.id: number[house.room_by_id[thing.room].id] for thing in objects(house)}
@@ -168,7 +174,7 @@ def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np
     things = [kinds.get(name, _NONE) for name in names]
     rooms = [homes.get(name, number.get(name.rsplit("/", 1)[0], _NONE)) for name in names]
     if NO_GEOM != _NONE:
-        raise SimError("ids of the sky have to index the last entry")
+        raise SimError(f"id of the sky: is {NO_GEOM}; valid: {_NONE}, which indexes the last entry")
     return np.array([*things, _NONE]), np.array([*rooms, _NONE])
 
 

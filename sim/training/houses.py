@@ -1,4 +1,4 @@
-"""Which houses the encoder is trained, tuned and tested on: disjoint by seed, of all presets, of many looks."""
+"""The houses that the encoder is trained, tuned and tested on: disjoint by seed, of all presets, with many looks."""
 
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
@@ -10,11 +10,11 @@ from worlds.presets import sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
 
 TRAINING_SEEDS = range(100_000, 800_000)
-"""House seeds that the encoder may see."""
+"""Seeds of houses that the encoder is trained on."""
 TUNING_SEEDS = range(800_000, 900_000)
-"""Epochs are watched and temperatures fitted on these."""
+"""Seeds of houses on which training is monitored and temperatures are fitted."""
 TEST_SEEDS = range(900_000, 1_000_000)
-"""For figures. Demos and acceptance tests use others again: those below 100 000 and from a million on."""
+"""Seeds of houses for reported figures. Demos use seeds below 100 000, acceptance tests seeds from 1 000 000 upwards."""
 
 PRESET_SHARE = {
     "home": 0.28, "ori": 0.14, "uh2-apt": 0.12, "uh2-office": 0.13, "apartment": 0.07, "office": 0.07, "clinic": 0.06,
@@ -26,12 +26,12 @@ LightName = Literal["day", "evening", "dim"]
 _TEXTURES: tuple[Texture, ...] = ("rich", "rich", "rich", "rich", "poor", "repeating")
 _LIGHTS: tuple[LightName, ...] = ("day", "day", "day", "day", "evening", "dim")
 HELD_OUT_LOOKS = (("poor", "dim"), ("repeating", "evening"))
-"""Texture and light that never meet in training."""
+"""Pairs of texture and lighting that never occur in training."""
 _OPENED_SHARE, _CLUTTERED_SHARE = 0.4, 0.4
 
 
 class HouseDraw(NamedTuple):
-    """A house, by what it is drawn from."""
+    """The parameters that a house is sampled with."""
 
     preset: str
     seed: int
@@ -41,7 +41,7 @@ class HouseDraw(NamedTuple):
     clutter: float = 1.0
 
     def spec(self) -> HouseSpec:
-        """The house; as open as its family where its walls cannot be opened as asked."""
+        """Sample the house. If it cannot be given `openness`, it keeps the openness that its family has."""
         try:
             spec = sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
         except WorldsError:
@@ -50,7 +50,7 @@ class HouseDraw(NamedTuple):
 
 
 def draw_houses(count: int, seeds: range, rng: np.random.Generator) -> Iterator[HouseDraw]:
-    """`count` different houses with seeds out of `seeds`; the first ones are the same for any larger count."""
+    """Draw `count` houses with different seeds out of `seeds`. A larger count only adds houses at the end."""
     names, shares = list(PRESET_SHARE), list(PRESET_SHARE.values())
     used: set[int] = set()
     while len(used) < count:

@@ -1,11 +1,12 @@
-"""Words for rooms and things: what people call them, say of them and do there.
+"""Words for rooms and things: names, activities, and things that are typical of a room. This module contains only data.
 
-Data only. `phrases` holds out every third entry of a line, so nobody picks which; the first names the room or kind itself.
+The module `phrases` holds out every third entry of a line, so that the choice is not made by hand. In tables of names, the
+first entry is the room label or kind itself.
 """
 
 
 def _table(text: str) -> dict[str, tuple[str, ...]]:
-    """`key: entry, entry, ...` per line, indented lines going on with the one above; entries keep their order."""
+    """Parse lines of the form `key: entry, entry, ...`. Indented lines continue the line above; entries keep their order."""
     rows = (line.split(":", 1) for line in text.replace("\n    ", " ").strip().splitlines())
     return {key.strip(): tuple(entry.strip() for entry in entries.split(",")) for key, entries in rows}
 
@@ -85,7 +86,7 @@ print room: print room, copy room, copying room, printer room, room with a copie
     printing room, copier room, print shop, copy centre, reprographics room, print area, copy area, duplicating room,
     printing area, print and copy room, photocopying area
 """)
-"""What people call the rooms of every label; the first is the label itself."""
+"""Names of rooms by label; the first one is the label itself."""
 
 ACTIVITIES = _table("""
 kitchen: cook, cook dinner, fry an egg, boil water, make coffee, wash the dishes, bake a cake, prepare a meal, heat up
@@ -140,7 +141,7 @@ laboratory: do an experiment, do chemistry, use a microscope, analyse samples, t
 print room: print documents, make photocopies, scan papers, copy a document, print a report, make copies, pick up a
     printout, photocopy a letter, get printer paper
 """)
-"""What is done there, to be read after "to"."""
+"""Activities in rooms by label, as verb phrases that can follow "to"."""
 
 THINGS = _table("""
 kitchen: stove, fridge, cooking hob, oven, kitchen counter, kitchen appliances, kettle, cooker hood, pots and pans,
@@ -194,7 +195,7 @@ laboratory: microscope, lab bench, test tubes, fume hood, lab stool, glass flask
 print room: photocopier, printer, copier, copy counter, paper boxes, copying machine, printers, stacks of paper, laser
     printer
 """)
-"""What stands there and nearly nowhere else."""
+"""Things by label of the room; they stand there and hardly anywhere else."""
 
 SYNONYMS = _table("""
 armchair: armchair, easy chair, padded chair
@@ -334,4 +335,4 @@ workbench: workbench, work bench, bench with tools
 world map: world map, map of the world, map of the continents
 yoga mat: yoga mat, mat for exercises, gymnastics mat
 """)
-"""What people call kinds of furniture; kinds that are not listed go by their own name."""
+"""Names of kinds of furniture; a kind that is not listed has only its own name."""

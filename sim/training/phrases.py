@@ -1,8 +1,11 @@
-"""What captions say: rooms, things and what is done there, in the frames that people put them in.
+"""Captions and questions: phrases for rooms, things and activities, put into sentence frames.
 
-Every third entry of the lexicon, and every third frame of activities and things, is held out: it stands in no caption, not
-even within another phrase, and measures how far the text tower understands words and wordings that images were never
-aligned with. Everything is drawn from an explicit generator.
+A sentence frame is a template such as "a photo of {a}", in which {} stands for a phrase and {a} for a phrase with its
+article.
+
+Every third entry of the lexicon, and every third sentence frame of activities and things, is held out: it occurs in no
+training caption, not even as part of another phrase. Held-out words and frames measure how well the text tower understands
+wordings that images were never aligned with. All random draws use an explicit generator.
 """
 
 import re
@@ -20,7 +23,7 @@ _TABLES = (ROOMS, ACTIVITIES, THINGS, SYNONYMS)
 
 
 def _holding(phrases: Sequence[str]) -> re.Pattern[str]:
-    """Matches texts in which one of the phrases stands, as whole words."""
+    """A pattern that matches texts which contain one of the phrases as whole words."""
     return re.compile(r"\b(?:" + "|".join(sorted(map(re.escape, phrases))) + r")\b", re.IGNORECASE)
 
 
@@ -36,34 +39,36 @@ HELD_OUT_PHRASES = tuple(
         }
     )
 )
-"""Every third entry, less the words that labels and kinds of furniture are made of: those have to be trained."""
+"""Every third entry, except those that are part of a room label or kind of furniture, since these have to be trained."""
 HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
+"""Matches texts that contain a held-out phrase."""
 
 
 def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
     held_out = frozenset(HELD_OUT_PHRASES)
+    # An entry that contains a held-out phrase is used neither for training nor, unless it is that phrase, as held out.
     trained = {key: tuple(entry for entry in row if not HOLDS_HELD_OUT.search(entry)) for key, row in table.items()}
     return trained, {key: tuple(entry for entry in row[2::3] if entry in held_out) for key, row in table.items()}
 
 
 ROOM_NAMES, HELD_OUT_NAMES = _split(ROOMS)
-"""Trained and held-out names by room label; the first trained one is the label itself."""
+"""Trained and held-out names of rooms by label; the first trained name is the label itself."""
 ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES = _split(ACTIVITIES)
-"""What is done in a room, to be read after "to"."""
+"""Trained and held-out activities in rooms by label, as verb phrases that can follow "to"."""
 ROOM_THINGS, HELD_OUT_THINGS = _split(THINGS)
-"""What stands in a room and nearly nowhere else."""
+"""Trained and held-out things by label of the room; they stand there and hardly anywhere else."""
 OBJECT_NAMES, HELD_OUT_OBJECTS = _split(SYNONYMS)
-"""Names by kind of furniture; kinds that are not listed go by their own name."""
+"""Trained and held-out names by kind of furniture; a kind that is not listed has only its own name."""
 
 TEMPLATES = (
     "{}", "a photo of {a}", "a picture of {a}", "{a} in a house", "a view of {a}", "inside {a}", "an image of {a}",
     "this is {a}", "a wide photo of {a}", "a photo taken in {a}",
 )  # fmt: skip
-"""Around the name of a room, {a} with its article; those of `lexis.encoder.prompts` are among them."""
+"""Sentence frames for the name of a room. They include the prompts of `lexis.encoder.prompts`."""
 
 
 def _frames(frames: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Trained ones, and every third."""
+    """Split sentence frames into trained ones and held-out ones (every third)."""
     return tuple(frame for index, frame in enumerate(frames) if index % 3 != 2), tuple(frames[2::3])
 
 
@@ -76,21 +81,24 @@ _THING_FRAMES = (
     "find {a}", "{a} in a room", "the room that has {a}", "{}", "a view of {a}", "I am looking for {a}",
 )  # fmt: skip
 PLACE_FRAMES, HELD_OUT_PLACE_FRAMES = _frames(_PLACE_FRAMES)
-"""Around what is done somewhere."""
+"""Trained and held-out sentence frames for activities."""
 THING_FRAMES, HELD_OUT_THING_FRAMES = _frames(_THING_FRAMES)
-"""Around a thing."""
+"""Trained and held-out sentence frames for things."""
 
 _ROOM_SHARE = (0.35, 0.35, 0.15, 0.15)
-"""Of captions with the label itself, another name, an activity, a thing."""
+"""Shares of captions of a room that use its label, any of its names, an activity or a thing."""
 
 
 def caption(name: str, rng: np.random.Generator) -> str:
-    """A caption with `name`, of a room or a thing, in a random frame."""
+    """Draw a caption: `name`, of a room or a thing, in a random frame of `TEMPLATES`."""
     return _framed(_pick(TEMPLATES, rng), name)
 
 
 def room_caption(label: str, rng: np.random.Generator) -> str:
-    """A caption that tells the room: by a trained name, the label itself above all, by what is done or what stands there."""
+    """Draw a caption of a room in trained words: with its label, one of its names, an activity or a thing.
+
+    `_ROOM_SHARE` has the shares of the four.
+    """
     draw = int(rng.choice(4, p=_ROOM_SHARE))
     if draw == 0:
         return caption(label, rng)
@@ -102,12 +110,12 @@ def room_caption(label: str, rng: np.random.Generator) -> str:
 
 
 def object_caption(kind: str, rng: np.random.Generator) -> str:
-    """A caption or question that names a kind of furniture by a trained name."""
+    """Draw a caption or question with a trained name of a kind of furniture."""
     return _framed(_pick(THING_FRAMES, rng), _pick(OBJECT_NAMES.get(kind, (kind,)), rng))
 
 
 def framed(frames: Sequence[str], words: Sequence[str]) -> Iterator[str]:
-    """Every word or phrase in every frame."""
+    """Put every word or phrase into every sentence frame."""
     return (_framed(frame, phrase) for phrase in words for frame in frames)
 
 

@@ -1,4 +1,7 @@
-"""Frames that show one place: what lets embeddings find it again, among other places of the house above all."""
+"""Training of place recognition: pairs of frames that show the same place, and a contrastive loss over such pairs.
+
+Frames of one place should have similar embeddings, and be distinguishable above all from other places of the same house.
+"""
 
 import numpy as np
 import torch
@@ -10,20 +13,21 @@ from lexis.types import Poses
 
 _TEMPERATURE = 0.07
 _DOUBT = 1.5
-"""Up to so many times the bounds of one place, frames are taken neither for the same place nor for another."""
+"""Frames beyond the bounds of one place, but within this factor of them, count neither as the same place nor as another."""
 
 
 def pairs_of_places(
     T_W_B: Poses, houses: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]
 ) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
-    """Whether two different frames show one place, and whether they show two: of a house, or of two houses.
+    """Whether each pair of frames shows the same place, and whether it shows different places, of one or two houses.
 
-    On both sides of a doorway they do neither: embeddings have to tell the rooms apart there.
+    A pair can be neither. Besides doubtful distances this holds for two close frames on both sides of a doorway, since the
+    embeddings of the two rooms should differ there.
 
     Args:
-        T_W_B: poses.
-        houses: in which they are.
-        rooms: and in a room of which label.
+        T_W_B: poses of the body.
+        houses: seed of the house of every frame.
+        rooms: label index of the room of every frame.
     """
     away, turned = _distances(T_W_B)
     here = houses[:, None] == houses[None, :]
@@ -34,7 +38,7 @@ def pairs_of_places(
 
 
 def _distances(T_W_B: Poses) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, "n n"]]:
-    """Between all poses [m] [rad]."""
+    """Distances [m] and angles [rad] between all poses."""
     positions, rotations = T_W_B[:, :3, 3], T_W_B[:, :3, :3].reshape(-1, 9)
     away = np.linalg.norm(positions[:, None] - positions[None, :], axis=2)
     cosines = (rotations @ rotations.T - 1.0) / 2.0  # trace(A^T B) is the sum over products of entries
@@ -47,10 +51,10 @@ def place_loss(
     apart: Bool[Tensor, "b b"],
     temperature: float = _TEMPERATURE,
 ) -> Tensor:
-    """How far every frame is from being likest to those of its own place (1).
+    """Supervised contrastive loss (Khosla 2020): frames of the same place should be more similar than those of others.
 
-    The supervised contrastive loss (Khosla 2020), over the frames that have another one of their place in the batch; each
-    of these is weighed against the frames of other places, at a low `temperature` against the likest ones above all.
+    The loss is the mean over frames with another frame of their place in the batch. Each such pair is compared with all
+    frames of other places; at a low `temperature`, mostly with the most similar ones. Without any such pair the loss is 0.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

@@ -1,4 +1,4 @@
-"""The calibration of an encoder's answers: fitted on tuning houses, measured on test houses."""
+"""Calibration of the probabilities of `lexis query` for an encoder: fitted on tuning houses, measured on test houses."""
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -21,20 +21,20 @@ from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 
 HOUSES = 24
-"""To fit to."""
+"""Default number of houses to fit to."""
 _START = (0.2, 0.0, np.log(0.05))
 _BOUNDS = ((-2.0, 2.0), (-2.0, 2.0), (np.log(1e-3), np.log(10.0)))
-"""Of base, slope and the logarithm of the temperature."""
+"""Bounds of base, slope and logarithm of the temperature."""
 
 
 def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
-    """Houses to fit to: as `lexis-sim run` makes them, of all presets."""
+    """Draw houses to fit to: of all presets, with the looks and openness that `lexis-sim run` uses."""
     draws = draw_houses(count, TUNING_SEEDS, np.random.default_rng([seed, 2]))
     return [HouseDraw(draw.preset, draw.seed) for draw in draws]
 
 
 def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: int) -> None:
-    """Fit a calibration to so many tuning houses and write it beside the weights, unless theirs lies there already."""
+    """Fit a calibration to `houses` tuning houses and write it beside the weights, unless the file there is up to date."""
     path = weights.with_suffix(".calibration.json")
     if path.exists() and load_calibration(path).fingerprint == encoder.fingerprint:
         return
@@ -44,7 +44,10 @@ def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: in
 def asked_in(
     houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
 ) -> list[QuestionBatch]:
-    """Walk through every house and ask questions in trained words; houses that cannot be walked are left out."""
+    """Walk through every house and ask questions in trained words. Houses without a walk are left out.
+
+    `progress` is called after every house.
+    """
     asked = []
     for number, draw in enumerate(houses):
         with suppress(SimError, WorldsError):
@@ -55,10 +58,10 @@ def asked_in(
 
 
 def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Calibration:
-    """Logistic regression of the truth on similarity and familiarity, over the best room of every question.
+    """Fit a calibration by logistic regression of the truth on similarity and familiarity.
 
-    That room decides whether anything is found; `measure` tells how well the same holds for all rooms. Raises `SimError`
-    where nothing was asked.
+    Only the best room of every question is used, since it decides whether an answer is given. `measure` tells how well the
+    fit holds for all rooms. Raises `SimError` if `asked` is empty.
     """
     if not asked:
         raise SimError("no house to fit to; valid: at least one")
@@ -75,32 +78,32 @@ def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Cal
 
 @dataclass(frozen=True)
 class CalibrationFigures:
-    """How far the probabilities of answers can be trusted; of questions of which every second one has an answer."""
+    """How reliable the probabilities of answers are, over questions of which every second one has an answer."""
 
     questions: int
     calibration_error: float
-    """Expected, of the probability of every room."""
+    """Expected calibration error of the probabilities of all rooms."""
     best_calibration_error: float
-    """And of that of the best room alone."""
+    """Expected calibration error of the probability of the best room only."""
     right: float
-    """Questions with an answer whose best room is one, or shows the thing from afar."""
+    """Share of questions with an answer whose best room is a right answer or shows the thing from afar."""
     unknown_auc: float
-    """Probability that the best room of a question with an answer is held likelier than that of one without."""
+    """Area under the ROC curve for telling questions with an answer from those without, by the best room's probability."""
     found: float
-    """Questions with an answer that get one: not "unknown"."""
+    """Share of questions with an answer for which an answer is given instead of "unknown"."""
     unknown: float
-    """Questions without an answer that get "unknown"."""
+    """Share of questions without an answer for which "unknown" is given."""
 
 
 def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[QuestionBatch]) -> CalibrationFigures:
-    """Over all questions of all houses."""
+    """Measure a calibration over all questions of all houses."""
     every, best, answered = [], [], []
     for asked in houses:
         said = calibration.probabilities(asked.similarities, asked.embeddings, encoder)
         sure = asked.truth != DOUBTFUL
         every.append(np.stack([said[sure], asked.truth[sure] == YES], axis=1))
         first = said.argmax(axis=0)
-        # A room that shows a thing from afar is no wrong answer to who asks for it.
+        # A room that shows the thing only from afar does not count as a wrong answer.
         best.append(np.stack([_of(first, said), _of(first, asked.truth) != NO], axis=1))
         answered.append((asked.truth == YES).any(axis=0))
     (p, true), (top, right), has = np.concatenate(every).T, np.concatenate(best).T, np.concatenate(answered)
@@ -116,14 +119,14 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Que
 
 
 def _best_rooms(asked: QuestionBatch, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
-    """Similarity, familiarity and truth of every question's best room, where there is no doubt about it."""
+    """Similarity, familiarity and truth of the best room of every question, without questions whose truth is doubtful."""
     known = familiarity(asked.embeddings, ROOM_LABELS, encoder)
     rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)
     return np.asarray(rows[rows[:, 2] != DOUBTFUL])
 
 
 def _of(rooms: Int[np.ndarray, "texts"], values: Shaped[np.ndarray, "rooms texts"]) -> Shaped[np.ndarray, "texts"]:
-    """The value of one room for every text."""
+    """For every text, the value of the room that `rooms` selects."""
     return np.asarray(values[rooms, np.arange(len(rooms))])
 
 

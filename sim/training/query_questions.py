@@ -1,4 +1,4 @@
-"""Questions to the rooms of a house with the truth of every answer: a half asks for what is nowhere to be seen."""
+"""Random questions about the rooms of a house, with the truth for every room. Half of them have no right answer."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -31,41 +31,41 @@ from worlds.truth import room_at
 
 NAME, ACTIVITY, THING = TOPICS = ("name", "activity", "thing")
 YES, NO, DOUBTFUL = 1, 0, -1
-"""Doubtful is a room in which a thing is only seen from afar."""
+"""Whether a room is a right answer. It is doubtful for a thing that fills only a small share of the room's images."""
 
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
-"""Share of an image from which on a thing is seen well enough to be asked for."""
+"""A room is a right answer for a thing that fills at least this share of one of its images."""
 _ASKED = 12
-"""Questions of every topic that have an answer in the house, and as many that have none."""
+"""Number of questions per topic that have an answer in the house, and of questions that have none."""
 
 
 @dataclass(frozen=True, eq=False)
 class RoomViews:
-    """What is seen in the rooms of a house on a walk."""
+    """Images of the rooms of a house along a walk, with ground truth."""
 
     images: UInt8[np.ndarray, "n h w 3"]
     room: Int[np.ndarray, "n"]
-    """Of every image: numbers from 0, without gaps."""
+    """Room of every image; rooms are numbered from 0 without gaps."""
     label: Int[np.ndarray, "n"]
-    """Of the room, by index into `ROOM_LABELS`."""
+    """Label of that room, as an index into `ROOM_LABELS`."""
     shares: Float32[np.ndarray, "n things"]
-    """Of the image that show each of `THINGS`."""
+    """Share of every image that shows each of `THINGS`."""
 
     @property
     def labels(self) -> Int[np.ndarray, "rooms"]:
-        """Index into `ROOM_LABELS` of every room."""
+        """Label of every room, as an index into `ROOM_LABELS`."""
         return np.asarray(self.label[np.unique(self.room, return_index=True)[1]])
 
     @property
     def shown(self) -> Float32[np.ndarray, "rooms things"]:
-        """The largest share of an image that shows each of `THINGS`, taken in every room."""
+        """For every room, the largest share of one of its images that shows each of `THINGS`."""
         return np.array([self.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
 
 
 @dataclass(frozen=True, eq=False)
 class QuestionBatch:
-    """Questions, how well every room fits them, and the truth."""
+    """Questions with their embeddings, their similarities to every room, and the truth."""
 
     texts: tuple[str, ...]
     topics: tuple[str, ...]
@@ -76,7 +76,7 @@ class QuestionBatch:
 
 
 def room_views(draw: HouseDraw) -> RoomViews:
-    """Walk through the house as `lexis-sim run` does. Raises `SimError` where there is no way."""
+    """Walk through the house as `lexis-sim run` does, and render images. Raises `SimError` if no walk is possible."""
     walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
     T_W_B = walked.tour.T_W_B[evenly_along(walked.tour.T_W_B[:, :3, 3], _SPACING_M, _MOST)]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
@@ -85,7 +85,7 @@ def room_views(draw: HouseDraw) -> RoomViews:
 
 
 def embedded(views: RoomViews, encoder: TextEncoder) -> Float32[np.ndarray, "n d"]:
-    """Of every image."""
+    """Embed every image."""
     return np.array([encoder.encode_image(image) for image in views.images])
 
 
@@ -96,7 +96,15 @@ def ask(
     rng: np.random.Generator,
     held_out: bool = False,
 ) -> QuestionBatch:
-    """Draw questions and ask them: in trained words, or in words that no caption ever held. `images`: `embedded(views)`."""
+    """Draw questions and compute their similarities to every room.
+
+    Args:
+        views: the rooms.
+        images: embeddings of the images, from `embedded(views)`.
+        encoder: encoder of the questions.
+        rng: source of randomness.
+        held_out: whether to use words that occur in no training caption, instead of trained ones.
+    """
     drawn = [question for topic in TOPICS for question in _drawn(topic, views, rng, held_out)]
     texts = tuple(text for _, text, _ in drawn)
     questions = embed_questions(texts, encoder)
@@ -109,7 +117,7 @@ def ask(
 def _drawn(
     topic: str, views: RoomViews, rng: np.random.Generator, held_out: bool
 ) -> Iterator[tuple[str, str, Int[np.ndarray, "rooms"]]]:
-    """Topic, text and truth by room of as many questions with an answer as without, none where there are no such."""
+    """Draw as many questions with an answer as without, as (topic, text, truth by room); none if there is no such pair."""
     truths = {key: _truth(topic, key, views) for key in _words(topic, held_out)}
     answered = [key for key, truth in truths.items() if (truth == YES).any()]
     vain = [key for key, truth in truths.items() if (truth == NO).all()]

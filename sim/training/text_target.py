@@ -1,8 +1,12 @@
-"""What the text tower is to say: the teacher's embedding, seen through a fixed linear map that gives rooms more room.
+"""The targets of the text tower: the teacher's embeddings after a fixed linear map that separates room labels better.
 
-The map whitens what varies among captions of one room (frames, style, which of its things) and keeps what tells rooms apart,
-as in linear discriminant analysis, shrunk far enough to keep all other meaning; then the leading directions are kept.
-It is fitted on trained captions only.
+The map is fitted in two steps:
+
+1. Whiten the variation among captions of one room (sentence frames, style, choice of things), as in linear discriminant
+   analysis. This emphasises the differences between rooms. The covariance is shrunk, so that other meaning is preserved.
+2. Keep only the directions in which all texts vary most, to reduce the dimension to that of the text tower.
+
+Step 1 uses trained captions only.
 """
 
 from dataclasses import dataclass
@@ -22,14 +26,14 @@ from sim.training.phrases import (
 )
 
 _SHRINKAGE = 0.3
-"""Of the variance within rooms towards a sphere, in units of its mean."""
+"""Shrinkage of the covariance within rooms: a multiple of the identity is added, in units of the mean variance."""
 _TABLES = ((ROOM_NAMES, TEMPLATES, 0.6), (ROOM_ACTIVITIES, PLACE_FRAMES, 0.2), (ROOM_THINGS, THING_FRAMES, 0.2))
-"""What is said of rooms, how, and its share."""
+"""Tables of phrases about rooms, their sentence frames, and the share of each table in the weights."""
 
 
 @dataclass(frozen=True, eq=False)
 class LabelledCaptions:
-    """Captions that tell a room; weights sum to one and are equal for all rooms."""
+    """Captions with the room that each describes. The weights sum to one, and every room has the same total weight."""
 
     texts: tuple[str, ...]
     rooms: Int[np.ndarray, "n"]
@@ -38,18 +42,18 @@ class LabelledCaptions:
 
 @dataclass(frozen=True, eq=False)
 class TargetMap:
-    """x -> unit((x - mean) @ matrix)."""
+    """The linear map x -> unit((x - mean) @ matrix), where unit scales to unit norm."""
 
     mean: Float32[np.ndarray, "d"]
     matrix: Float32[np.ndarray, "d e"]
 
     def __call__(self, embeddings: Float32[np.ndarray, "n d"]) -> Float32[np.ndarray, "n e"]:
-        """Targets of the teacher's embeddings, unit norm."""
+        """Convert the teacher's embeddings to targets, unit norm."""
         return _units((embeddings - self.mean) @ self.matrix)
 
 
 def labelled_captions() -> LabelledCaptions:
-    """Every trained name, activity and thing of every room label in every trained frame; rooms number as in `ROOM_NAMES`."""
+    """Every trained name, activity and thing of every room in every trained frame; rooms are numbered as in `ROOM_NAMES`."""
     texts, rooms, weights = [], [], []
     for table, frames, share in _TABLES:
         for room, label in enumerate(ROOM_NAMES):
@@ -66,11 +70,18 @@ def fit_target_map(
     everything: Float32[np.ndarray, "m d"],
     dimensions: int,
 ) -> TargetMap:
-    """Whiten within rooms on the captions' `embeddings`; keep the directions in which `everything` varies most."""
+    """Fit the target map; see the module's docstring for the steps.
+
+    Args:
+        embeddings: the teacher's embeddings of `captions`, for step 1.
+        captions: captions with their rooms and weights.
+        everything: the teacher's embeddings of all texts, for step 2.
+        dimensions: number of directions to keep.
+    """
     weighted = embeddings * captions.weights[:, None]
     centres = np.zeros((int(captions.rooms.max()) + 1, embeddings.shape[1]))
     np.add.at(centres, captions.rooms, weighted)
-    centres *= len(centres)  # every room weighs the same
+    centres *= len(centres)  # the weights of a room sum to 1 / rooms, so this turns sums into means
     inner = embeddings - centres[captions.rooms]
     scatter = (inner * captions.weights[:, None]).T @ inner
     scatter += _SHRINKAGE * np.trace(scatter) / len(scatter) * np.eye(len(scatter))

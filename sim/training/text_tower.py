@@ -1,8 +1,8 @@
-"""Stage 1 of training `lexis-mini`: its text tower, distilled from a sentence encoder; no image is needed.
+"""Training of the text tower of `lexis-mini` by distillation from a sentence encoder, without images.
 
-The tower is open_clip's own text transformer over CLIP's vocabulary. It learns to say what the teacher says (through
-`text_target`) of words, random compositions and captions, so that words which stand in no caption lie where they belong.
-Stage 2 trains the image tower against it and leaves it as it is.
+The tower is open_clip's text transformer with CLIP's vocabulary. It learns to reproduce the teacher's embeddings (after the
+map of `text_target`) of single words, random compositions and captions. So words that occur in no caption get meaningful
+embeddings too. Later the image tower is aligned with the text tower, which stays fixed (`align`).
 """
 
 import logging
@@ -30,23 +30,24 @@ from sim.training.text_target import fit_target_map, labelled_captions
 
 EMBED_DIM = 256
 TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width": 160, "heads": 5, "layers": 2}
-"""As in an open_clip model config."""
+"""Architecture of the text tower, as in an open_clip model configuration."""
 
 _POOL_BATCHES = 20
-"""Batches are sorted by length within this many, so that little is padded."""
+"""Texts are sorted by length within pools of this many batches, so that little padding is needed."""
 _INIT_DEVIATION = 0.3
+"""Standard deviation of the initial token embeddings of words."""
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class DistilConfig:
-    """How much text, how long and how hard."""
+    """Amount of text, length of training and parameters of the optimiser."""
 
     compositions: int = 250_000
     scenes: int = 15_000
     near: int = 2_500
-    """Words that belong to houses, by the teacher's judgement; most compositions are made of them."""
+    """Number of words that belong to houses according to the teacher; most words of compositions are drawn from them."""
     epochs: int = 3
     batch: int = 512
     learning_rate: float = 2e-3
@@ -56,16 +57,16 @@ class DistilConfig:
 
 @dataclass(frozen=True)
 class DistilProgress:
-    """Reported after every epoch."""
+    """The report after an epoch."""
 
     epoch: int
     cosine: float
-    """Between tower and target, mean over the epoch's texts while it ran."""
+    """Cosine similarity between the tower's output and the target, averaged over the epoch during training."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """Texts as the tower reads them, with what it is to say."""
+    """Training data of the tower: tokenised texts and their targets."""
 
     tokens: Int[Tensor, "n t"]
     targets: Float[Tensor, "n e"]
@@ -80,7 +81,7 @@ def distil(
     text_cfg: Mapping[str, int] = TEXT_CFG,
     embed_dim: int = EMBED_DIM,
 ) -> TextTransformer:
-    """The trained tower; the same on every run with one torch thread."""
+    """Train a text tower. With one torch thread, every run gives the same weights."""
     lesson = prepare(teacher, config, text_cfg["context_length"], embed_dim)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
@@ -104,7 +105,7 @@ def distil(
 
 
 def prepare(teacher: SentenceEncoder, config: DistilConfig, context_length: int, embed_dim: int) -> Lesson:
-    """Draw the texts, ask the teacher for all of them, fit the target map."""
+    """Draw the texts, compute the teacher's embeddings of all of them, and fit the target map."""
     rng = np.random.default_rng([config.seed, 0])
     words = plain_words(teacher.words)
     vectors = _ask(teacher, words)
@@ -120,12 +121,12 @@ def prepare(teacher: SentenceEncoder, config: DistilConfig, context_length: int,
 
 @cache
 def tokenizer(context_length: int) -> open_clip.tokenizer.SimpleTokenizer:
-    """CLIP's own; its vocabulary takes a third of a second to read."""
+    """CLIP's tokenizer. It is cached, since reading its vocabulary takes a third of a second."""
     return open_clip.tokenizer.SimpleTokenizer(context_length=context_length)
 
 
 def encode(tower: TextTransformer, tokens: Int[Tensor, "n t"]) -> Float[Tensor, "n e"]:
-    """What `tower(tokens)` returns, without computing the padding: attention is causal, so nothing looks at it."""
+    """Compute `tower(tokens)` without the padding, which has no influence, since attention is causal."""
     length = int((tokens != 0).sum(dim=1).max())
     tokens = tokens[:, :length]
     x = tower.token_embedding(tokens) + tower.positional_embedding[:length]
@@ -142,25 +143,28 @@ def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.nda
 
 
 def save_text_tower(tower: TextTransformer, path: Path) -> None:
-    """Write the tower in half precision, under the names that it has within an open_clip model."""
+    """Write the tower in half precision; parameters have the same names as in an open_clip model."""
     with replaced_file(path) as beside:
         save_file({name: value.half().contiguous() for name, value in tower.state_dict().items()}, beside)
 
 
 def load_text_tower(path: Path) -> TextTransformer:
-    """The tower that `save_text_tower` wrote. Raises `SimError` for a damaged file, or a tower of another shape."""
+    """Load a tower that `save_text_tower` wrote. Raises `SimError` for a damaged file, or a tower of another shape."""
     tower = TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
     try:
         tower.load_state_dict({name: value.float() for name, value in load_file(path).items()})
     except (OSError, RuntimeError, SafetensorError) as error:
         raise SimError(
-            f"{path}: no text tower of today's shape: {one_line(error)}; delete it to have it distilled again"
+            f"{path}: no text tower of the present shape: {one_line(error)}; delete it to train it again"
         ) from None
     return tower
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
-    """Start every word's token at the leading part of its target, so that training starts from a bag of words."""
+    """Initialise the token embedding of every word with the leading part of its target.
+
+    Training then starts from a bag-of-words model, instead of from noise.
+    """
     width = tower.token_embedding.embedding_dim
     single = lesson.words[((lesson.tokens[lesson.words] != 0).sum(dim=1) == 3).numpy()]  # start, the word, end
     targets = lesson.targets[single][:, :width]
@@ -172,7 +176,7 @@ def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
 
 
 def _whole_word_of() -> Int[Tensor, "vocabulary"]:
-    """For the token of a piece within words ("bath" of "bathtub"), that of the word of the same letters; else itself."""
+    """Map the token of every word piece ("bath" in "bathtub") to that of the word with the same letters, else to itself."""
     index = open_clip.tokenizer.SimpleTokenizer().encoder
     return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
 
@@ -191,7 +195,10 @@ def _centres(rows: Float32[np.ndarray, "n d"], groups: Int[np.ndarray, "n"]) -> 
 
 
 def _groups(tower: nn.Module, weight_decay: float) -> list[dict[str, object]]:
-    """Weight decay for matrices; none for the table, whose rows are seldom seen, nor for biases and norms."""
+    """Parameter groups: weight decay for matrices, none for biases and norms.
+
+    Token embeddings have none either, since most of them occur rarely and would decay between their occurrences.
+    """
     named = list(tower.named_parameters())
     decayed = [p for name, p in named if p.ndim > 1 and "embedding" not in name]
     free = [p for name, p in named if p.ndim < 2 or "embedding" in name]

@@ -1,7 +1,7 @@
-"""Variants of furniture that training never shows: one colour of every palette.
+"""Held-out colours of furniture, one of every palette, which never occur in training frames.
 
-What a piece looks like follows from its seed, so a house is repainted by giving pieces other seeds. They stay
-where they are.
+The look of a piece of furniture follows from its seed. So a house is repainted by giving pieces other seeds; their positions
+do not change.
 """
 
 from dataclasses import replace
@@ -17,16 +17,17 @@ _TRIES = 64
 
 
 def repainted(house: House, held_out: bool) -> House:
-    """The same house with furniture in trained variants alone, or in held-out ones wherever a kind has any.
+    """The same house with furniture in trained colours only, or, if `held_out`, in held-out colours where a kind has any.
 
-    Trained: what cannot be repainted, such as a shelf of many bright things, is left out. Deterministic.
+    With trained colours, pieces for which no such look is found, such as a shelf of many bright things, are left out. The
+    result is deterministic.
     """
     pieces = (_with(piece, held_out) for piece in house.furniture)
     return replace(house, furniture=tuple(piece for piece in pieces if piece is not None))
 
 
 def shows_held_out(piece: Furniture) -> bool:
-    """Whether any part has a held-out colour."""
+    """Whether any part of the piece has a held-out colour."""
     return any(part.colour in HELD_OUT_COLOURS for part in piece.parts)
 
 

@@ -1,4 +1,4 @@
-"""From where frames are taken: along tours, in pairs that show nearly the same."""
+"""Viewpoints of training frames: along tours, in pairs of similar views, from which place recognition is learned."""
 
 from dataclasses import dataclass
 
@@ -12,43 +12,44 @@ from worlds.house import House
 from worlds.walkable import Walkable
 
 IMAGE_SIZE = (160, 128)
-"""Width and height that the encoder sees [px]."""
+"""Width and height of the encoder's input images [px]."""
 
 _YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
-"""Deviations from the tour's level view along the way [rad], and from its height [m]."""
+"""Standard deviations of yaw, pitch and roll from the tour's level view along the path [rad], and of height [m]."""
 _ALL_ROUND_SHARE = 0.15
+"""Share of pairs whose yaw is uniformly distributed instead."""
 _SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
-"""How much farther along the way the second frame of a pair is taken [m], and its further deviation [rad]."""
+"""Range of the distance along the path to the second frame of a pair [m], and its additional deviation in yaw [rad]."""
 
 
 @dataclass(frozen=True)
 class ViewpointConfig:
-    """Which frames are taken of a house."""
+    """Number, spacing and size of the frames that are taken of a house."""
 
     size: tuple[int, int] = IMAGE_SIZE
     """Width and height of the images that are kept [px]."""
     rendered: tuple[int, int] = (480, 360)
-    """And of what is rendered and squashed to that size: LEXIS's camera."""
+    """Width and height of the rendered images, which are then scaled to `size` [px]; by default those of LEXIS's camera."""
     spacing_m: float = 2.0
-    """Between pairs of frames along the tour [m]."""
+    """Distance between pairs of frames along the tour [m]."""
     most: int = 110
-    """Frames taken of a house."""
+    """Largest number of frames of a house."""
 
 
 TRAINING_VIEWS = ViewpointConfig()
 LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
-"""As LEXIS sees houses."""
+"""Frames in the size of LEXIS's images."""
 
 
 def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
-    """Indices of points of a path that far apart along it [m], or farther where there would be more than `most`."""
+    """Indices of points that are `spacing_m` apart along a path, or farther if that would give more than `most` points."""
     path = _path_m(positions)
     spacing_m = max(spacing_m, path[-1] / most)
     return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
 
 def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
-    """`T_W_B` of pairs of glances from nearby points of a tour; none where there is no way through the house."""
+    """`T_W_B` of pairs of views from nearby points of a tour; none if no tour through the house is found."""
     try:
         tour = plan_tour(house, Walkable(house), rng, TourConfig())
     except SimError:

@@ -1,8 +1,9 @@
-"""How much of the room one frame can tell: a random forest on the true visible share of every thing.
+"""The ceiling: the label accuracy that a single frame allows, estimated by a random forest on ground truth.
 
-A camera that looks through an opening shows the next room, and by the paper's definition only the room that holds the camera
-is right. So the report tells frames that their own room fills from those that it does not, and has beside the ceiling what
-an eye would get that knew the label of every pixel's room, and named the one that fills most of the image.
+The input of the forest is the true share of the image that shows each kind of thing. A perfect score is impossible: a camera
+that looks through an opening shows mostly the next room, but by the paper's definition only the room that contains the
+camera is right. So the benchmark groups frames by the share of the image that their own room fills. It also reports the
+score of an ideal observer that knows the room label of every pixel and names the label that fills most of the image.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,27 +20,31 @@ from sim.training.frames import Frames, frames_by_house
 from worlds.labels import ROOM_LABELS
 
 Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
-"""Index into `ROOM_LABELS` of every frame's room, out of those that occur among the frames."""
+"""Predicts the label of every frame's room, as an index into `ROOM_LABELS`, among the labels that occur in the frames."""
 OWN_ROOM = (0.25, 0.5, 0.75)
-"""Bounds of the share of the image that shows rooms of the camera's own label."""
+"""Bounds between the bands of frames: shares of the image that show rooms of the camera's own label."""
 _TREES = 100
 
 
 @dataclass(frozen=True)
 class Band:
-    """Frames whose own room fills so much of the image."""
+    """The frames whose own room fills between `low` and `high` of the image."""
 
     low: float
     high: float
     share: float
-    """Of all frames."""
+    """Share of all frames that are in the band."""
     right: Mapping[str, float | None]
-    """Share of right answers, by who answers; None without frames."""
+    """Share of right answers in the band, by the name of the method; None if the band has no frames."""
 
 
 def ceiling_of(work: Path) -> Ceiling:
-    """A classifier trained on all frames in a work folder of `train-encoder`. Raises `SimError` without any."""
-    # Of training and tuning houses, never of test houses; their images would fill the memory.
+    """Train a ceiling classifier on all frames in a work folder of `train-encoder`.
+
+    Raises `SimError` if the folder has no frames or scikit-learn is not installed.
+    """
+    # The frames are of training and tuning houses, never of test houses. They are read house by house, and only what the
+    # forest needs is kept, since all images together would fill the memory.
     shares, rooms = zip(*((frames.shares, frames.rooms) for frames in frames_by_house(work / "frames")), strict=True)
     try:
         from sklearn.ensemble import RandomForestClassifier
@@ -60,17 +65,17 @@ def ceiling_of(work: Path) -> Ceiling:
 
 
 def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
-    """The share of the image that shows rooms of the camera's own label, and what stands in them."""
+    """The share of the image that shows rooms of the camera's own label, including the objects in them."""
     return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
 
 
 def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
-    """Whether no other label's rooms fill more of the image than those of the camera's own label."""
+    """Whether rooms of the camera's own label fill at least as much of the image as those of any other label."""
     return np.asarray(own_room(frames) >= frames.views.max(axis=1))
 
 
 def by_own_room(own: Float[np.ndarray, "n"], right: Mapping[str, Bool[np.ndarray, "n"]]) -> list[Band]:
-    """Right answers by how much of the image the camera's own room fills; at the end, of all frames."""
+    """Share of right answers by the share of the image that the camera's own room fills; the last band has all frames."""
     edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
     inside = [(low, high, np.digitize(own, OWN_ROOM) == i) for i, (low, high) in enumerate(pairwise(edges))]
     return [

@@ -1,4 +1,7 @@
-"""`lexis-sim bench encoders`: what an encoder tells of the keyframes of test houses, before LEXIS refines anything."""
+"""`lexis-sim bench encoders`: how well an encoder labels, retrieves and calibrates on keyframes of test houses.
+
+Everything is measured on the embeddings alone, before any refinement by LEXIS.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -24,72 +27,74 @@ _NAME_SETS = 12
 
 @dataclass(frozen=True)
 class EncoderRow:
-    """The figures of one house; shares. None where a house has no such question, or nothing was asked for."""
+    """The figures of one encoder on one house, all in [0, 1]. None if the house has no such questions or revisits."""
 
     accuracy: float
-    """Zero-shot, over the labels of the house."""
+    """Zero-shot label accuracy among the labels of the house."""
     ceiling: float | None
-    """Of the classifier on what is truly visible; None without training frames."""
+    """Label accuracy of the ceiling classifier, which knows what is truly visible; None without training frames."""
     trained_names: float
-    """Mean accuracy with other trained names of the rooms."""
+    """Mean label accuracy if rooms are given random names that were used in training."""
     held_out_names: float
-    """And with names that were never trained on."""
+    """Mean label accuracy if rooms are given random names that were never used in training."""
     things: float | None
-    """Questions for a thing that stands in rooms of one label alone which rank such a room first."""
+    """Questions for a thing that stands only in rooms of one label: share that rank a room of that label first."""
     typical_things: float | None
-    """Questions for things that are said to stand in a room."""
+    """The same share for questions for things that are typical of a room."""
     activities: float | None
-    """Questions for what is done in a room."""
+    """The same share for questions for activities that are typical of a room."""
     held_out_questions: float | None
-    """Questions of these three topics in words that were never trained on: the mean of the three."""
+    """Mean share over these three topics for questions in words that were never used in training."""
     trained_looks: float
-    """Accuracy in textures and lights that met in training."""
+    """Label accuracy in pairs of texture and lighting that occur together in training."""
     held_out_looks: float
-    """The same keyframes in the same textures and lights, paired as they never met."""
+    """Label accuracy of the same keyframes in the same textures and lightings, paired as they never are in training."""
     trained_variants: float
-    """Accuracy with furniture in trained colours alone."""
+    """Label accuracy with furniture in trained colours only."""
     held_out_variants: float
-    """And in colours that are never trained on."""
+    """Label accuracy with furniture in colours that never occur in training."""
     recall: float | None
-    """Recall@1 of revisits, by cosine of embeddings."""
+    """Recall@1 of revisits, by the cosine similarity of embeddings."""
     recall_in_room: float | None
-    """As LEXIS does it: among keyframes of the query's label."""
+    """The same among keyframes with the query's predicted label only, as LEXIS searches."""
     recall_orb: float | None
-    """Of ORB bag-of-words."""
+    """Recall@1 of revisits by ORB bag-of-words."""
     calibration_error: float
-    """Expected, of the probabilities that the model's own temperature makes; of one house, few frames make it larger."""
+    """Expected calibration error of probabilities at the model's own temperature. The few frames of one house inflate it."""
 
 
 @dataclass(frozen=True, eq=False)
 class EncoderFigures:
-    """A house's figures, and its answers one by one."""
+    """The figures of one encoder on one house, with the results for every frame, revisit and question."""
 
     seed: int
     row: EncoderRow
     confidence: Float[np.ndarray, "n"]
-    """Of every frame's label."""
+    """Probability of the label that was predicted for each frame."""
     right: Bool[np.ndarray, "n"]
+    """Whether each frame's predicted label is right."""
     ceiling_right: Bool[np.ndarray, "n"] | None
+    """Whether the ceiling classifier labels each frame right."""
     found: Mapping[str, Bool[np.ndarray, "revisits"]]
-    """By what they are sought with, as in the row: whether every revisit is found."""
+    """Whether each revisit was found, by the name of the recall in `EncoderRow`."""
     own_room: Float[np.ndarray, "n"]
     """The share of the image that shows rooms of the camera's own label."""
     prevails: Bool[np.ndarray, "n"]
-    """Whether no other label's rooms fill more of it."""
+    """Whether rooms of the camera's own label fill at least as much of the image as those of any other label."""
     asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
-    """By label and held-out name: what accuracy loses where the rooms of that label alone go by that name."""
+    """Loss of label accuracy by (label, held-out name) if only the rooms of that label are given that name."""
 
 
 @dataclass(frozen=True, eq=False)
 class References:
-    """What encoders are compared with."""
+    """The methods that encoders are compared with."""
 
     ceiling: Ceiling | None = None
     orb: OrbWords | None = None
 
     def of(self, run: EncoderRun) -> "Beside":
-        """Their answers, once for all encoders."""
+        """Their answers on one run, which are the same for all encoders."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
             return Beside(right, {})
@@ -107,7 +112,7 @@ class Beside(NamedTuple):
 def measure(
     encoders: Sequence[ImageTextEncoder], runs: Iterable[EncoderRun], references: References
 ) -> Iterator[list[EncoderFigures]]:
-    """Run by run, the figures of every encoder."""
+    """Yield for every run the figures of all encoders, in the order of `encoders`."""
     texts = [EmbeddedTexts(encoder) for encoder in encoders]
     for run in runs:
         beside = references.of(run)
@@ -179,7 +184,7 @@ def _renamed(
     table: Table,
     seed: int,
 ) -> float:
-    """Mean accuracy over lists in which every room goes by a random name of the table."""
+    """Mean label accuracy over lists of room names in which every label is replaced by a random name of the table."""
     rng = np.random.default_rng(seed)
     lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
     return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
@@ -192,7 +197,7 @@ def _held_out_losses(
     own: Int[np.ndarray, "n"],
     similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    """Against the `similarities` to all rooms by their own names."""
+    """The losses of `EncoderFigures.held_out_losses`; `similarities` are those to all rooms by their own labels."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):
@@ -204,7 +209,7 @@ def _held_out_losses(
 
 
 def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]]:
-    """(label, held-out name, loss of accuracy in a house that has such rooms, on average), the worst first."""
+    """(label, held-out name, mean loss of accuracy over houses with such rooms) for every name with a loss, worst first."""
     losses: dict[tuple[str, str], list[float]] = defaultdict(list)
     for house in houses:
         for key, loss in house.held_out_losses.items():

@@ -1,8 +1,9 @@
-"""Questions for rooms in free words, and which of them rank the right room first.
+"""Questions for rooms in free words, to measure how often the right room is ranked first.
 
-Asked is for things that truly stand in rooms of one label alone and are seen on the walk, for things that are said to
-stand in a room, and for what is done in it. Every topic is asked in trained words and frames, in words that no caption
-ever held, and in frames that none had.
+There are three topics: things that truly stand in rooms of a single label and are visible on the walk, things that are
+typical of a room, and activities that are typical of a room. The questions of each topic come in three wordings: with words
+and sentence frames that were used in training, with words that occur in no training caption, and with sentence frames that
+occur in none. A sentence frame is the text around the words, such as "where is {a}".
 """
 
 from collections import Counter
@@ -36,10 +37,10 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import objects
 
 SEEN, SEEN_IN = 0.01, 3
-"""A thing can be asked for that fills more than this share of so many images."""
+"""Questions ask only for things that fill more than a share of `SEEN` of at least `SEEN_IN` images."""
 TRAINED, HELD_OUT_WORDS, HELD_OUT_FRAMES = WORDINGS = "trained", "held-out words", "held-out frames"
 THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
-"""Things that stand there; things that are said to stand there; what is done there."""
+"""Things that truly stand in the room; things that are typical of it; activities that are typical of it."""
 
 
 class RoomQuestion(NamedTuple):
@@ -48,7 +49,7 @@ class RoomQuestion(NamedTuple):
     topic: str
     wording: str
     about: str
-    """The kind of thing, the phrase."""
+    """The kind of thing or the phrase that is asked for."""
     text: str
     answer: str
     """The label of the right rooms."""
@@ -63,12 +64,12 @@ class AnsweredQuestion:
 
     @property
     def right(self) -> bool:
-        """Whether that is the answer."""
+        """Whether the room that is ranked first is the right answer."""
         return self.said == self.question.answer
 
 
 class Failure(NamedTuple):
-    """What is asked for in vain."""
+    """A thing or phrase with at least one wrong answer, and how often that happened."""
 
     topic: str
     wording: str
@@ -77,11 +78,11 @@ class Failure(NamedTuple):
     asked: int
     right: int
     instead: str
-    """The label that was ranked first most often of the wrong ones."""
+    """The wrong label that was ranked first most often."""
 
 
 def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedTexts) -> list[AnsweredQuestion]:
-    """All questions that the house answers; as `lexis query` does, rooms are ranked by their best views."""
+    """Ask all questions that have a right answer in the house. Rooms are ranked by their best views, as in `lexis query`."""
     questions = list(questions_of(run))
     if not questions:
         return []
@@ -93,7 +94,7 @@ def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedText
 
 
 def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
-    """Questions with one right answer in the house."""
+    """Yield the questions with exactly one right label in the house."""
     for kind, label in standing_in_one(run).items():
         names, held_out = OBJECT_NAMES.get(kind, (kind,)), HELD_OUT_OBJECTS.get(kind, ())
         yield from _worded(THING, kind, names, held_out, label, (THING_FRAMES, HELD_OUT_THING_FRAMES))
@@ -103,7 +104,7 @@ def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
 
 
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
-    """The label of the rooms that hold it, for every kind of the catalogue that stands in rooms of one label and is seen."""
+    """Map every kind of furniture that is visible and stands only in rooms of one label to that label."""
     house = run.house
     labels: dict[str, set[str]] = {}
     for thing in objects(house):
@@ -118,13 +119,13 @@ def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
 
 
 def share_right(asked: Iterable[AnsweredQuestion], topic: str, wording: str) -> tuple[float | None, int]:
-    """The share of such questions that are answered rightly, None without any, and how many there are."""
+    """The share of questions of that topic and wording with a right answer (None if there are none), and their number."""
     right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
     return (float(np.mean(right)) if right else None), len(right)
 
 
 def failures(asked: Sequence[AnsweredQuestion]) -> list[Failure]:
-    """What is asked for at least once in vain, by the number of wrong answers."""
+    """Group questions by what they ask for; return the groups with wrong answers, most wrong answers first."""
     groups: dict[tuple[str, str, str, str], list[AnsweredQuestion]] = {}
     for one in asked:
         topic, wording, about, _, answer = one.question

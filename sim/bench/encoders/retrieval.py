@@ -1,4 +1,4 @@
-"""Recall@1: whether the keyframe most like a revisit was taken at the same place."""
+"""Recall@1 of place recognition: whether the keyframe most similar to a revisit was taken at the same place."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
@@ -15,17 +15,18 @@ def found_at_1(
     stamps: Float64[np.ndarray, "n"],
     groups: Int[np.ndarray, "n"] | None = None,
 ) -> Bool[np.ndarray, "revisits"]:
-    """Of every revisit, whether its best match is within 1 m and 0.5 rad.
+    """Whether the best match of every revisit is within 1 m and 0.5 rad of it.
 
-    Queries are keyframes near one at least 10 s earlier (the contract's revisits); candidates are all keyframes of the house
-    but those within 10 s of the query.
+    The queries are the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier (as defined by
+    `lexis.evaluation.loops.true_revisits`). The candidates are all keyframes of the house except those within 10 s of the
+    query.
 
     Args:
-        descriptors: of every keyframe, unit norm, compared by cosine.
+        descriptors: descriptors of all keyframes, unit norm, compared by cosine similarity.
         T_W_B: true poses.
-        stamps: [s].
-        groups: with them, candidates are those of the query's group alone, as LEXIS seeks in rooms of one label; a query
-            without any is a miss.
+        stamps: time stamps [s].
+        groups: if given, the candidates are restricted to the query's group, as LEXIS searches only among keyframes of one
+            label; a query without candidates counts as not found.
     """
     queries = true_revisits(T_W_B, stamps)
     eligible = np.abs(stamps[queries, None] - stamps[None, :]) >= REVISIT_S
@@ -36,7 +37,7 @@ def found_at_1(
 
 
 def share(found: Bool[np.ndarray, "n"]) -> float | None:
-    """How many of them; None of none."""
+    """The share of true entries; None for an empty array."""
     return float(found.mean()) if len(found) else None
 
 

@@ -1,4 +1,4 @@
-"""The runs that encoders are measured on: walks through test houses, keyframe by keyframe, with what is true of them."""
+"""The runs that encoders are measured on: keyframes along walks through test houses, with ground truth."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -23,32 +23,33 @@ from worlds.house import House, build_house
 from worlds.truth import room_at
 
 TRAINED_LOOKS = tuple((HELD_OUT_LOOKS[i][0], HELD_OUT_LOOKS[1 - i][1]) for i in (0, 1))
-"""The same textures and lights as in `HELD_OUT_LOOKS`, but in pairs that do meet in training."""
+"""The same textures and lightings as in `HELD_OUT_LOOKS`, but in pairs that occur in training."""
 _MOST = 400
+"""Largest number of keyframes of a walk."""
 _LOOKED_AT = 60
-"""Keyframes that are rendered once more in every look."""
+"""Number of keyframes of a walk that are rendered again in every look."""
 
 
 @dataclass(frozen=True, eq=False)
 class EncoderRun:
-    """One walk through one house."""
+    """The keyframes of one walk through one house."""
 
     draw: HouseDraw
     stamps: Float64[np.ndarray, "n"]
-    """Of the keyframes [s]."""
+    """Time stamps of the keyframes [s]."""
     room: Int[np.ndarray, "n"]
-    """Index into the house's rooms of the one that holds the camera."""
+    """The room that contains the camera, as an index into the house's rooms."""
     frames: Frames
     looked_at: Int[np.ndarray, "k"]
-    """Keyframes that there are other looks of."""
+    """Indices of the keyframes that were rendered in other looks too."""
     held_out_looks: UInt8[np.ndarray, "looks k h w 3"]
-    """Their images where texture and light meet as they never do in training."""
+    """Images of these keyframes in pairs of texture and lighting that never occur in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
-    """And in pairs of the same textures and lights that do."""
+    """Images with the same textures and lightings in pairs that occur in training."""
     held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
-    """With furniture in colours that are never trained on."""
+    """Images with furniture in colours that never occur in training."""
     trained_variants: UInt8[np.ndarray, "1 k h w 3"]
-    """And with furniture in trained colours alone."""
+    """Images with furniture in trained colours only."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -57,20 +58,20 @@ class EncoderRun:
 
     @property
     def house(self) -> House:
-        """Built anew: the walk does not keep it."""
+        """The house, which is built again at each access, since a run does not store it."""
         return build_house(self.draw.spec())
 
 
 _OWN = tuple(f.name for f in fields(EncoderRun) if f.name not in ("draw", "frames"))
-"""What is kept of a run beside its frames; what it is drawn from is known."""
+"""Fields of a run that are cached in addition to its frames. The draw is not cached, since it is known."""
 
 
 def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) -> Iterator[EncoderRun]:
-    """Walks as `lexis-sim run` takes them, one by one.
+    """Yield one run per seed, along the same walk that `lexis-sim run` takes.
 
-    Keyframes are as far apart as LEXIS's, or as evenly as 400 can be on longer walks. With a `folder`, frames that lie there
-    are taken from it and others are left in it. Raises `SimError` for files in it that cannot be read, or were made of other
-    houses or in another way.
+    Keyframes have the spacing of LEXIS's; on long walks they are farther apart, so that there are at most 400. If a `folder`
+    is given, it is a cache: runs are loaded from it, and new ones are saved in it. Raises `SimError` if a file there cannot
+    be read, or was made from other houses or with other settings.
     """
     for seed in seeds:
         draw = HouseDraw(preset, seed)
@@ -81,18 +82,18 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
-    """Indices of frames a keyframe's spacing of path apart, or farther where that would be more than 400."""
+    """Indices of frames that are the keyframe spacing apart along the path, or farther so that there are at most 400."""
     return evenly_along(positions, KeyframeConfig().spacing_m, _MOST)
 
 
 def _rendered(draw: HouseDraw) -> EncoderRun:
     walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
-    cached_arrays = keyframes_along(walked.tour.T_W_B[:, :3, 3])
-    T_W_B = walked.tour.T_W_B[cached_arrays]
-    some = np.unique(np.linspace(0, len(cached_arrays) - 1, _LOOKED_AT).astype(int))
+    keyframes = keyframes_along(walked.tour.T_W_B[:, :3, 3])
+    T_W_B = walked.tour.T_W_B[keyframes]
+    some = np.unique(np.linspace(0, len(keyframes) - 1, _LOOKED_AT).astype(int))
     return EncoderRun(
         draw,
-        walked.tour.stamps[cached_arrays],
+        walked.tour.stamps[keyframes],
         room_at(walked.house, T_W_B[:, :3, 3]),
         frames_at(walked.house, T_W_B, LEXIS_VIEWS),
         some,

@@ -1,4 +1,4 @@
-"""The paper's Table I on our presets: accuracy and inference time of every encoder, as a table of numbers, CSV and plot."""
+"""Accuracy and inference time of every encoder on our presets, as in the paper's Table I: rows, CSV file and plot."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -18,43 +18,43 @@ _TICKS_MS = tuple(digit * 10.0**power for power in range(-1, 5) for digit in (1,
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Of the runs of one preset."""
+    """Label accuracy of one encoder on the runs of one preset."""
 
     runs: tuple[float, ...]
-    """Share of keyframes with the right label, of every run."""
+    """Share of keyframes with the right label, for every run."""
 
     @property
     def mean(self) -> float:
-        """Over the runs."""
+        """Mean over the runs."""
         return float(np.mean(self.runs))
 
     @property
     def std(self) -> float:
-        """Over the runs."""
+        """Standard deviation over the runs."""
         return float(np.std(self.runs))
 
 
 @dataclass(frozen=True, eq=False)
 class TableRow:
-    """One encoder."""
+    """The row of one encoder."""
 
     encoder: str
     weights: str
-    """`TRAINED`, or `RANDOM`: then its times are valid, and it has no accuracy."""
+    """`TRAINED` or `RANDOM`. An encoder with random weights has times but no accuracy."""
     accuracy: Mapping[str, Accuracy]
-    """By preset."""
+    """Label accuracy by preset."""
     times: Mapping[str, Timing | str]
-    """By the way of computing; a text says why there is none."""
+    """Times by the name in `sim.bench.encoders.times.WAYS`, or the reason why they could not be measured."""
 
     @property
     def cpu(self) -> Timing | None:
-        """On one core as it is; None where that failed."""
+        """Times on one core with default options; None if they could not be measured."""
         found = self.times.get("cpu")
         return found if isinstance(found, Timing) else None
 
 
 def write_csv(rows: Sequence[TableRow], path: Path) -> None:
-    """One line for each encoder; a figure that it cannot have is left empty."""
+    """Write one line for each encoder. Figures that an encoder does not have are left empty."""
     records = [_record(row) for row in rows]
     names = list(dict.fromkeys(name for record in records for name in record))
     with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
@@ -64,10 +64,10 @@ def write_csv(rows: Sequence[TableRow], path: Path) -> None:
 
 
 def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
-    """Mean accuracy over the presets against the time of one image on one core, on a logarithmic axis, as PNG.
+    """Plot mean label accuracy on each preset against the time for one image on one core (logarithmic axis), as PNG.
 
-    Encoders with random weights have no accuracy: their times are ticks on the axis. Raises `SimError` without
-    matplotlib.
+    Encoders with random weights have no accuracy, so they appear only as ticks on the time axis. Raises `SimError` if
+    matplotlib is not installed.
     """
     figure = import_matplotlib().figure.Figure(figsize=(7.0, 4.5), layout="constrained")
     axes = figure.add_subplot()
@@ -92,7 +92,7 @@ def draw_plot(rows: Sequence[TableRow], path: Path) -> None:
 
 
 def import_matplotlib() -> Any:
-    """The library. Raises `SimError` where it is not installed."""
+    """Import matplotlib. Raises `SimError` if it is not installed."""
     try:
         import matplotlib.figure
     except ImportError:
@@ -101,7 +101,7 @@ def import_matplotlib() -> Any:
 
 
 def _mark(axes: Any, row: TableRow) -> None:
-    """The encoder's name at its time."""
+    """Write the encoder's name at its time."""
     if row.cpu is None:
         return
     if row.weights == RANDOM:
@@ -116,7 +116,7 @@ def _mark(axes: Any, row: TableRow) -> None:
 
 
 def _label_times(axes: Any, times_ms: Sequence[float]) -> None:
-    """Plain numbers, instead of powers of ten."""
+    """Label the time axis with plain numbers instead of powers of ten."""
     if times_ms:
         low, high = min(times_ms) / 1.5, max(times_ms) * 1.5
         axes.set_xticks([tick for tick in _TICKS_MS if low <= tick <= high])

@@ -1,4 +1,4 @@
-"""What the benchmark needs of an encoder, and its texts, each embedded once: many houses share their words."""
+"""The interface of an encoder in the benchmark, and a cache of text embeddings, since many houses share their texts."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias, runtime_checkable
@@ -14,28 +14,28 @@ _BATCH = 64
 
 @runtime_checkable
 class ImageTextEncoder(Protocol):
-    """`lexis.encoder.open_clip_encoder.OpenClipEncoder`, or anything like it."""
+    """Interface of an encoder, which `lexis.encoder.open_clip_encoder.OpenClipEncoder` provides."""
 
     @property
     def temperature(self) -> float:
-        """softmax(similarities / temperature) are its probabilities."""
+        """Temperature of the probabilities softmax(similarities / temperature)."""
         ...
 
     def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
-        """Of RGB images, unit norm."""
+        """Embeddings of RGB images, unit norm."""
         ...
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Of names of rooms, unit norm."""
+        """Embeddings of room names, each averaged over prompts, unit norm."""
         ...
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Of texts as they stand, unit norm."""
+        """Embeddings of texts without prompts around them, unit norm."""
         ...
 
 
 class EmbeddedTexts:
-    """Looks texts up, and embeds those that are new."""
+    """A cache of text embeddings that embeds new texts in batches."""
 
     def __init__(self, encoder: ImageTextEncoder) -> None:
         self._encoder = encoder
@@ -43,11 +43,11 @@ class EmbeddedTexts:
         self._texts: Known = {}
 
     def rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Names of rooms, as `encode_rooms` has them."""
+        """Embeddings of room names, by `encode_rooms`."""
         return _looked_up(self._rooms, names, self._encoder.encode_rooms)
 
     def texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Texts as they stand."""
+        """Embeddings of texts without prompts, by `encode_texts`."""
         return _looked_up(self._texts, texts, self._encoder.encode_texts)
 
 

@@ -1,4 +1,4 @@
-"""How long an encoder takes for one image and for the prompts of one room's name, in every way that it can compute here."""
+"""Times of an encoder for one image and for the prompts of one room name, on every device and precision available."""
 
 import json
 import tempfile
@@ -28,24 +28,24 @@ WAYS = {
     "gpu fp16": EncoderOptions(device="cuda", precision="fp16"),
     "gpu fp16 compiled": EncoderOptions(device="cuda", precision="fp16", compiled=True),
 }
-"""Single images on one thread; 32-bit floats and as open_clip runs them, unless said."""
+"""Options by name. Images are encoded one at a time on one thread; by default with 32-bit floats and uncompiled."""
 _WARM_UP, _TIMES = 2, 9
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Medians."""
+    """Times of an encoder; those for image and text are medians over repetitions."""
 
     image_ms: float
-    """Of one image, from pixels to embedding, scaling included [ms]."""
+    """Time for one image from pixels to embedding, including scaling [ms]."""
     text_ms: float
-    """Of one room's name: its five prompts, at once [ms]."""
+    """Time for one room name, whose five prompts are encoded as one batch [ms]."""
     loading_s: float
-    """In a process that has imported everything; compilation included [s]."""
+    """Time for loading the model in a process that has imported everything, including compilation [s]."""
 
 
 def timed(model: str, way: str, image: Image) -> Timing | str:
-    """The times of the model in one of `WAYS`, or the reason why it cannot compute so here."""
+    """Times of a model with the options `WAYS[way]`, or the reason why it cannot be run with them here."""
     options = WAYS[way]
     if options.device != "cpu" and not torch.cuda.is_available():
         return "no GPU"
@@ -58,7 +58,7 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """The same of an architecture of open_clip, in several ways; the reason in all of them where it cannot be made here."""
+    """Times of an open_clip architecture with random weights, by name in `WAYS`; a reason if it cannot be made or run."""
     try:
         with random_weights(architecture) as model:
             return {way: timed(model, way, image) for way in ways}
@@ -67,28 +67,29 @@ def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Ima
 
 
 def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
-    """Both times of an encoder that took so long to load. Every name is a new one, so that no cache answers."""
+    """Measure a loaded encoder. Every room name is used only once, so that no cached embedding is returned."""
     rounds = range(_WARM_UP + _TIMES)
     images = _median_ms([lambda: encoder.encode_image(image) for _ in rounds])
     return Timing(images, _median_ms([_encoding(encoder, ROOM_LABELS[i]) for i in rounds]), loading_s)
 
 
 def example_image() -> Image:
-    """Noise in the size that LEXIS sees: networks take as long for it as for a house."""
+    """An image of noise in LEXIS's image size. Networks take as long for it as for an image of a house."""
     return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
 
 
 def check_architecture(name: str) -> None:
-    """Raise `EncoderError` for what open_clip does not list."""
+    """Raise `EncoderError` if open_clip has no architecture of that name."""
     if name not in open_clip.list_models():
         raise EncoderError(f"no architecture {name!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32")
 
 
 @contextmanager
 def random_weights(architecture: str) -> Iterator[str]:
-    """What to ask `load_encoder` for to get an architecture of open_clip with random weights; they are gone afterwards.
+    """Write random weights of an open_clip architecture to a temporary file; yield the model name for `load_encoder`.
 
-    Raises `EncoderError` for what open_clip does not list, and for what it cannot make without a network.
+    The file is deleted at the end of the context. Raises `EncoderError` if open_clip has no such architecture, or cannot
+    make it without network access.
     """
     check_architecture(architecture)
     with tempfile.TemporaryDirectory() as folder:
@@ -96,7 +97,7 @@ def random_weights(architecture: str) -> Iterator[str]:
         try:
             with open_clip_quiet():
                 _write_random(architecture, weights)
-        except Exception as error:  # what is missing makes timm, transformers and the hub's client raise nearly everything
+        except Exception as error:  # timm, transformers and the hub's client raise many types for missing files
             raise EncoderError(
                 f"architecture {architecture}: cannot be made with random weights: {one_line(error)}"
             ) from None

@@ -112,7 +112,7 @@ def test_the_ceiling_is_what_visible_things_tell(tmp_path):
     cached_arrays(tmp_path / "frames" / "a.npz", (frames_origin(TRAINING_VIEWS), "a house"), lambda: frames.arrays)
     assert (ceiling_of(tmp_path)(painted(ROOMS, rng)) == ROOMS).all()
     cached_arrays(tmp_path / "frames" / "b.npz", (frames_origin(LEXIS_VIEWS), "a house"), lambda: frames.arrays)
-    with pytest.raises(SimError, match=r"b\.npz: made of other"):
+    with pytest.raises(SimError, match=r"b\.npz: made from other"):
         ceiling_of(tmp_path)
 
 

@@ -161,7 +161,7 @@ def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
         (["generate", "--rooms", "1", "-o", "h.json"], "valid: 2 to 40"),
         (["generate", "--storeys", "9", "-o", "h.json"], "valid: 1 to 4"),
         (["generate", "--texture", "shiny", "-o", "h.json"], "choose from"),
-        (["generate", "--preset", "ori", "--rooms", "gym", "-o", "h.json"], "goes with a number of --rooms"),
+        (["generate", "--preset", "ori", "--rooms", "gym", "-o", "h.json"], "cannot be combined with a list of --rooms"),
         (["generate", "-o", "."], "is a folder"),
         (["generate", "-o", "pipe"], "pipe: is a device or a pipe"),
         (["variant", "good.json", "-o", "h.json"], "good.json: nothing would change"),

@@ -199,7 +199,8 @@ def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
     _, *others = (finished.house.rooms[room].id for room in walked)
     assert result["run"]["keyframes"] == 1 and set(result["rooms"].values()) == {None}
     assert [*blind.unseen_rooms] == others and len(others) == 2
-    told = f"No keyframe in 2 rooms of the walk, so no figure of labels and rooms is about {' and '.join(others)}."
+    rest = f"so the figures of labels and rooms do not cover {' and '.join(others)}."
+    told = f"No keyframe was taken in 2 rooms of the walk, {rest}"
     assert unseen(blind.unseen_rooms) == told
 
 

@@ -30,7 +30,7 @@ def test_arrays_are_made_once(path):
 def test_arrays_of_another_origin_are_refused(path):
     assert set(loaded(path, ORIGINS[:1])) == {"n", "x"}
     for other in (("way", "other house"), ("other way", "house"), ("other way",), (*ORIGINS, "more")):
-        with pytest.raises(SimError, match=r"a\.npz: made of other.*delete its folder"):
+        with pytest.raises(SimError, match=r"a\.npz: made from other.*delete its folder"):
             loaded(path, other)
     np.savez(path, n=np.arange(3))
     with pytest.raises(SimError, match="delete its folder"):

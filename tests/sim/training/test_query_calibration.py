@@ -143,7 +143,8 @@ def test_without_houses_there_is_no_fit():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"), [(["--encoder", "RN50"], "--out is missing"), (["--out", "/nowhere/c.json"], "no such folder")]
+    ("arguments", "says"),
+    [(["--encoder", "RN50"], "--out is missing"), (["--out", "/nowhere/c.json"], "folder does not exist")],
 )
 def test_what_cannot_be_written_is_refused_before_the_work(arguments, says, capsys):
     assert main(["calibrate-queries", *arguments]) == 2

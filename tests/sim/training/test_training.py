@@ -188,7 +188,7 @@ def test_a_checkpoint_that_nothing_can_go_on_from_is_named_on_one_line(content, 
         torch.save(torch.zeros(2) if content == "a tensor" else other, path)
         path.write_bytes(path.read_bytes()[: -200 if content == "cut" else None])
     frames = _made_up(np.zeros((8, 96, 128, 3), np.uint8), np.arange(8))
-    with pytest.raises(SimError, match=r"dense\.pt: cannot go on from it.*delete it") as error:
+    with pytest.raises(SimError, match=r"dense\.pt: cannot resume from it.*delete it") as error:
         fit(DenseLearner(frames), frames, frames, Schedule(1, 1e-3, batch=8), print, path)
     assert "\n" not in str(error.value)
 
