@@ -51,8 +51,8 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
     """A smallest set of pieces whose removal makes all rooms reachable: none of them can be left in place.
 
     `frees` says whether all rooms are reachable with only the given pieces in the house. That test is expensive, so the
-    search begins with the pieces beside openings, if removing these is enough. It then tries to put pieces back: half of them
-    at a time, then quarters and so on, because few of many pieces are barriers.
+    search begins with the pieces beside openings, if removing these is enough. It then tries to put pieces back: half of
+    them at a time, then quarters and so on, because few of many pieces are barriers.
     """
     openings = shapely.union_all([line for _, _, line in _openings(house)])
     suspects = [piece for piece in solid if shapely.distance(_footprint(piece), openings) <= _BESIDE_M]
@@ -77,7 +77,7 @@ def _blocked(house: House, piece: Furniture) -> str:
         if storey == piece.storey
     ]
     distance, name = min(beside, default=(np.inf, ""))
-    return f"blocks {name}" if distance <= _BESIDE_M else "stands across the way"
+    return f"blocks {name}" if distance <= _BESIDE_M else "blocks the path"
 
 
 def _openings(house: House) -> Iterator[tuple[int, str, LineString]]:

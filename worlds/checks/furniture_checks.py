@@ -101,7 +101,7 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
     hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
     for i, stairs in hits:
         piece = house.furniture[i]
-        yield f"{piece_name(piece)} in {piece.room!r} stands in the flights of the stairs {stairs!r}"
+        yield f"{piece_name(piece)} in {piece.room!r} stands on the stairs {stairs!r}"
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:

@@ -53,7 +53,7 @@ def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> Ope
             if (wall.axis, wall.at) == (axis, at) and stop - start >= min(_MIN_SHARED_M, high - low) - 1e-6:
                 ends = {"start_m": wall.point(start), "end_m": wall.point(stop)}
                 return foot.model_copy(update={"rooms": (room.id, cell.id), **ends})
-    raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies before the foot of another flight")
+    raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies in front of the foot of the new flight")
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:

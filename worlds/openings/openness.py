@@ -103,7 +103,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     that no such house exists.
     """
     if not 0.0 <= target <= 1.0:
-        raise WorldsError(f"no house has openness {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
+        raise WorldsError(f"openness is {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
     before = _plans(spec, spec.seed if seed is None else seed)
     total = sum(plan.part.area for plan in before)
     after = list(before)

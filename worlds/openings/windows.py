@@ -156,7 +156,7 @@ def hang_windows(
         wall = _wall_of(window, outer.get(window.room, ()))
         if wall is None:
             raise HouseError(
-                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room that no other room is behind"
+                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room with no other room behind it"
             )
         if window.sill_m >= window.height_m:
             raise HouseError(f"{place}: its sill ({window.sill_m} m) is not below its upper edge ({window.height_m} m)")
