@@ -194,7 +194,7 @@ class Walkable:
         `UnreachableError` if there is no path, or a point is not walkable.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
-        if a > b:  # paths are straightened from one end to the other, and the result depends on the end: always use the same
+        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller node
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
         nodes = _trace(predecessors, a, b)
