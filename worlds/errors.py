@@ -1,8 +1,8 @@
-"""The one base class of everything that `worlds` raises on purpose."""
+"""The exceptions of the package `worlds`; `WorldsError` is the base class of all."""
 
 
 class WorldsError(ValueError):
-    """A house, spec or argument is not usable; the message names the place and what would be valid."""
+    """A house, spec or argument cannot be used; the message names the place and what would be valid."""
 
 
 class SpecError(WorldsError):
@@ -10,7 +10,7 @@ class SpecError(WorldsError):
 
 
 class HouseError(WorldsError):
-    """A well-formed spec describes a house that cannot stand or cannot be walked."""
+    """A well-formed spec describes an impossible house: it cannot be built, or its rooms cannot all be reached on foot."""
 
 
 def reworded(error: WorldsError, message: str) -> WorldsError:

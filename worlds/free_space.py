@@ -1,4 +1,7 @@
-"""Obstacles of a house and how far every place of its storeys is from them: exact, in the plan, at a body's height."""
+"""Free space of a house: its obstacles as upright boxes, and the exact distance from every grid point to the nearest one.
+
+Distances are horizontal. An obstacle counts on a storey if it overlaps the heights that a standing body takes up.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,41 +17,42 @@ from worlds.labels import STAIRS
 
 BODY_LOW_M = 0.05
 BODY_HIGH_M = 1.9
-"""A walker collides with what lies between these heights above the walked surface; lintels and rugs do not count."""
+"""A body collides with what lies between these heights above the walked surface; lintels and rugs do not count."""
 CLEARANCE_CAP_M = 1.0
-"""Distances beyond this are not told apart [m]."""
+"""Larger distances are given as this value [m]."""
 _PADDING_M = 0.3
+"""How far the grid extends beyond the rooms."""
 _TOLERANCE_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Obstacles:
-    """Upright boxes."""
+    """Upright boxes, each with a yaw."""
 
     centre: Float64[np.ndarray, "n 2"]
-    """[m]"""
+    """Centre in the plan, in W [m]."""
     size: Float64[np.ndarray, "n 2"]
-    """Along the box's own axes [m]."""
+    """Width and depth, along the box's own axes [m]."""
     yaw: Float64[np.ndarray, "n"]
-    """[rad]"""
+    """Rotation about z, counter-clockwise [rad]."""
     span: Float64[np.ndarray, "n 2"]
-    """Lower and upper end in W [m]."""
+    """Heights of the lower and the upper end in W [m]."""
 
     @cached_property
     def footprints(self) -> STRtree:
-        """The boxes in the plan, in the order of the arrays."""
+        """Spatial index of the boxes' outlines in the plan, in the order of the arrays."""
         corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * self.size[:, None, :]
         cos, sin = np.cos(self.yaw)[:, None], np.sin(self.yaw)[:, None]
         x, y = cos * corners[..., 0] - sin * corners[..., 1], sin * corners[..., 0] + cos * corners[..., 1]
         return STRtree(shapely.polygons(np.stack([x, y], axis=-1) + self.centre[:, None, :]))
 
     def at_height(self, surface_m: float) -> "Obstacles":
-        """Those that a body standing on a surface at that height would meet."""
+        """The boxes with which a body that stands on a surface at this height in W [m] can collide."""
         meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 
     def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
-        """Those that may be so near to a point of the plan (perhaps some more)."""
+        """All boxes within a distance of a point of the plan [m], and perhaps some that are a little farther away."""
         reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m
         near = (np.abs(self.centre - point) <= reach[:, None]).all(axis=1)
         return Obstacles(self.centre[near], self.size[near], self.yaw[near], self.span[near])
@@ -56,7 +60,11 @@ class Obstacles:
     def clear(
         self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float
     ) -> Bool[np.ndarray, "m"]:
-        """For each straight step on the walked surface, whether an upright round body meets nothing along it."""
+        """For each straight step on the walked surface, whether an upright cylindrical body makes it without a collision.
+
+        `start` and `end` are points in W [m], `radius_m` is the body's radius [m]. On a slope the body's heights are taken
+        from the lower to the upper end of the step, which errs on the safe side.
+        """
         steps = np.asarray(shapely.linestrings(np.stack([start[:, :2], end[:, :2]], axis=1)))
         step, box = self.footprints.query(steps, predicate="dwithin", distance=radius_m - _TOLERANCE_M)
         low = np.minimum(start[step, 2], end[step, 2]) + BODY_LOW_M
@@ -68,7 +76,7 @@ class Obstacles:
 
 
 def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
-    """Walls, fences, solid furniture, and door leaves as they stand."""
+    """Walls, fences, solid furniture and, with `leaves`, door leaves at their angles."""
     rows = [(*_box(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
     for thing in (*(piece for piece in house.furniture if piece.solid), *(house.leaves if leaves else ())):
         (x, y, z), (width, depth, height) = thing.position, thing.size
@@ -77,11 +85,12 @@ def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
 
 
 def stair_wells(house: House) -> Obstacles:
-    """The cells of stairs, through all their storeys: places where nobody walks on the level."""
+    """The stairwells, from the lowest floor to the highest ceiling: one walks on flights there, not on a storey's floor."""
     return _obstacles([(*_box(r.polygon.bounds), 0.0, r.floor_m, r.ceiling_m) for r in house.rooms if r.label == STAIRS])
 
 
 def _box(bounds: Sequence[float]) -> tuple[float, float, float, float]:
+    """Centre x and y, width and depth of a rectangle (x0, y0, x1, y1)."""
     x0, y0, x1, y1 = bounds
     return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
 
@@ -93,22 +102,22 @@ def _obstacles(rows: Sequence[tuple[float, ...]]) -> Obstacles:
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Every storey of a house on the same grid of points."""
+    """The free space of all storeys of a house, on the same grid of points."""
 
     x: Float64[np.ndarray, "nx"]
-    """[m]"""
+    """Coordinates of the grid points in W [m]."""
     y: Float64[np.ndarray, "ny"]
-    """[m]"""
+    """Coordinates of the grid points in W [m]."""
     floors: Float64[np.ndarray, "storeys"]
     """Heights of the floors in W [m]."""
     clearance: Float64[np.ndarray, "storeys nx ny"]
-    """Distance to the nearest obstacle or stairs, up to `CLEARANCE_CAP_M`; 0 within [m]."""
+    """Distance to the nearest obstacle or stairwell, at most `CLEARANCE_CAP_M`; 0 inside of one [m]."""
     room: Int[np.ndarray, "storeys nx ny"]
-    """Index in `house.rooms`, -1 outside of all."""
+    """Index in `house.rooms` of the room at each point, -1 outside of all rooms."""
 
 
 def survey(house: House, resolution_m: float) -> FreeSpace:
-    """Measure the free space of a house."""
+    """The free space of a house on a grid with this spacing [m]."""
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house), stair_wells(house)
     floors = np.array([storey.floor_m for storey in house.storeys])
@@ -117,7 +126,7 @@ def survey(house: House, resolution_m: float) -> FreeSpace:
 
 
 def lattice(house: House, resolution_m: float) -> tuple[Float64[np.ndarray, "nx"], Float64[np.ndarray, "ny"]]:
-    """Coordinates of grid points all over the plan of a house [m]."""
+    """Coordinates of a grid of points that covers the plan of a house, with this spacing [m]."""
     x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
     x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
     return x, np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
@@ -129,10 +138,15 @@ def clearance_on(
     groups: Sequence[Obstacles],
     cap_m: float = CLEARANCE_CAP_M,
 ) -> Float64[np.ndarray, "nx ny"]:
-    """Distance of every grid point to the nearest obstacle of any group, up to `cap_m` [m]."""
+    """Distance from every grid point to the nearest obstacle of any group, at most `cap_m` [m].
+
+    Each box only changes the points within `cap_m` of its bounding rectangle. Boxes parallel to the axes are the common case
+    and take a faster path, in which x and y are treated separately.
+    """
     squared = np.full((len(x), len(y)), cap_m**2)
     for obstacles in groups:
         cos, sin = np.cos(obstacles.yaw), np.sin(obstacles.yaw)
+        # Half the size of each box's bounding rectangle.
         reach = np.abs(np.stack([cos, -sin, sin, cos], axis=-1).reshape(-1, 2, 2)) @ obstacles.size[..., None] / 2
         low, high = obstacles.centre - reach[..., 0] - cap_m, obstacles.centre + reach[..., 0] + cap_m
         i0, i1 = np.searchsorted(x, low[:, 0]).tolist(), np.searchsorted(x, high[:, 0]).tolist()
@@ -163,7 +177,7 @@ def _rooms(
             x0, y0, x1, y1 = room.polygon.bounds
             i = slice(np.searchsorted(x, x0), np.searchsorted(x, x1, side="right"))
             j = slice(np.searchsorted(y, y0), np.searchsorted(y, y1, side="right"))
-            # With the boundary, because a door may lie right on a line of the grid.
+            # Points on the boundary count as inside, because a door may lie exactly on a line of the grid.
             inside = shapely.intersects_xy(room.polygon, x[i, None], y[None, j])
             index[i, j][inside] = k
     return index

@@ -1,7 +1,8 @@
 """The entry point through which Hypothesis learns that `st.from_type(HouseSpec)` draws `houses()`.
 
-Hypothesis calls `register` while it is itself being imported. `worlds.strategies` imports Hypothesis, so that it would be
-half imported when it is imported first and Hypothesis asks for it; this module imports neither before it is needed.
+Hypothesis calls `register` while it is being imported itself. If a program imports `worlds.strategies` first, that module
+imports Hypothesis and is therefore only partly loaded when `register` is called. So this module imports neither of the two
+until it needs them.
 """
 
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def register() -> None:
-    """Register the strategy of `HouseSpec`."""
+    """Tell Hypothesis which strategy draws a `HouseSpec`."""
     from hypothesis.strategies import register_type_strategy
 
     register_type_strategy(HouseSpec, _houses)

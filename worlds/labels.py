@@ -1,4 +1,4 @@
-"""The room labels that houses are made of."""
+"""The labels that rooms can have; the order is that in which lists of labels are shown."""
 
 STAIRS = "stairs"
 

@@ -1,4 +1,4 @@
-"""`Part`: the primitive that furniture, stairs and fences are built from."""
+"""`Part`: the primitive shape from which furniture, door leaves, windows, stairs and fences are built."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,19 +10,19 @@ Shape = Literal["box", "cylinder", "cone", "ball"]
 
 @dataclass(frozen=True)
 class Part:
-    """A primitive in the frame of the object it belongs to.
+    """A primitive shape in the frame of the object to which it belongs.
 
-    That frame has its origin at the centre of the foot print on the underside: x along the width, y to the front, z up.
+    That frame has its origin at the centre of the object's underside; x runs along the width, y to the front, z up.
     """
 
     shape: Shape
     centre: Vector
-    """[m]"""
+    """Centre of the shape [m]."""
     size: Vector
-    """Full extents along x, y, z [m]; cylinders and cones stand along z."""
+    """Extents along x, y and z [m]; the axis of cylinders and cones is z."""
     colour: Colour
-    """RGB in [0, 1]; tints the material."""
+    """RGB in [0, 1]; it tints the material."""
     material: str = "plain"
-    """A pattern of `worlds.visuals.materials.PATTERNS`."""
+    """Name of a pattern in `worlds.visuals.materials.PATTERNS`."""
     yaw: float = 0.0
-    """About z through the centre [rad]."""
+    """Rotation about the vertical axis through the centre [rad]."""

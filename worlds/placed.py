@@ -1,4 +1,4 @@
-"""`Placed`: what stands or hangs somewhere in a house and is built from parts: furniture, door leaves, windows."""
+"""`Placed`: base class of the objects in a house: furniture, door leaves and windows."""
 
 import math
 from abc import ABC, abstractmethod
@@ -10,26 +10,27 @@ from worlds.parts import Part, Vector
 
 
 class Placed(ABC):
-    """An object with a place, a size and parts in its own frame (see `Part`)."""
+    """An object with a position, a size and parts in its own frame (see `Part`)."""
 
     id: str
-    """Unique in the house."""
+    """Name of the object, unique in the house."""
     storey: int
+    """Index of the storey."""
     position: Vector
     """Centre of the underside in W [m]."""
     yaw: float
-    """[rad]"""
+    """Rotation about z, counter-clockwise [rad]."""
     size: Vector
     """Width, depth, height [m]."""
 
     @cached_property
     @abstractmethod
     def parts(self) -> tuple[Part, ...]:
-        """In the object's own frame. Made when first asked for: only pictures need them."""
+        """The parts in the object's own frame; they are built when first asked for, because only rendering needs them."""
 
     @cached_property
     def footprint(self) -> Polygon:
-        """What it covers of the plan [m]."""
+        """The rectangle that the object covers in the plan, in W [m]."""
         (x, y, _), (w, d, _) = self.position, self.size
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         signs = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))

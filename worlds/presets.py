@@ -1,4 +1,7 @@
-"""Families of houses over seeds, the first ones named after the paper's datasets (Sec. IV-A)."""
+"""Presets: families of generated houses, one house for every seed.
+
+The presets "home", "ori", "uh2-apt" and "uh2-office" are named after the paper's datasets (Sec. IV-A).
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -32,11 +35,19 @@ def sample_house(
     rooms: int | None = None,
     storeys: int | None = None,
 ) -> HouseSpec:
-    """The house of a family that belongs to `seed`.
+    """Generate the house of a preset that belongs to `seed`; the same arguments always give the same house.
 
-    `openness` in [0, 1]: the share of the inner walls' area that is gap (`worlds.openings.openness`); `clutter`: see
-    `HouseSpec`; `rooms`: how many besides corridors, halls and stairs, which come on top. Absent: as the family has it.
-    Raises `WorldsError` for an unknown preset and for what cannot be.
+    Args:
+        preset: one of `PRESETS`.
+        seed: 0 ... 2**63 - 1.
+        openness: share of the area of the inner walls that is permanently open, in [0, 1] (see `worlds.openings.openness`);
+            None: as the preset draws it.
+        clutter: how much furniture is filled in (see `HouseSpec`).
+        rooms: number of rooms, without corridors, halls and stairs; None: as the preset draws it.
+        storeys: number of storeys; None: as the preset draws it.
+
+    Raises:
+        WorldsError: the preset is unknown, or an argument is out of its range.
     """
     if preset not in PRESETS:
         raise WorldsError(f"unknown preset {preset!r}{did_you_mean(preset, PRESETS)}; valid: {', '.join(PRESETS)}")
@@ -54,9 +65,11 @@ def sample_from_rooms(
     clutter: float = 1.0,
     storeys: int = 1,
 ) -> HouseSpec:
-    """A house with a room for each of `labels`, along the corridor, entrance hall or lobby among them, or one that is added.
+    """Generate a house with a room for each of `labels`; the same arguments always give the same house.
 
-    Stairs are added where there are several storeys. Raises `WorldsError` for lists that cannot be.
+    The rooms stand along the first corridor, entrance hall or lobby in the list, or along a corridor that is added. Stairs
+    are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid. See `sample_house`
+    for the other arguments.
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
@@ -73,7 +86,7 @@ def sample_from_rooms(
     if others.count("garden") > 1:
         raise WorldsError(f"{others.count('garden')} gardens were asked for; a house has at most one")
     if others.count("balcony") > storeys:
-        raise WorldsError(f"{others.count('balcony')} balconies were asked for; valid: at most one a storey ({storeys})")
+        raise WorldsError(f"{others.count('balcony')} balconies were asked for; valid: at most one per storey ({storeys})")
     rngs = _generators(seed)
     habits = Habits(open_plan=0.5, twins=0.3)
     programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
@@ -82,14 +95,14 @@ def sample_from_rooms(
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, ...]:
-    """For what there is, for where it stands, for the ways between."""
+    """Three independent generators: for the list of rooms, for their positions, and for the openings between them."""
     if not 0 <= seed < 2**63:
         raise WorldsError(f"house seed {seed} is not in 0 ... 2**63 - 1")
     return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
 
 
 def _random_kind(rng: np.random.Generator) -> BuildingKind:
-    """Any kind, or none: rooms of all sorts."""
+    """The kind of building of the preset "random": one of five kinds, or a mixture of all indoor rooms."""
     names = ("home", "apartment", "office", "clinic", "school", None, None)
     name = names[int(rng.integers(len(names)))]
     indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *_CIRCULATION, STAIRS)]
@@ -101,7 +114,11 @@ def _random_kind(rng: np.random.Generator) -> BuildingKind:
 
 
 def _counts(kind: BuildingKind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
-    """How many rooms and storeys a building has. Raises `WorldsError` for what cannot be."""
+    """Numbers of rooms and storeys of a building: those asked for, and draws where None is given.
+
+    A drawn number of storeys is limited so that there are enough rooms for all of them. Raises `WorldsError` for numbers
+    that are not valid.
+    """
     usual, levels = int(rng.integers(kind.rooms[0], kind.rooms[1] + 1)), int(rng.choice(kind.storeys))
     if rooms is not None and not MIN_ROOMS_ASKED <= rooms <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{rooms} rooms were asked for; valid: {MIN_ROOMS_ASKED} to {MAX_ROOMS_ASKED}")
@@ -120,7 +137,7 @@ def _check_storeys(storeys: int, indoors: int) -> None:
         raise WorldsError(f"{storeys} storeys were asked for; valid: 1 to {MAX_STOREYS_ASKED}")
     if indoors < storeys:
         raise WorldsError(
-            f"{indoors} indoor rooms besides the corridor cannot fill {storeys} storeys; ask for at least one a storey"
+            f"{indoors} indoor rooms besides the corridor cannot fill {storeys} storeys; ask for at least one per storey"
         )
 
 
@@ -133,6 +150,7 @@ def _finished(
     openness: float | None,
     clutter: float,
 ) -> HouseSpec:
+    """The spec of a house from its programmes: rooms get positions, links become openings, walls are opened as asked for."""
     if not 0.0 <= clutter <= 4.0:
         raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's), 1 is usual")
     layouts = lay_out(programmes, style, rngs[1])

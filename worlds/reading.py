@@ -1,4 +1,4 @@
-"""Text from files outside: regular files of bounded size alone."""
+"""Reading text files that users name: only regular files of limited size are read."""
 
 import os
 import stat
@@ -9,9 +9,10 @@ from worlds.spec_errors import MAX_JSON_BYTES
 
 
 def read_text(path: Path) -> str:
-    """The text of a file of at most 16 MB, in UTF-8. Raises `SpecError`, whose message does not name the file.
+    """The text of a UTF-8 file of at most 16 MB.
 
-    Pipes and devices are refused, because reading them may never end.
+    Pipes and devices are refused, because reading them may never end. Raises `SpecError` for a file that cannot be read; the
+    message does not name the file, so that callers can put the name in front.
     """
     try:
         status = os.stat(path)
@@ -31,4 +32,4 @@ def read_text(path: Path) -> str:
     except SpecError:
         raise
     except ValueError:  # a null byte, or half of a surrogate pair
-        raise SpecError("cannot be read: is no name of a file") from None
+        raise SpecError("cannot be read: not a valid file name") from None

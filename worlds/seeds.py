@@ -1,4 +1,4 @@
-"""Where every room's randomness comes from: a generator of its own per purpose."""
+"""Random generators of the rooms: each room has one of its own for every purpose."""
 
 import zlib
 from typing import Literal
@@ -14,8 +14,8 @@ _PURPOSES: dict[Purpose, int] = {"windows": 0, "furniture": 1, "finish": 2}
 def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Generator:
     """The generator for one purpose in one room.
 
-    It depends on nothing else of the house, so that a change to one room leaves the others alone; rooms with the same
-    seed of their own (twins) get the same draws.
+    It is seeded with the house's seed and the room's id, so that a change to one room changes no other room. A room with a
+    seed of its own uses that instead, so that rooms with the same seed (twins) get the same draws.
     """
     own = [spec.seed, zlib.crc32(room.id.encode())] if room.seed is None else [room.seed]
     painted = _repaint(spec) if purpose == "finish" else []
@@ -23,7 +23,7 @@ def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Gen
 
 
 def house_rng(spec: HouseSpec, *key: int) -> np.random.Generator:
-    """The generator for the looks of what belongs to no room; a `key` for each thing."""
+    """The generator for the appearance of things that belong to no room; each thing has a `key` of its own."""
     return np.random.default_rng([spec.seed, *_repaint(spec), _PURPOSES["finish"], *key])
 
 

@@ -1,7 +1,8 @@
-"""`HouseSpec`: a house as pure data, with a JSON form that is validated at the door.
+"""`HouseSpec`: a house as pure data, with a JSON form that is validated when it is read.
 
-A spec says only what cannot be derived. `worlds.house.build_house` turns it into exact geometry; the same spec always gives
-the same house. Lengths are in metres, angles in radians; x east, y north, z up; the origin is a corner of the plan.
+A spec contains only what cannot be derived. `worlds.house.build_house` turns it into exact geometry; the same spec always
+gives the same house. Lengths are in metres, angles in radians; x points east, y north, z up. The origin may be any point of
+the plan.
 """
 
 import json
@@ -24,24 +25,25 @@ from worlds.valid_names import did_you_mean, listed
 
 MAX_ROOMS = 200
 MIN_WALL_M = 0.005
+"""Least length of a side of a room's polygon."""
 MAX_PLAN_M2 = 20_000.0
-"""Largest rectangle around all rooms, times the storeys: what is surveyed at 10 cm has to fit in memory."""
+"""Greatest area of the rectangle around all rooms, times the storeys: a grid of 10 cm over it must fit in memory."""
 
 _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
-"""In indented JSON: arrays of numbers, of points, and of strings."""
+"""Matches arrays of numbers, of points and of strings in indented JSON, which are written on one line instead."""
 
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
-Length = Annotated[float, Field(gt=0.0, le=1000.0, description="[m]")]
+Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
 Point = tuple[Metres, Metres]
 Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
-"""What one can walk through; over a half wall or a counter one can only look."""
+"""Kinds of openings that one can walk through; over a half wall or a counter one can only look."""
 
 
 class _MistakesError(ValueError):
-    """Several mistakes that one validator found, each an argument."""
+    """Several mistakes that one validator found; each is an argument of the exception."""
 
     def __str__(self) -> str:
         return "; ".join(self.args)
@@ -52,16 +54,16 @@ class _Data(BaseModel):
 
 
 class RoomSpec(_Data):
-    """A room: its name in the house, its label, and its floor polygon (wall centre lines)."""
+    """A room: its id, its label, and its floor polygon, which runs along the centre lines of the walls."""
 
     id: Identifier
-    label: str = Field(description="what it is used for", json_schema_extra={"enum": list(ROOM_LABELS)})
+    label: str = Field(description="what the room is used for", json_schema_extra={"enum": list(ROOM_LABELS)})
     polygon_m: tuple[Point, ...] = Field(
-        min_length=4, max_length=64, description="rectilinear, counter-clockwise, corners in [m]"
+        min_length=4, max_length=64, description="corners of the room, counter-clockwise; every wall runs along x or y [m]"
     )
     seed: Seed | None = Field(
         default=None,
-        description="seed of its furniture and finishes; absent: from the house's. Twins have the same seed and shape",
+        description="seed of the room's furniture and finishes, the same for twin rooms; absent: from the house's seed",
     )
 
     @field_validator("label")
@@ -86,9 +88,9 @@ class RoomSpec(_Data):
 class LeafSpec(_Data):
     """The leaf of a door."""
 
-    hinge: Literal["start", "end"] = Field(default="start", description="at which end of the opening it hangs")
-    into: Identifier = Field(description="the room that it swings into, one of the opening's two")
-    angle_rad: float = Field(default=math.pi / 2, ge=0.0, le=2.0, description="0: closed; pi/2: square to the wall [rad]")
+    hinge: Literal["start", "end"] = Field(default="start", description="the end of the opening at which the leaf hangs")
+    into: Identifier = Field(description="id of the room that the leaf swings into, one of the opening's two")
+    angle_rad: float = Field(default=math.pi / 2, ge=0.0, le=2.0, description="0: closed; pi/2: at a right angle [rad]")
 
 
 class OpeningSpec(_Data):
@@ -96,21 +98,21 @@ class OpeningSpec(_Data):
 
     rooms: tuple[Identifier, Identifier]
     kind: OpeningKind = Field(
-        description="door: a door way; cased: a gap with a lintel; arch: the same, round at the top; half wall: a wall up "
-        "to the sill; counter: a hatch between sill and height; open: no wall, floor to ceiling"
+        description="door: a doorway; cased: a gap with a lintel; arch: a gap with a round top; half wall: a wall up to the "
+        "sill; counter: a hatch between sill and height; open: no wall, floor to ceiling"
     )
     start_m: Point = Field(description="one end on the shared wall's centre line [m]")
     end_m: Point = Field(description="the other end [m]")
     height_m: Length = Field(
         default=2.05,
-        description="upper end of the gap above the floor [m]; of an arch, its crown; not of half wall and open",
+        description="upper end of the gap above the floor [m]; for an arch, its crown; unused for half wall and open",
     )
     sill_m: Length = Field(
-        default=1.0, description="lower end of the gap above the floor [m]; of half wall and counter only"
+        default=1.0, description="lower end of the gap above the floor [m]; used for half wall and counter only"
     )
-    leaf: LeafSpec | None = Field(default=None, description="of a door; absent: a door way without one")
+    leaf: LeafSpec | None = Field(default=None, description="leaf of a door; absent: a doorway without one")
     leads: Literal["up", "down"] | None = Field(
-        default=None, description="between stairs and another room: to the flight up from this storey, or from the one below"
+        default=None, description="for an opening to stairs: whether it leads to the flight up from this storey or down"
     )
 
     @model_validator(mode="after")
@@ -141,13 +143,13 @@ class OpeningSpec(_Data):
 
 
 class WindowSpec(_Data):
-    """A window in a wall that no other room is behind."""
+    """A window in a wall with no other room behind it."""
 
     room: Identifier
     start_m: Point = Field(description="one end on the wall's centre line [m]")
     end_m: Point = Field(description="the other end [m]")
-    sill_m: Length = Field(default=0.9, description="lower edge above the floor [m]")
-    height_m: Length = Field(default=2.1, description="upper edge above the floor [m]")
+    sill_m: Length = Field(default=0.9, description="height of the lower edge above the floor [m]")
+    height_m: Length = Field(default=2.1, description="height of the upper edge above the floor [m]")
 
 
 class FurnitureSpec(_Data):
@@ -157,17 +159,17 @@ class FurnitureSpec(_Data):
     kind: Identifier
     room: Identifier
     position_m: tuple[Metres, Metres, Metres] = Field(
-        description="centre of the foot print and height of the underside above the storey's floor [m]"
+        description="x and y of the centre, and height of the underside above the storey's floor [m]"
     )
-    yaw_rad: float = Field(ge=-math.pi, le=math.pi, description="0: the front faces +y [rad]")
+    yaw_rad: float = Field(ge=-math.pi, le=math.pi, description="counter-clockwise about z; 0: the front faces +y [rad]")
     size_m: tuple[Length, Length, Length] = Field(description="width, depth, height in the piece's own frame [m]")
-    seed: int = Field(ge=0, lt=2**32, description="seed of its colours and variants")
+    seed: int = Field(ge=0, lt=2**32, description="seed of the piece's colours and variants")
 
 
 class StoreySpec(_Data):
-    """One storey; storeys stand on each other in the order of the list."""
+    """One storey; the list of storeys goes from the ground up."""
 
-    height_m: float = Field(default=2.6, gt=2.0, le=6.0, description="floor to ceiling [m]")
+    height_m: float = Field(default=2.6, gt=2.0, le=6.0, description="height of the ceiling above the floor [m]")
     rooms: tuple[RoomSpec, ...] = Field(min_length=1, max_length=MAX_ROOMS)
     openings: tuple[OpeningSpec, ...] = Field(default=(), max_length=4 * MAX_ROOMS)
     windows: tuple[WindowSpec, ...] | None = Field(
@@ -179,17 +181,17 @@ class StoreySpec(_Data):
 
 
 class AppearanceSpec(_Data):
-    """How a house looks, apart from its shape."""
+    """The appearance of a house: textures, lighting and colours."""
 
     texture: Literal["rich", "poor", "repeating"] = Field(
-        default="rich", description="rich: nothing repeats; poor: few features; repeating: walls and floors with a period"
+        default="rich", description="rich: nothing repeats; poor: few visual features; repeating: periodic walls and floors"
     )
     light: Literal["day", "evening", "dim"] = "day"
     seed: Seed | None = Field(default=None, description="seed of materials and colours; absent: the house's")
 
 
 class HouseSpec(_Data):
-    """A house. `HouseSpec.from_json` reads one, `to_json` writes it; the two are inverse."""
+    """A house. `HouseSpec.from_json` reads a spec and `to_json` writes it without loss."""
 
     schema_version: Literal[1] = Field(default=1, alias="schema", description="version of this format, counted from 1")
     name: str = Field(default="house", max_length=200)
@@ -225,14 +227,14 @@ class HouseSpec(_Data):
 
     @property
     def room_labels(self) -> tuple[str, ...]:
-        """The labels in the house, each once, in the catalogue's order: the prompt list for LEXIS."""
+        """The labels that occur in the house, each once, in the order of `ROOM_LABELS`: the prompts for LEXIS."""
         present = {room.label for storey in self.storeys for room in storey.rooms}
         return tuple(label for label in ROOM_LABELS if label in present)
 
     def to_json(self) -> str:
-        """The spec as JSON, one stable text per spec."""
+        """The spec as JSON; equal specs give equal texts."""
         data = {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
-        # Points, polygons and names that belong together on one line: a plan is read by people too.
+        # Points, polygons and pairs of names are each put on one line, because people read these files too.
         return _SHORT.sub(_on_one_line, json.dumps(data, indent=1)) + "\n"
 
     @classmethod
@@ -265,14 +267,14 @@ def _on_one_line(match: re.Match[str]) -> str:
 
 
 def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-    """Everything that names rooms: its list, its place in it, the ids."""
+    """Everything in a storey that refers to rooms, as (name of its list, index in the list, ids of the rooms)."""
     yield from (("openings", i, opening.rooms) for i, opening in enumerate(storey.openings))
     yield from (("windows", i, (window.room,)) for i, window in enumerate(storey.windows or ()))
     yield from (("furniture", i, (piece.room,)) for i, piece in enumerate(storey.furniture or ()))
 
 
 def _unknown_rooms(level: int, storey: StoreySpec) -> Iterator[str]:
-    """A message for each reference to a room that the storey does not have, as many as anybody reads."""
+    """A message for each reference to a room that the storey does not have; there are at most `MAX_MISTAKES` + 1."""
     known = {room.id for room in storey.rooms}
     rooms = sorted(known)
     unknown = ((place, i, missing) for place, i, named in _room_names(storey) for missing in sorted({*named} - known))
@@ -290,7 +292,7 @@ def _repeated(what: str, ids: list[str]) -> Iterator[str]:
 
 @cache
 def json_schema() -> dict[str, Any]:
-    """The format of a house as JSON Schema (draft 2020-12), as it is published in worlds/house.schema.json."""
+    """The format of a house as JSON Schema (draft 2020-12). `worlds/house.schema.json` holds a copy of it."""
     schema = HouseSpec.model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 

@@ -1,6 +1,7 @@
-"""The door that a house's JSON comes in by: sizes bounded before anything costs much, mistakes said in plain words.
+"""Reading the JSON of a house: huge input is refused early, and every mistake is explained in plain words.
 
-A mistake is explained from the JSON Schema of the format, so what a message calls valid is what the schema says.
+Sizes are checked before validation, which would take long on huge input. Messages are made from the JSON Schema of the
+format, so that what a message calls valid always agrees with the schema.
 """
 
 import json
@@ -21,8 +22,9 @@ MAX_JSON_BYTES = 16_000_000
 MAX_VALUES = 2_000_000
 _MAX_FIELDS = 100
 MAX_MISTAKES = 20
-"""Malformed fields that are named one by one."""
+"""Greatest number of malformed fields that are explained one by one."""
 _MAX_LINE = 380
+"""Greatest length of a message."""
 _CONTENTS = "valid: a house as JSON"
 _TOO_DEEP = f"is nested too deeply; {_CONTENTS}"
 _IDENTIFIER = "a name of 1 to 64 letters, digits, spaces and _ . ' -, the first a letter or digit"
@@ -31,7 +33,10 @@ _PATH = tuple[str | int, ...]
 
 
 def read_json(text: str, schema: dict[str, Any]) -> object:
-    """The data in a text. Raises `SpecError` where it is no JSON, huge, says a field twice, or is nested too deeply."""
+    """Parse a JSON text.
+
+    Raises `SpecError` if the text is not JSON, is huge, repeats a field in an object, or is nested too deeply.
+    """
     if len(text) > MAX_JSON_BYTES:
         raise SpecError(f"larger than {MAX_JSON_BYTES // 1_000_000} MB; {_CONTENTS}")
     if text.count(",") >= MAX_VALUES:
@@ -53,16 +58,17 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
 
 
 def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """The fields of an object, as json.loads gives them. Raises `SpecError` for a repeated one, which JSON permits."""
     fields = dict(pairs)
     if len(fields) < len(pairs):
         key, times = Counter(key for key, _ in pairs).most_common(1)[0]
         owner = fields.get("id", fields.get("name", fields.get("rooms")))
-        raise SpecError(f"an object ({_shown(owner)}) says {_shown(key)} {times} times; valid: once")
+        raise SpecError(f"an object ({_shown(owner)}) has the field {_shown(key)} {times} times; valid: once")
     return fields
 
 
 def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[str, Any]) -> None:
-    """Before validation, which would first look at every item of an endless list."""
+    """Raise `SpecError` for lists and objects that are too long; validation would look at every item first."""
     node = _resolved(node, schema)
     if isinstance(data, list) and "items" in node:
         if len(data) > node["maxItems"]:
@@ -71,17 +77,17 @@ def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[s
             _check_sizes(item, (*path, i), node["items"], schema)
     elif isinstance(data, dict):
         if len(data) > _MAX_FIELDS:
-            raise SpecError(f"{_path(path) or 'the house'}: has {len(data)} fields; no object of a house has so many")
+            raise SpecError(f"{_path(path) or 'the house'}: has {len(data)} fields; valid: at most {_MAX_FIELDS}")
         for key in node.get("properties", {}).keys() & data.keys():
             _check_sizes(data[key], (*path, key), node["properties"][key], schema)
 
 
 def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> list[str]:
-    """One line for each malformed field: where it is, what it is, what would be valid.
+    """One line for each malformed field: where it is, what its value is, and what would be valid.
 
-    After `MAX_MISTAKES` lines a last one says how many mistakes are left.
+    After `MAX_MISTAKES` lines, a last line says how many malformed fields are left.
     """
-    problems = [problem for problem in error.errors(include_url=False) if not _follows(problem)]
+    problems = [problem for problem in error.errors(include_url=False) if not _is_consequence(problem)]
     misspelt = defaultdict(list)
     for problem in problems:
         if problem["type"] == "extra_forbidden":
@@ -91,7 +97,7 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
         if len(lines) >= MAX_MISTAKES:
             return [*lines, f"and {len(problems) - i} more malformed fields"]
         *parent, field = problem["loc"] or ("",)
-        # A misspelt field is missing under its right name too; the wrong name says more.
+        # A misspelt field is reported twice: as an unknown field and as a missing one. The first message says more.
         if problem["type"] != "missing" or not any(
             did_you_mean(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]
         ):
@@ -99,8 +105,8 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
     return list(lines)
 
 
-def _follows(problem: ErrorDetails) -> bool:
-    """Whether a list is called too short only because pydantic does not count its malformed items."""
+def _is_consequence(problem: ErrorDetails) -> bool:
+    """Whether pydantic reports a list as too short only because it does not count the list's malformed items."""
     return problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"]
 
 
@@ -127,7 +133,7 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
 
 
 def refusal(source: str, mistakes: Sequence[str]) -> SpecError:
-    """The error for a file with mistakes: the first is its message, each further one a note, none of them a long line."""
+    """The error for a file with mistakes: the first mistake is the message, the others are notes; long lines are cut."""
     room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
     first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)
     error = SpecError(first)
@@ -137,7 +143,7 @@ def refusal(source: str, mistakes: Sequence[str]) -> SpecError:
 
 
 def _place(path: _PATH, data: object) -> str:
-    """Where a mistake is: the path, and the name of the thing that it leads to or through."""
+    """The place of a mistake: its path in the data, and the name of the last room, piece or opening along the path."""
     names = []
     for i, part in enumerate(path):
         thing = _at(data, path[: i + 1])
@@ -172,7 +178,7 @@ def _at(data: Any, path: _PATH) -> Any:
 
 
 def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
-    """The part of the schema that a path leads to; empty where it leads out."""
+    """The part of the schema that belongs to a path; empty for a path that the schema does not have."""
     node = _resolved(schema, schema)
     for part in path:
         if isinstance(part, int):
@@ -185,6 +191,7 @@ def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
+    """A part of the schema with references followed; of "a value or null", the part for the value."""
     if "anyOf" in node:
         chosen = next(choice for choice in node["anyOf"] if choice.get("type") != "null")
         node = {**chosen, "description": node.get("description", "")}
@@ -194,7 +201,7 @@ def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _described(node: dict[str, Any], schema: dict[str, Any]) -> str:
-    """What is valid, in words."""
+    """The values that a part of the schema allows, in words."""
     node = _resolved(node, schema)
     if "enum" in node:
         return ", ".join(node["enum"])
@@ -231,7 +238,7 @@ def _array(node: dict[str, Any], schema: dict[str, Any]) -> str:
 
 
 def _shown(value: object) -> str:
-    """A value from a file, briefly and in one line."""
+    """A value from a file, shortened to one line."""
     match value:
         case None:
             return "null"

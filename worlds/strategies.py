@@ -1,8 +1,9 @@
-"""Hypothesis strategies that draw houses: the spec itself, never a seed, so that a failing house shrinks to a small one.
+"""Hypothesis strategies that draw houses for property-based tests.
 
-Every drawn house is valid: `build_house` and `validate` accept it. Houses are bare unless asked otherwise, rooms shrink to
-rectangles of 2 x 2 m, labels and opening kinds to the first in the lists that were given. With the package installed,
-`st.from_type(HouseSpec)` draws `houses()`. Bad arguments raise `hypothesis.errors.InvalidArgument`.
+A strategy draws the rooms of a house rather than a seed, so that Hypothesis can shrink a failing house to a small one.
+Every drawn house is valid: `build_house` and `validate` accept it. Houses are unfurnished by default. Rooms shrink to
+rectangles of 2 x 2 m, labels and kinds of openings to the first ones in the lists that the caller gives. With the package
+installed, `st.from_type(HouseSpec)` draws `houses()`. Invalid arguments raise `hypothesis.errors.InvalidArgument`.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from worlds.spec import HouseSpec, OpeningKind
 
 MAX_ROOMS, MAX_STOREYS = 40, 4
 DRAWABLE = tuple(label for label in ROOM_LABELS if label != STAIRS)
-"""Labels that can be asked for; stairs come with the second storey."""
+"""Labels that callers can ask for; stairs are added to houses of several storeys."""
 INDOOR = tuple(label for label in DRAWABLE if label not in OUTDOOR_LABELS)
 KINDS: tuple[OpeningKind, ...] = ("door", "open", "cased", "arch", "half wall", "counter")
 _MAX_SIZE_DM, _MAX_WIDTH_DM = 60, 40
@@ -39,18 +40,19 @@ def houses(
     doors: Sequence[str] = ("no leaf", "open"),
     openness: tuple[float, float] | None = None,
 ) -> SearchStrategy[HouseSpec]:
-    """Houses of `min_rooms` to `max_rooms` rooms (stairs not counted) on 1 to `max_storeys` storeys.
+    """Draw houses of `min_rooms` to `max_rooms` rooms (stairs are not counted) on 1 to `max_storeys` storeys.
 
     Args:
         min_rooms: at least 1.
         max_rooms: at most 40.
         max_storeys: at most 4; houses of several storeys have one staircase through all of them.
-        furnished: whether `build_house` fills in furniture; its amount is drawn.
-        labels: what the rooms can be, the simplest first; gardens and balconies in one-storey houses only.
-        kinds: what can be in the walls, the simplest first; where nobody could walk through, there is a door beside it.
-        doors: how door leaves can stand, the simplest first; "closed" doors end a walk that cannot open them.
-        openness: if given, inner walls are opened or closed with doors (see `worlds.openings.openness`) until the house's
-            openness is within 0.05 of a value drawn from this range.
+        furnished: whether `build_house` fills in furniture; the amount is drawn.
+        labels: labels that rooms can have, the simplest first; gardens and balconies are valid in one-storey houses only.
+        kinds: kinds of openings, the simplest first; an opening that one cannot walk through gets a door beside it where
+            the room has no other entrance.
+        doors: how door leaves can stand, the simplest first; a body that cannot open doors is stopped by "closed" ones.
+        openness: range from which the house's openness is drawn; inner walls are opened, or closed with doors, until the
+            openness is within 0.05 of the value drawn (see `worlds.openings.openness`). None: openings stay as drawn.
     """
     _check_rooms(min_rooms, max_rooms)
     _check_int("max_storeys", max_storeys, 1, MAX_STOREYS)
@@ -73,9 +75,10 @@ def open_plans(
     max_rooms: int = 6,
     labels: Sequence[str] = INDOOR,
 ) -> SearchStrategy[HouseSpec]:
-    """Bare one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
+    """Draw unfurnished one-storey houses whose openness is at least `min_openness`; the simplest have no inner walls.
 
-    Openness is the share of the area of all boundaries between indoor rooms that is gap for good; doors count as closed.
+    Openness is the share of the area of all boundaries between indoor rooms that is permanently open; doors count as closed.
+    See `houses` for the other arguments.
     """
     _check_rooms(min_rooms, max_rooms)
     if isinstance(min_openness, bool) or not isinstance(min_openness, int | float) or not 0.0 <= min_openness <= 1.0:
@@ -92,19 +95,23 @@ def room_pairs(
     kinds: Sequence[str] = KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
 ) -> SearchStrategy[HouseSpec]:
-    """Bare houses of exactly two rooms with one boundary, of any kind; see `houses` for the arguments."""
+    """Draw unfurnished houses of exactly two rooms with one boundary between them; see `houses` for the arguments."""
     room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), ("beside", "row"))
     return st.builds(grow, st.lists(room, min_size=2, max_size=2))
 
 
 def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> SearchStrategy[HouseSpec]:
     target = st.integers(0, 100).map(lambda percent: low + (high - low) * percent / 100)
-    # Houses without a wall between two rooms have no openness to change.
+    # The openness of a house without boundaries between rooms cannot change, so such a house may miss the range.
     return st.builds(with_openness, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
 
 
 def _rooms(label: SearchStrategy[str], way: SearchStrategy[Way], starts: Sequence[Start]) -> SearchStrategy[GrownRoom]:
-    """Hypothesis deletes at most five draws in a row at once: what a plain room takes, with its place in the list."""
+    """Draw requests for rooms, either plain or with all options.
+
+    Plain rooms exist for shrinking: Hypothesis deletes at most five consecutive draws at once, which is what a plain room
+    takes in a list.
+    """
     size = st.integers(MIN_SIZE_DM, _MAX_SIZE_DM)
     plain = st.builds(GrownRoom, label, size, size)
     elaborate = st.builds(

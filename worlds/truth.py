@@ -1,7 +1,7 @@
-"""Exact truth about a house: who is where, what is open, what leads where, what stands where.
+"""Ground truth about a house: the room at a point, the openness of boundaries, the graph of rooms, and the objects.
 
-Everything here is a function of the house's polygons, openings and heights. The shortest walkable way between two points is
-`worlds.walkable.Walkable.distance`.
+All functions compute exactly from the house's polygons, openings and heights. The length of the shortest walkable path
+between two points is `worlds.walkable.Walkable.distance`.
 """
 
 from collections import defaultdict
@@ -22,25 +22,26 @@ from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 
 AMBIGUITY_BAND_M = 0.75
+"""Distance from an open boundary within which the labels of both rooms count as right."""
 AMBIGUOUS_FRAME_M = 1.2
-"""From this width on a cased opening or an arch leaves it open where one room ends."""
+"""From this width on, a cased opening or an arch counts as an open boundary."""
 NOWHERE = -1
 FLOOR_TOLERANCE_M = 1e-6
-"""A foot stands on a floor that it is this little below: heights that rays or sums give are rounded."""
+"""A point this little below a floor counts as on it, because computed heights have rounding errors."""
 
 Point3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class BoundaryLine:
-    """A stretch of room boundary in the plan, all wall or all one opening."""
+    """A straight stretch of room boundary in the plan that is either wall or one opening along its whole length."""
 
     storey: int
     rooms: tuple[str | None, str | None]
-    """Ids of `house.rooms` on either side; None: outside."""
+    """Ids of the rooms (in `house.rooms`) on both sides; None: outside."""
     kind: OpeningKind | Literal["wall"]
     line: LineString
-    """On the wall's centre [m]."""
+    """The stretch along the wall's centre line, in W [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +49,17 @@ class Passage:
     """An edge of the room graph: an opening that one can walk through."""
 
     rooms: tuple[str, str]
-    """Ids of `house.rooms`; stairs are one room on all their storeys."""
+    """Ids of the rooms (in `house.rooms`) that it connects; a staircase is one room on all its storeys."""
     storey: int
     kind: OpeningKind
     point: Point3
-    """The middle of the opening, on the floor, in W [m]."""
+    """Middle of the opening, on the floor, in W [m]."""
     width_m: float
 
 
 @dataclass(frozen=True)
 class RoomGraph:
-    """Rooms and the passages between them; two rooms may have several. `rooms` and `passages` make any graph library's."""
+    """The graph of rooms (nodes) and passages (edges); two rooms may have several passages between them."""
 
     rooms: tuple[str, ...]
     passages: tuple[Passage, ...]
@@ -66,25 +67,25 @@ class RoomGraph:
 
 @dataclass(frozen=True)
 class ObjectInstance:
-    """A piece of furniture, a door's leaf or a window, in its box."""
+    """A piece of furniture, a door leaf or a window, with its oriented bounding box."""
 
     id: str
     kind: str
     room: str
-    """That it stands in, looks out of or swings into."""
+    """Id of the room in which it stands; for a leaf, the room that it swings into."""
     centre: Point3
-    """Of the box, in W [m]."""
+    """Centre of the box in W [m]."""
     yaw: float
-    """Of the box about z [rad]."""
+    """Rotation of the box about z [rad]."""
     size: Point3
     """Width, depth, height of the box along its own axes [m]."""
 
 
 def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Index into `house.rooms` of the room that holds each point of W [m], `NOWHERE` outside of all.
+    """Index into `house.rooms` of the room that contains each point in W [m]; `NOWHERE` outside of all rooms.
 
-    Walls are split at their centre lines, of which a point right on one belongs to the later room of `house.rooms`; a room
-    reaches from its floor to the next one's, both taken `FLOOR_TOLERANCE_M` lower, so that feet are in a room.
+    Rooms end at the centre lines of walls; a point exactly on a centre line belongs to the later of the two rooms. A room
+    extends from its floor up to the next floor, both lowered by `FLOOR_TOLERANCE_M`, so that a point on a floor is in it.
     """
     owner = np.full(len(points), NOWHERE)
     heights = points[:, 2] + FLOOR_TOLERANCE_M
@@ -95,22 +96,23 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
 
 
 def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Storey of each point of W [m]: the one with the highest floor that is not above it."""
+    """Index of the storey of each point in W [m]: that with the highest floor that is not above the point."""
     return storey_of(points[:, 2], [storey.floor_m for storey in house.storeys])
 
 
 def storey_of(heights: Float[np.ndarray, "n"], floors_m: Sequence[float]) -> Int[np.ndarray, "n"]:
-    """Index of the highest floor that is not above each height, `FLOOR_TOLERANCE_M` aside; 0 below all floors [m]."""
+    """Index of the highest floor that is not above each height [m], within `FLOOR_TOLERANCE_M`; 0 below all floors."""
     return np.clip(np.searchsorted(floors_m, heights + FLOOR_TOLERANCE_M, side="right") - 1, 0, None)
 
 
 def ambiguity_at(
     house: House, points: Float[np.ndarray, "n 3"], band_m: float = AMBIGUITY_BAND_M
 ) -> Bool[np.ndarray, "n rooms"]:
-    """Which rooms' labels count as right at each point.
+    """Whether the label of each room counts as right at each point in W [m].
 
-    The room that holds the point always does. Where nothing closes a boundary - no wall, half a wall, a counter, a wide
-    cased opening or arch - both sides do, straight before and behind the gap, within `band_m` [m].
+    The label of the room that contains the point always does. Near an open boundary, one cannot tell by looking where a room
+    ends; so within `band_m` [m] of the opening, straight in front of it or behind it, the labels of both rooms count.
+    `is_ambiguous` says which openings are such boundaries.
     """
     owner, storey = room_at(house, points), floor_at(house, points)
     allowed = owner[:, None] == np.arange(len(house.rooms))
@@ -127,24 +129,28 @@ def ambiguity_at(
 
 
 def is_ambiguous(opening: OpeningSpec) -> bool:
-    """Whether one cannot say from looking where one room ends."""
+    """Whether an opening makes a boundary so open that one cannot tell by looking where one room ends.
+
+    That holds for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
+    doors.
+    """
     if opening.kind in ("cased", "arch"):
         return opening.width_m >= AMBIGUOUS_FRAME_M - 1e-9
     return opening.kind != "door"
 
 
 def boundary_openness(house: House) -> dict[tuple[str, str], float]:
-    """For each pair of neighbouring indoor rooms, stairs left out: the share of the wall between them that is gap, exactly.
+    """Openness of the boundary between each two neighbouring indoor rooms, except stairs, by the rooms' ids in sorted order.
 
-    Doors count as wall (they can be closed), everything else with what it takes out of the wall, floor to ceiling.
+    It is the share of the boundary's area, from floor to ceiling, that is permanently open; doors count as wall.
     """
     return {pair: gap / area for pair, (gap, area) in _gap_and_area(house).items()}
 
 
 def openness(house: House) -> float:
-    """The mean of `boundary_openness`, weighted by area, in [0, 1]; 0 for a house without inner walls.
+    """Openness of a house: the mean of `boundary_openness` over all boundaries, weighted by area, in [0, 1].
 
-    0: every room is behind doors; 1: there is no wall between rooms at all.
+    0: every room is behind doors, or there are no boundaries between rooms; 1: there is no wall between any rooms.
     """
     pairs = _gap_and_area(house).values()
     total = sum(area for _, area in pairs)
@@ -152,13 +158,14 @@ def openness(house: House) -> float:
 
 
 def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
+    """For each pair of neighbouring indoor rooms, the open area and the whole area of their boundary [m²]."""
     sums: dict[tuple[str, str], tuple[float, float]] = defaultdict(lambda: (0.0, 0.0))
     inner = {room.id for room in house.rooms if room.label != STAIRS and not room.outdoor}
     for level, boundary, opening in _pieces(house):
         a, b = boundary.rooms
         if a in inner and b in inner and a is not None and b is not None:
             height = house.spec.storeys[level].height_m
-            # A gap across two stretches counts in each with its share.
+            # An opening may extend over two stretches of boundary; each gets its share of the area.
             taken = 0.0 if opening is None else gap_area(opening, height) * boundary.length / opening.width_m
             gap, area = sums[min(a, b), max(a, b)]
             sums[min(a, b), max(a, b)] = gap + taken, area + boundary.length * height
@@ -166,7 +173,7 @@ def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
 
 
 def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
-    """All room boundaries of a house, in stretches. Room polygons are `house.rooms[i].polygon`."""
+    """All room boundaries of a house, as straight stretches. The polygons of the rooms are in `house.rooms`."""
     return tuple(
         BoundaryLine(
             level,
@@ -179,7 +186,7 @@ def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
 
 
 def room_graph(house: House) -> RoomGraph:
-    """Which rooms one can walk between, and where; stairs are joined to the rooms at both ends."""
+    """The graph of the rooms between which one can walk; a staircase is connected to the rooms at both ends."""
     passages = []
     for level, storey in enumerate(house.spec.storeys):
         for opening in storey.openings:
@@ -211,7 +218,7 @@ def objects(house: House) -> tuple[ObjectInstance, ...]:
 
 
 def floor_area(house: House) -> float:
-    """Indoor area of all storeys, to the wall centre lines [m²]."""
+    """Indoor area of all storeys, measured to the centre lines of the walls [m²]."""
     storeys = house.spec.storeys
     return float(
         sum(house.room_by_id[r.id].polygon.area for s in storeys for r in s.rooms if not house.room_by_id[r.id].outdoor)
@@ -219,10 +226,12 @@ def floor_area(house: House) -> float:
 
 
 def _pieces(house: House) -> Iterator[tuple[int, Boundary, OpeningSpec | None]]:
+    """The storey's index, the stretch, and the opening in it or None, for every stretch of room boundary."""
     for level, pieces in enumerate(house.boundaries):
         for boundary, opening in pieces:
             yield level, boundary, opening
 
 
 def _room(house: House, cell: str | None) -> str | None:
+    """The id in `house.rooms` for a room id of the spec; the two differ for stairs."""
     return None if cell is None else house.room_by_id[cell].id

@@ -1,4 +1,4 @@
-"""`truth_json`: all that is true about a house, as data for other programs."""
+"""`truth_json`: the ground truth about a house as JSON data for other programs."""
 
 from typing import Any
 
@@ -9,13 +9,17 @@ TRUTH_SCHEMA = 1
 
 
 def truth_json(house: House) -> dict[str, Any]:
-    """The truth as JSON-ready data; lengths in metres, angles in radians, all in W (z up).
+    """The ground truth of a house as data for `json.dumps`; lengths in metres, angles in radians, all in W (z up).
 
-    `storeys`: floor and ceiling heights. `rooms`: id, label, storey, floor polygon (wall centre lines, counter-clockwise,
-    not closed), floor and ceiling, whether outdoors. `boundaries`: stretches of room boundary with the rooms on either side
-    (null: outside), the kind of opening (or "wall") and whether both rooms' labels count near it. `openness`: of the house,
-    and of every pair of neighbouring rooms. `passages`: the edges of the room graph. `stairs`: the walked line of every
-    flight, upwards. `objects`: furniture, doors and windows with their boxes (centre, yaw about z, size).
+    - `storeys`: heights of floor and ceiling.
+    - `rooms`: id, label, storey, floor polygon (along the wall centre lines, counter-clockwise, first corner not repeated),
+      heights of floor and ceiling, and whether the room is outdoors.
+    - `boundaries`: straight stretches of room boundary, with the rooms on both sides (null: outside), the kind of opening
+      (or "wall"), and whether the labels of both rooms count as right near it (see `worlds.truth.ambiguity_at`).
+    - `openness`: of the house, and of every pair of neighbouring rooms.
+    - `passages`: the edges of the room graph.
+    - `stairs`: the walking line of every flight, upwards.
+    - `objects`: furniture, doors and windows with their bounding boxes (centre, yaw about z, size).
     """
     ambiguous = [o is not None and is_ambiguous(o) for pieces in house.boundaries for _, o in pieces]
     return {

@@ -1,11 +1,11 @@
-"""Valid names in error messages: the one that was probably meant, and lists that stay on one line."""
+"""Valid names in error messages: a guess at the name that was meant, and lists of names that stay on one line."""
 
 import difflib
 from collections.abc import Iterable, Sequence
 
 
 def did_you_mean(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
-    """A guess such as " (did you mean 'kitchen'?)" at the valid name that was meant; "" where none is like the word.
+    """A guess at the valid name that was meant, such as " (did you mean 'kitchen'?)"; "" if no valid name is similar.
 
     `likeness` is the smallest similarity of the two names in [0, 1]; 1 accepts equal names only.
     """
@@ -14,5 +14,5 @@ def did_you_mean(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
 
 
 def listed(names: Sequence[str], most: int = 30) -> str:
-    """The names with commas between them, the first `most` of them and the number of the others."""
+    """The first `most` names, separated by commas, and the number of further ones."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

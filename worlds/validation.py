@@ -1,4 +1,4 @@
-"""Proofs that a house can stand and be walked; each failure names the place."""
+"""Validation of houses: every rule that a house must keep is checked, and each message names the place that breaks it."""
 
 from collections.abc import Iterator
 
@@ -15,28 +15,31 @@ BODY_RADIUS_M = 0.25
 
 
 def built_and_checked(spec: HouseSpec) -> House:
-    """The house of a spec, which stands and can be walked. Raises `HouseError` for another."""
+    """Build the house of a spec and check it. Raises `HouseError` if it cannot be built or breaks a rule of `problems`."""
     try:
         house = build_house(spec)
     except HouseError as error:
-        raise HouseError(next(_obstacles(spec, error))) from None
+        raise HouseError(next(_why_not_built(spec, error))) from None
     validate(house)
     return house
 
 
 def validate(house: House) -> None:
-    """Raise `HouseError` at the first of the `problems` of a house."""
+    """Raise `HouseError` with the first of the `problems` of a house, if there is one."""
     for problem in problems(house):
         raise HouseError(problem)
 
 
 def problems(house: House) -> Iterator[str]:
-    """Every rule that a house breaks, found as asked for, with the rooms or objects that break it.
+    """A message for every rule that a house breaks; it names the rooms or objects. Messages are found lazily, one by one.
 
-    Rooms of a storey do not overlap or nearly touch, and stand on rooms; openings and windows lie in the right walls, clear
-    of each other, and let the body through; stairs join storeys; furniture stays in its room and runs into nothing, nor into
-    where doors swing; every room can be reached on foot from every other, doors being opened. (`worlds.stairs.build` holds
-    the rules of stairs: a house that breaks them cannot be built.)
+    The rules:
+
+    - Rooms of a storey do not overlap or nearly touch, and rooms of upper storeys stand on indoor rooms.
+    - Stairs join storeys. (`worlds.stairs.build` has further rules of stairs: a house that breaks them cannot be built.)
+    - Openings and windows lie in the right walls, do not overlap, and openings let a body through.
+    - Furniture stays in its room, collides with nothing, and does not stand in the swing area of a door leaf.
+    - Every room can be reached on foot from every other, with all doors opened.
     """
     grid = PlanGrid.of(house.spec)
     yield from plan_problems(house, grid)
@@ -46,15 +49,19 @@ def problems(house: House) -> Iterator[str]:
 
 
 def spec_problems(spec: HouseSpec) -> Iterator[str]:
-    """Every rule that the house of a spec breaks; of one that cannot be built, the rooms that overlap, or else the first."""
+    """A message for every rule that the house of a spec breaks.
+
+    Of a house that cannot be built, these are all pairs of rooms that overlap, or, if none do, the reason why it cannot.
+    """
     try:
         house = build_house(spec)
     except HouseError as error:
-        yield from _obstacles(spec, error)
+        yield from _why_not_built(spec, error)
     else:
         yield from problems(house)
 
 
-def _obstacles(spec: HouseSpec, error: HouseError) -> Iterator[str]:
+def _why_not_built(spec: HouseSpec, error: HouseError) -> Iterator[str]:
+    """Why a house cannot be built: overlapping rooms, which often cause other errors, or else the error itself."""
     overlaps = list(overlap_problems(PlanGrid.of(spec)))
     yield from overlaps or [str(error)]

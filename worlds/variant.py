@@ -1,4 +1,4 @@
-"""`variant`: the same house with one thing changed, for comparisons in pairs."""
+"""`variant`: the same house with one property changed, so that runs in both houses can be compared."""
 
 from worlds.errors import WorldsError
 from worlds.floor_plans.symmetry import in_place
@@ -20,21 +20,28 @@ def variant(
     repaint: int | None = None,
     add_storey: bool = False,
 ) -> HouseSpec:
-    """A house that differs from `spec` in what is named, and in nothing else.
+    """A house that differs from `spec` in the properties given as arguments, and in nothing else.
 
-    - `openness`: in [0, 1]; inner walls open or close (`with_openness`); room polygons, windows and seeds stay.
-    - `clutter`: how much furniture is filled in, in [0, 4]; furniture that the spec lists stays as it is.
-    - `mirror`: in x. `rotate`: quarter turns counter-clockwise. Windows and furniture go with the walls, so they are written
-      into the spec; pieces are turned, not mirrored in themselves, and finishes are drawn in each room's own frame.
-    - `repaint`: another `appearance.seed`; all geometry stays.
-    - `add_storey`: the top storey's plan once more on top, with new ids and so new furniture.
+    Args:
+        spec: the house to start from.
+        openness: new openness in [0, 1]; inner walls are opened or closed (see `with_openness`), while room polygons,
+            windows and seeds stay.
+        clutter: how much furniture is filled in, in [0, 4]; furniture that the spec lists stays as it is.
+        mirror: whether x is mirrored.
+        rotate: number of quarter turns, counter-clockwise. To keep windows and furniture at their walls when mirroring or
+            rotating, they are written into the spec first. Pieces are rotated, but not mirrored themselves; finishes are
+            drawn in each room's own frame.
+        repaint: new `appearance.seed`; all geometry stays.
+        add_storey: whether the plan of the top storey is repeated on top, with new room ids and therefore new furniture.
 
-    Room ids stay, because the rooms' draws depend on them. Raises `WorldsError` for values that cannot be, and where a
-    storey cannot be added.
+    Room ids stay, because the draws of a room depend on its id.
+
+    Raises:
+        WorldsError: a value is out of its range, or no storey can be added.
     """
     if clutter is not None:
         if not 0.0 <= clutter <= 4.0:
-            raise WorldsError(f"clutter {clutter} cannot be; valid: 0 (empty) to 4 (a hoarder's)")
+            raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's)")
         spec = spec.model_copy(update={"clutter": clutter})
     if add_storey:
         spec = with_storey_on_top(spec)
@@ -45,13 +52,16 @@ def variant(
         spec = in_place(frozen, mirror, rotate % 4).house(frozen)
     if repaint is not None:
         if not 0 <= repaint < 2**63:
-            raise WorldsError(f"repaint {repaint} is no seed; valid: 0 ... 2**63 - 1")
+            raise WorldsError(f"repaint is {repaint}; valid: 0 ... 2**63 - 1")
         spec = spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"seed": repaint})})
     return spec
 
 
 def explicit(spec: HouseSpec) -> HouseSpec:
-    """The same house with the windows and furniture written down that `build_house` fills in. Raises `HouseError`."""
+    """The same house with all windows and furniture listed in the spec, including those that `build_house` fills in.
+
+    Raises `HouseError` for a house that cannot be built.
+    """
     house = build_house(spec)
     storeys = [
         storey.model_copy(

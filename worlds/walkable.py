@@ -1,7 +1,12 @@
-"""`Walkable`: where an upright round body can go in a house, and the ways between places.
+"""`Walkable`: where an upright cylindrical body can walk in a house, and the shortest paths between two places.
 
-A grid per storey and the walking lines of the stairs make one sparse graph. The grid keeps enough distance that every
-edge of the graph, not only its ends, keeps the body's radius from walls, solid furniture and the edges of stairs.
+1. On every storey, the points of a grid are free where the body has space. The distance that they keep from obstacles is
+   larger than the body's radius by so much that the straight step between two neighbouring free points is free as well.
+2. The walking line of every flight of stairs is divided into points. Its ends are joined to the free grid points near them.
+3. All these points are the nodes of one sparse graph, whose edges are the steps between neighbours. Dijkstra's algorithm
+   finds the shortest path in it.
+4. Paths on a grid have needless corners. `path` removes them: from each corner it goes straight to the last node of the path
+   that can be reached in a straight line.
 """
 
 import math
@@ -22,25 +27,27 @@ from worlds.house import House
 from worlds.truth import room_at
 
 _CROWDING = 3.0
-"""How much longer than its length a way feels right beside an obstacle, for `prefer_clearance_m`."""
+"""Weight that makes steps beside obstacles more costly, for `prefer_clearance_m`."""
 
 
 class UnreachableError(WorldsError):
-    """A place is not walkable, or there is no way to it."""
+    """A point is not walkable, or there is no path to it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Walkable:
-    """The free places (nodes) of a house and the graph that joins them. Positions are on the walked surface, in W [m].
+    """The free points (nodes) of a house and the graph that joins them. Positions are on the walked surface, in W [m].
 
-    Nodes are numbered storey by storey; those of stairs come last. Distances over the graph exceed the shortest way by at
-    most 8 % (an 8-connected grid); `path` and `distance` shorten the way by lines of sight.
-    Raises `WorldsError` for a radius or resolution that makes no sense.
+    Nodes are numbered storey by storey; those on stairs come last. Distances along the graph, an 8-connected grid, are at
+    most 8 % longer than the shortest path; `path` and `distance` straighten the path and are more precise. Raises
+    `WorldsError` for a radius or resolution out of its range.
     """
 
     house: House
     radius_m: float = 0.25
+    """Radius of the body [m]."""
     resolution_m: float = 0.1
+    """Spacing of the grid [m]."""
 
     def __post_init__(self) -> None:
         if not 0.0 < self.radius_m <= CLEARANCE_CAP_M / 2:
@@ -50,37 +57,39 @@ class Walkable:
 
     @cached_property
     def free_space(self) -> FreeSpace:
-        """Clearance and room of every grid point."""
+        """The clearance and the room of every grid point."""
         return survey(self.house, self.resolution_m)
 
     @cached_property
     def solids(self) -> Obstacles:
-        """Walls and solid furniture."""
+        """Walls, fences, solid furniture and door leaves."""
         return solid_obstacles(self.house)
 
     @cached_property
     def wells(self) -> Obstacles:
-        """The cells of the stairs."""
+        """The stairwells."""
         return stair_wells(self.house)
 
     @cached_property
     def _free(self) -> Bool[np.ndarray, "storeys nx ny"]:
-        # Two points at least this far from an obstacle keep the radius all along a grid diagonal between them.
+        # If two diagonal neighbours are at least this far from an obstacle, the line between them keeps the radius from it.
         margin = math.hypot(self.radius_m, self.resolution_m / math.sqrt(2.0))
         return (self.free_space.room >= 0) & (self.free_space.clearance >= margin)
 
     @cached_property
     def _level(self) -> Float64[np.ndarray, "level 3"]:
+        """The nodes on the floors of the storeys."""
         storey, i, j = np.nonzero(self._free)
         return np.stack([self.free_space.x[i], self.free_space.y[j], self.free_space.floors[storey]], axis=-1)
 
     @cached_property
     def _flights(self) -> tuple[Float64[np.ndarray, "_ 3"], ...]:
+        """The nodes of each flight of stairs, upwards."""
         return tuple(_resample(stairs.walking_line, self.resolution_m) for stairs in self.house.stairs)
 
     @cached_property
     def nodes(self) -> Float64[np.ndarray, "n 3"]:
-        """The free places."""
+        """Positions of the nodes in W [m]."""
         return np.concatenate([self._level, *self._flights])
 
     @cached_property
@@ -89,18 +98,18 @@ class Walkable:
         rooms = [self.free_space.room[self._free]]
         for stairs, line in zip(self.house.stairs, self._flights, strict=True):
             own, owner = self.house.rooms.index(self.house.room_by_id[stairs.room]), room_at(self.house, line)
-            rooms.append(np.where(owner < 0, own, owner))  # where the way to the stairs lies in no room, no one gets there
+            rooms.append(np.where(owner < 0, own, owner))  # a node of the line outside of all rooms counts as stairs
         return np.concatenate(rooms)
 
     @cached_property
     def clearance(self) -> Float64[np.ndarray, "n"]:
-        """Distance of every node to the nearest obstacle, up to 1 m; that of stairs is the body's radius [m]."""
+        """Distance from every node to the nearest obstacle, at most 1 m; for nodes on stairs, the body's radius [m]."""
         on_stairs = len(self.nodes) - len(self._level)
         return np.concatenate([self.free_space.clearance[self._free], np.full(on_stairs, self.radius_m)])
 
     @cached_property
     def graph(self) -> "csr_array[np.float64, tuple[int, int]]":
-        """Lengths of the steps between neighbouring nodes, symmetric [m]."""
+        """Symmetric sparse matrix of the lengths of the steps between neighbouring nodes [m]."""
         number = np.full(self._free.shape, -1, dtype=np.int32)
         number[self._free] = np.arange(len(self._level))
         east, north = (number[:, :-1], number[:, 1:]), (number[:, :, :-1], number[:, :, 1:])
@@ -113,6 +122,7 @@ class Walkable:
         return csr_array(coo_array((np.tile(length, 2), (np.concatenate([a, b]), np.concatenate([b, a]))), shape=(n, n)))
 
     def _stairs_steps(self) -> Int[np.ndarray, "2 m"]:
+        """Pairs of nodes: neighbours along each flight, and the ends of a flight with the grid points around them."""
         steps, first = [np.zeros((2, 0), dtype=np.int64)], len(self._level)
         for line in self._flights:
             last = first + len(line) - 1
@@ -130,66 +140,71 @@ class Walkable:
         return cKDTree(self.nodes, balanced_tree=False, compact_nodes=False)
 
     def snap(self, point: Float64[np.ndarray, "3"], within_m: float = 0.5) -> int:
-        """The node nearest to a point. Raises `UnreachableError` where none is within `within_m`."""
+        """Number of the node nearest to a point in W [m]. Raises `UnreachableError` if none is within `within_m` [m]."""
         if not np.isfinite(point).all():
-            raise UnreachableError(f"nowhere to stand at {point.tolist()}; coordinates must be finite")
+            raise UnreachableError(f"the point {point.tolist()} has no free place near it; valid: finite coordinates")
         distance, node = self._tree.query(point)
         if distance > within_m:
             place = ", ".join(f"{coordinate:.2f}" for coordinate in point)
             raise UnreachableError(
-                f"nowhere to stand within {within_m:g} m of ({place}) m; the nearest free place is {distance:.2f} m away"
+                f"no free place within {within_m:g} m of ({place}) m; the nearest free place is {distance:.2f} m away"
             )
         return int(node)
 
     def nodes_near(self, point: Float64[np.ndarray, "3"], within_m: float) -> Int[np.ndarray, "_"]:
-        """All nodes within a distance of a point, ascending."""
+        """Numbers of all nodes within a distance of a point in W [m], ascending."""
         return np.array(sorted(self._tree.query_ball_point(point, within_m)), dtype=np.int64)
 
     def nodes_in(self, room: str) -> Int[np.ndarray, "_"]:
-        """The nodes in a room. Raises `WorldsError` for a room that the house does not have."""
+        """Numbers of the nodes in the room with this id. Raises `WorldsError` for a room that the house does not have."""
         by_id = self.house.room_by_id
         if room not in by_id:
-            raise WorldsError(f"no room {room!r}; the rooms are {', '.join(by_id)}")
+            raise WorldsError(f"no room {room!r}; valid: {', '.join(by_id)}")
         return np.flatnonzero(np.equal(self.node_room, self.house.rooms.index(by_id[room])))
 
     def reachable_rooms(self) -> tuple[str, ...]:
-        """Ids of the rooms that the largest connected part of the graph touches, in the house's order."""
+        """Ids of the rooms in which the largest connected part of the graph has nodes, in the order of `house.rooms`."""
         return tuple(self.house.rooms[k].id for k in np.unique(self.node_room[self.connected]))
 
     @cached_property
     def connected(self) -> Bool[np.ndarray, "n"]:
-        """Which nodes belong to the largest connected part of the graph."""
+        """Whether each node belongs to the largest connected part of the graph."""
         _, part = connected_components(self.graph, directed=False)
         return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
     def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
-        """Distance over the graph from a point or node to every node; infinite where there is no way (within the limit)."""
+        """Length of the shortest path along the graph from a point in W or a node to every node [m].
+
+        It is infinite where no path exists, or none that is shorter than the limit.
+        """
         node = start if isinstance(start, int) else self.snap(start)
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
 
     def distance(self, start: Float64[np.ndarray, "3"], goal: Float64[np.ndarray, "3"]) -> float:
-        """Length of `path` [m]."""
+        """Length of the `path` between two points in W [m]. Raises `UnreachableError`."""
         return polyline_length(self.path(start, goal))
 
     def path(
         self, start: Float64[np.ndarray, "3"] | int, goal: Float64[np.ndarray, "3"] | int, prefer_clearance_m: float = 0.0
     ) -> Float64[np.ndarray, "k 3"]:
-        """The shortest way between two points (snapped) or nodes, as corners on the walked surface.
+        """The shortest path between two points or nodes, as its corners on the walked surface in W [m].
 
-        With `prefer_clearance_m`, a way that keeps about so far from obstacles where there is room. Raises
-        `UnreachableError`. The way back is the same way.
+        Points are replaced by the nearest nodes. With `prefer_clearance_m` > 0, the path keeps about this distance from
+        obstacles [m], where there is space. The path from `goal` to `start` is the same in reverse. Raises
+        `UnreachableError` if there is no path, or a point is not walkable.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
-        if a > b:  # sight lines are drawn from one end on, so which end that is must not depend on the direction
+        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller node
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
         nodes = _trace(predecessors, a, b)
         if not nodes:
             rooms = (self.house.rooms[self.node_room[k]].id for k in (a, b))
-            raise UnreachableError("no way between {!r} and {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
+            raise UnreachableError("no path between {!r} and {!r} for a body of radius {:g} m".format(*rooms, self.radius_m))
         return self._shorten(np.array(nodes), prefer_clearance_m)
 
     def _costs(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
+        """The graph with its lengths multiplied by a factor that grows linearly with the clearance lacking at both ends."""
         if prefer_clearance_m <= 0.0:
             return self.graph
         lack = np.maximum(0.0, 1.0 - self.clearance / prefer_clearance_m)
@@ -198,7 +213,10 @@ class Walkable:
         return csr_array((self.graph.data * factor, self.graph.indices, self.graph.indptr), shape=self.graph.shape)
 
     def _shorten(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> Float64[np.ndarray, "j 3"]:
-        """Pull the string: from each corner on to the last node in sight."""
+        """Straighten a path: from each corner, go to the last node that can be reached in a straight line.
+
+        That node is found by bisection, as if all nodes up to some index could be reached, and none beyond it.
+        """
         kept, here = [0], 0
         while here < len(nodes) - 1:
             low, high = here + 1, len(nodes) - 1
@@ -210,7 +228,11 @@ class Walkable:
         return np.take(self.nodes, nodes[kept], axis=0)
 
     def _sees(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> bool:
-        """Whether the straight line replaces a way: free and level, and no nearer to obstacles than asked or than it was."""
+        """Whether the straight line between the first and the last node can replace a piece of path.
+
+        The line must be on one storey, or, on stairs, run along the piece itself. It may come as near to obstacles as
+        `prefer_clearance_m` [m] allows, or as near as the piece does, but never nearer than the radius.
+        """
         line = self.nodes[nodes[[0, -1]]]
         if nodes.max() >= len(self._level):
             off_line = np.cross(self.nodes[nodes] - line[0], line[1] - line[0])
@@ -220,12 +242,12 @@ class Walkable:
 
 
 def polyline_length(points: Float64[np.ndarray, "k 3"]) -> float:
-    """Length of a line through points [m]."""
+    """Length of a polyline [m]."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def _resample(line: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
-    """Points at most `step_m` apart, every corner kept."""
+    """The points of a polyline with further points in between, so that neighbours are at most `step_m` apart."""
     pieces = [
         np.linspace(a, b, max(1, math.ceil(float(np.linalg.norm(b - a)) / step_m)), endpoint=False)
         for a, b in pairwise(line)
@@ -234,6 +256,7 @@ def _resample(line: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.nda
 
 
 def _trace(predecessors: Int[np.ndarray, "n"], start: int, goal: int) -> list[int]:
+    """The nodes from start to goal, given each node's predecessor on the path from start; empty if there is no path."""
     nodes = [goal]
     while nodes[-1] != start:
         nodes.append(int(predecessors[nodes[-1]]))

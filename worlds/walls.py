@@ -1,4 +1,8 @@
-"""Walls: the pieces of the room boundaries that are left when the openings are cut out."""
+"""Room boundaries and walls: a wall is a piece of boundary that is left when the openings are cut out.
+
+A boundary lies on the centre line of its wall. The coordinate across a boundary is y if the boundary runs along x, and x if
+it runs along y.
+"""
 
 import itertools
 import math
@@ -14,53 +18,56 @@ from worlds.spec import OpeningSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
 FENCE_HEIGHT_M = 1.5
+"""Height of walls that have no indoor room on either side."""
 ARCH_STRIPS = 12
-"""Straight pieces that the curve of an arch is made of."""
+"""Number of straight pieces that approximate the curve of an arch."""
 _TOLERANCE_M = 1e-6
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """A straight stretch of a storey's plan with the same room (or nothing) all along either side."""
+    """A straight stretch of a storey's plan that has the same room (or none) along each of its two sides."""
 
     axis: int
-    """0: runs along x at y = `at`; 1: runs along y at x = `at`."""
+    """0: the boundary runs along x at y = `at`; 1: it runs along y at x = `at`."""
     at: float
-    """[m]"""
+    """Coordinate across the boundary [m]."""
     low: float
+    """Lower end along the axis [m]."""
     high: float
-    """Extent along the axis [m]."""
+    """Upper end along the axis [m]."""
     rooms: tuple[str | None, str | None]
-    """Room ids on the side of smaller and of larger cross coordinate; None outside."""
+    """Ids of the rooms at smaller and at larger coordinates across; None: outside."""
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the boundary [m]."""
         return self.high - self.low
 
     def point(self, along: float) -> tuple[float, float]:
-        """The plan coordinates of a place on the centre line [m]."""
+        """The point (x, y) at the coordinate `along` on the axis [m]."""
         return (along, self.at) if self.axis == 0 else (self.at, along)
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A solid piece of wall: an upright box."""
+    """A solid piece of wall: an upright box along a boundary."""
 
     storey: int
     boundary: Boundary
-    """The stretch that it stands on."""
+    """The stretch of boundary on which the wall stands."""
     low: float
+    """Lower end along the boundary, including a corner that it fills [m]."""
     high: float
-    """Extent along the boundary, with the corners that it fills [m]."""
+    """Upper end along the boundary, including a corner that it fills [m]."""
     bottom_m: float
     top_m: float
     spandrel: bool = False
-    """Whether it stands for a strip of an arch's corner, whose underside slants up from `bottom_m`."""
+    """Whether the box is a strip of wall above the curve of an arch, whose real underside slopes up from `bottom_m`."""
 
     @property
     def rooms(self) -> tuple[str | None, str | None]:
-        """Room ids on either side."""
+        """Ids of the rooms on both sides; None: outside."""
         return self.boundary.rooms
 
     @property
@@ -75,18 +82,22 @@ class Wall:
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """What it covers of the plan: x0, y0, x1, y1 [m]."""
+        """The rectangle that the wall covers in the plan, as x0, y0, x1, y1 [m]."""
         (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
         return (x0, y0 - half, x1, y1 + half) if self.boundary.axis == 0 else (x0 - half, y0, x1 + half, y1)
 
     @property
     def footprint(self) -> Polygon:
-        """What it covers of the plan [m]."""
+        """The rectangle that the wall covers in the plan [m]."""
         return box(*self.bounds)
 
 
 def boundaries(storey: StoreySpec) -> list[Boundary]:
-    """All stretches of room boundary of a storey. Raises `HouseError` where two rooms claim the same side of a line."""
+    """All stretches of room boundary of a storey.
+
+    The edges of all room polygons are collected by the line on which they lie, and each line is cut wherever an edge ends.
+    Raises `HouseError` where two rooms lie on the same side of a stretch, which means that they overlap.
+    """
     lines: dict[tuple[int, float], list[tuple[float, float, int, str]]] = defaultdict(list)
     for room in storey.rooms:
         corners = room.polygon_m
@@ -117,7 +128,7 @@ def _place(axis: int, at: float, low: float, high: float) -> str:
 
 
 def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[int, float, float, float] | None:
-    """(axis, at, low, high) of a segment along x or y; None for others."""
+    """A segment along x or y as (axis, at, low, high), as in `Boundary`; None for other segments."""
     (x0, y0), (x1, y1) = start, end
     if abs(y0 - y1) <= _TOLERANCE_M < abs(x0 - x1):
         return 0, round(y0, 6), min(x0, x1), max(x0, x1)
@@ -127,7 +138,7 @@ def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[
 
 
 def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
-    """(axis, at, low, high) of an opening on its line. Raises `HouseError` where it runs along neither x nor y."""
+    """An opening as (axis, at, low, high), as in `Boundary`. Raises `HouseError` if it runs along neither x nor y."""
     span = segment_span(opening.start_m, opening.end_m)
     if span is None:
         raise HouseError(
@@ -138,7 +149,7 @@ def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
 
 
 def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:
-    """The boundary in pieces, each with the opening that lies in it or None."""
+    """Cut a boundary at the ends of the openings; yields the pieces, each with the opening in it, or None for wall."""
     position = boundary.low
     spans = sorted((opening_span(opening), i) for i, opening in enumerate(openings))
     for (axis, at, low, high), i in spans:
@@ -158,7 +169,7 @@ def _cut(boundary: Boundary, low: float, high: float) -> Boundary:
 
 
 def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
-    """The points where walls along x and along y meet: a wall that ends there is drawn out to fill the corner."""
+    """The points (x, y) at which walls along x and along y meet; a wall that ends there is lengthened to fill the corner."""
     ends: tuple[set[tuple[float, float]], set[tuple[float, float]]] = set(), set()
     for stretch in stretches:
         ends[stretch.axis].update((stretch.point(stretch.low), stretch.point(stretch.high)))
@@ -166,14 +177,20 @@ def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
 
 
 def extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
-    """How far a wall along a piece of boundary reaches where walls meet at the `corners` in `meeting` [m]."""
+    """Lower and upper end of a wall along a piece of boundary [m].
+
+    The wall is half a thickness longer than the piece at each end that is one of the `corners` in `meeting`.
+    """
     half = WALL_THICKNESS_M / 2
     low = piece.low - half if piece.point(piece.low) in meeting else piece.low
     return low, piece.high + half if piece.point(piece.high) in meeting else piece.high
 
 
 def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:
-    """Lower and upper end of what stands of a wall of `height_m` below and above an opening [m]."""
+    """Lower and upper ends of the parts of a wall below and above an opening, in a wall that is `height_m` high [m].
+
+    Without an opening, it is the whole wall.
+    """
     if opening is None:
         return [(0.0, height_m)]
     low, high = opening.gap_m(height_m)
@@ -181,7 +198,7 @@ def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float
 
 
 def arch_curve(boundary: Boundary, opening: OpeningSpec, top_m: float) -> list[tuple[float, float]]:
-    """Points of the underside of an arch: place along its boundary, height above the floor, but at most `top_m` [m]."""
+    """Points of an arch's curve: coordinate along the boundary, and height above the floor, limited to `top_m` [m]."""
     _, _, low, high = opening_span(opening)
     half = (high - low) / 2
     turns = [math.pi * i / ARCH_STRIPS for i in range(ARCH_STRIPS + 1)]

@@ -324,7 +324,7 @@ def test_furniture_across_a_room_is_named_where_no_opening_is_near():
     doors = [DOOR | {"start_m": [2, 0.5], "end_m": [2, 1.4]}]
     doors.append({"rooms": ["b", "c"], "kind": "door", "start_m": [8, 0.5], "end_m": [8, 1.4]})
     (problem,) = told(furnished(piece("shelf", 5, 1, "bookshelf", size=[0.3, 1.8, 2.0]), rooms=rooms, openings=doors))
-    assert problem.startswith("furniture 'shelf' (bookshelf) in 'b' stands across the way; not reachable")
+    assert problem.startswith("furniture 'shelf' (bookshelf) in 'b' blocks the path; not reachable")
     blocked = [piece("one", 2.4, 0.95, **WARDROBE), piece("two", 7.6, 0.95, **WARDROBE)]
     assert [(p.split("'")[1], p.split(": ")[1]) for p in told(furnished(*blocked, rooms=rooms, openings=doors))] == [
         ("one", "a; move it away"),

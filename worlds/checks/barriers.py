@@ -1,4 +1,8 @@
-"""Furniture that blocks the way: pieces without which every room could be reached, named with the opening beside them."""
+"""Rooms that cannot be reached on foot, and the furniture that blocks the path to them.
+
+Each blocking piece is named in a message of its own, with the opening beside which it stands, so that the user knows what to
+move.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -14,11 +18,14 @@ from worlds.house import Furniture, House
 from worlds.spec import PASSABLE
 
 _BESIDE_M = 0.6
-"""A piece that is no farther from an opening than a body is wide, and a little, may block it."""
+"""A piece at most this far from an opening may block it: a little more than the width of the body."""
 
 
 def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iterator[str]:
-    """A message for each piece of furniture that cuts rooms off, and one for all rooms that have no way in at all."""
+    """A message for each piece of furniture that cuts rooms off, and one for all rooms unreachable even without furniture.
+
+    `radius_m` is the radius of the body that walks [m].
+    """
 
     def cut_off(pieces: Sequence[Furniture]) -> set[str]:
         return set(unreachable_rooms(replace(house, furniture=tuple(pieces)), grid, radius_m))
@@ -41,14 +48,19 @@ def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iter
 
 
 def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequence[Furniture]], bool]) -> list[Furniture]:
-    """Pieces without which all is free, none of them to spare; those beside openings are suspected first."""
+    """A smallest set of pieces whose removal makes all rooms reachable: none of them can be left in place.
+
+    `frees` says whether all rooms are reachable with only the given pieces in the house. That test is expensive, so the
+    search begins with the pieces beside openings, if removing these is enough. It then tries to put pieces back: half of
+    them at a time, then quarters and so on, because few of many pieces are barriers.
+    """
     openings = shapely.union_all([line for _, _, line in _openings(house)])
     suspects = [piece for piece in solid if shapely.distance(_footprint(piece), openings) <= _BESIDE_M]
     if not frees([piece for piece in solid if piece not in suspects]):
         suspects = list(solid)
     barriers, some = suspects, len(suspects)
     while some > 0:
-        # Half of them at a time, then quarters: few of many pieces are barriers.
+        # Put back `some` neighbouring pieces of the list, wherever all rooms stay reachable.
         for first in range(len(barriers) - some, -some, -some):
             fewer = barriers[: max(first, 0)] + barriers[first + some :]
             if frees([piece for piece in solid if piece not in fewer]):
@@ -58,18 +70,18 @@ def _barriers(house: House, solid: Sequence[Furniture], frees: Callable[[Sequenc
 
 
 def _blocked(house: House, piece: Furniture) -> str:
-    """Say how a piece blocks the way, with the opening that it stands beside."""
+    """The part of a message that says what a piece blocks: the opening beside it, or the path."""
     beside = [
         (shapely.distance(_footprint(piece), line), name)
         for storey, name, line in _openings(house)
         if storey == piece.storey
     ]
     distance, name = min(beside, default=(np.inf, ""))
-    return f"blocks {name}" if distance <= _BESIDE_M else "stands across the way"
+    return f"blocks {name}" if distance <= _BESIDE_M else "blocks the path"
 
 
 def _openings(house: House) -> Iterator[tuple[int, str, LineString]]:
-    """Storey, name, and line in the plan of every opening that one walks through."""
+    """Storey, name and line in the plan of every opening that one can walk through."""
     for level, storey in enumerate(house.spec.storeys):
         for i, opening in enumerate(storey.openings):
             if opening.kind in PASSABLE:

@@ -1,4 +1,8 @@
-"""Which upright boxes run into each other, or into convex outlines in the plan: separating axes, all pairs at once."""
+"""Collisions between upright boxes, and between boxes and convex outlines, for all pairs at once.
+
+The test uses the separating axis theorem in the plan: two convex shapes are apart if and only if their projections on the
+normal of one of their sides are apart. Heights are compared separately. A spatial index first excludes pairs far apart.
+"""
 
 import numpy as np
 import shapely
@@ -7,12 +11,13 @@ from jaxtyping import Bool, Float64, Int
 from worlds.free_space import Obstacles
 
 Pairs = Int[np.ndarray, "k 2"]
+"""Pairs of indices, in ascending order."""
 
 
 def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
-    """Pairs (index in `a`, index in `b`) of boxes that run into each other by more than a tolerance, in order.
+    """Pairs (index in `a`, index in `b`) of boxes that overlap by more than `tolerance_m` in every direction [m].
 
-    Exact for boxes turned about z; boxes of no thickness are lines.
+    The result is exact for boxes with any yaw; a box without thickness acts as a line.
     """
     i, j = _near(_corners(a), _corners(b), tolerance_m).T
     meet = _at_one_height(a.span[i], b.span[j], tolerance_m)
@@ -28,7 +33,10 @@ def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
 def outlines_over(
     outlines: Float64[np.ndarray, "m v 2"], spans: Float64[np.ndarray, "m 2"], boxes: Obstacles, tolerance_m: float
 ) -> Pairs:
-    """Pairs (outline, box) that overlap by more than a tolerance: convex outlines, counter-clockwise or not, and heights."""
+    """Pairs (index of an outline, index of a box) that overlap by more than `tolerance_m` in every direction [m].
+
+    `outlines` are the corners of convex polygons in the plan, in either order; `spans` are their lower and upper ends [m].
+    """
     i, j = _near(outlines, corners := _corners(boxes), tolerance_m).T
     meet = _at_one_height(spans[i], boxes.span[j], tolerance_m)
     i, j = i[meet], j[meet]
@@ -43,7 +51,7 @@ def outlines_over(
 
 
 def _near(a: Float64[np.ndarray, "n v 2"], b: Float64[np.ndarray, "m w 2"], tolerance_m: float) -> Pairs:
-    """Pairs whose bounding rectangles meet, in order."""
+    """Pairs of polygons whose bounding rectangles overlap."""
     half = tolerance_m / 2
     rectangles = [shapely.box(*(c.min(axis=1) + half).T, *(c.max(axis=1) - half).T) for c in (a, b)]
     pairs = shapely.STRtree(rectangles[1]).query(rectangles[0])
@@ -53,11 +61,12 @@ def _near(a: Float64[np.ndarray, "n v 2"], b: Float64[np.ndarray, "m w 2"], tole
 def _at_one_height(
     a: Float64[np.ndarray, "k 2"], b: Float64[np.ndarray, "k 2"], tolerance_m: float
 ) -> Bool[np.ndarray, "k"]:
+    """Whether two height ranges overlap by more than the tolerance."""
     return np.asarray(np.minimum(a[:, 1], b[:, 1]) - np.maximum(a[:, 0], b[:, 0]) > tolerance_m)
 
 
 def _axes(boxes: Obstacles) -> Float64[np.ndarray, "n 2 2"]:
-    """Unit vectors along width and depth."""
+    """Unit vectors of every box along its width and its depth."""
     cos, sin = np.cos(boxes.yaw), np.sin(boxes.yaw)
     return np.stack([cos, sin, -sin, cos], axis=-1).reshape(-1, 2, 2)
 
@@ -70,5 +79,5 @@ def _corners(boxes: Obstacles) -> Float64[np.ndarray, "n 4 2"]:
 def _reach(
     directions: Float64[np.ndarray, "k 4 2"], axes: Float64[np.ndarray, "k 2 2"], size: Float64[np.ndarray, "k 2"]
 ) -> Float64[np.ndarray, "k 4"]:
-    """How far a box reaches from its centre in each direction."""
+    """How far each box reaches from its centre in the given directions [m]."""
     return np.asarray(np.einsum("kab,kb->ka", np.abs(np.einsum("kad,kbd->kab", directions, axes)), size / 2))

@@ -1,4 +1,4 @@
-"""What is wrong with where the furniture of a house stands, and with where its door leaves swing."""
+"""Checks of furniture and door leaves: furniture collides with nothing, and nothing stands in a leaf's swing area."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,19 +14,20 @@ from worlds.openings.doors import DoorLeaf
 from worlds.walls import Wall, opening_span
 
 FLAT_M = 0.03
-"""What is no higher (a rug) may lie under furniture."""
+"""Pieces that are no higher than this (rugs) may lie under other furniture."""
 _TOLERANCE_M = 2e-3
 _HEIGHT_TOLERANCE_M = 1e-3
 _AT_ONCE = 64
+"""Number of boxes that are compared with all others in one step, to limit the memory."""
 
 
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """Rules about every piece and every leaf, each named."""
+    """A message for every rule that a piece of furniture or a door leaf breaks; it names the piece or leaf."""
     pieces, leaves = house.furniture, house.leaves
     boxes = boxes_of([(*p.position, *p.size, p.yaw) for p in pieces])
     hung = boxes_of([(*leaf.position, *leaf.size, leaf.yaw) for leaf in leaves])
     walls = boxes_of([_wall_row(wall) for wall in house.walls])
-    yield from _between_floor_and_ceiling(house)
+    yield from _out_of_storey(house)
     outside = _outside_their_room(house, grid, boxes)
     for i in sorted(outside):
         yield f"{piece_name(pieces[i])} sticks out of its room {pieces[i].room!r}"
@@ -48,13 +49,13 @@ def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
 
 
 def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
-    """Upright boxes from rows of (x, y, underside, width, depth, height, yaw)."""
+    """Upright boxes from rows of (x, y, height of the underside, width, depth, height, yaw) [m, rad]."""
     table = np.array(rows, dtype=np.float64).reshape(-1, 7)
     return Obstacles(table[:, :2], table[:, 3:5], table[:, 6], np.stack([table[:, 2], table[:, 2] + table[:, 5]], axis=-1))
 
 
 def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
-    """Pairs of boxes that run into each other, for some boxes at a time: a heap has more pairs than fit in memory."""
+    """Pairs of boxes that overlap; a few boxes are tested at a time, since a heap has more pairs than fit in memory."""
     for first in range(0, len(boxes.yaw), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
         these = Obstacles(boxes.centre[some], boxes.size[some], boxes.yaw[some], boxes.span[some])
@@ -63,7 +64,7 @@ def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
                 yield first + i, j
 
 
-def _between_floor_and_ceiling(house: House) -> Iterator[str]:
+def _out_of_storey(house: House) -> Iterator[str]:
     for piece in house.furniture:
         storey, bottom = house.storeys[piece.storey], piece.position[2]
         top = bottom + piece.size[2]
@@ -75,7 +76,7 @@ def _between_floor_and_ceiling(house: House) -> Iterator[str]:
 
 
 def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[int]:
-    """Pieces whose centre is not in their room, or that cross one of its sides (a box without thickness)."""
+    """Indices of the pieces whose centre is not in their room, or that cross one of its sides."""
     index = {room.id: k for k, room in enumerate(grid.rooms)}
     own = np.array([index[piece.room] for piece in house.furniture], int)
     level = np.array([piece.storey for piece in house.furniture], int)
@@ -86,6 +87,7 @@ def _outside_their_room(house: House, grid: PlanGrid, boxes: Obstacles) -> set[i
 
 
 def _sides(grid: PlanGrid) -> tuple[Obstacles, Int[np.ndarray, "n"]]:
+    """The sides of all rooms as boxes without thickness and of unlimited height, and the number of each side's room."""
     rings = [np.array(room.polygon_m) for room in grid.rooms]
     start, end = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     span = np.broadcast_to([-math.inf, math.inf], (len(start), 2))
@@ -99,11 +101,11 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
     hits = {(i, parts[j][0].room): None for i, j in overlaps(boxes, steps, _TOLERANCE_M).tolist()}
     for i, stairs in hits:
         piece = house.furniture[i]
-        yield f"{piece_name(piece)} in {piece.room!r} stands in the flights of the stairs {stairs!r}"
+        yield f"{piece_name(piece)} in {piece.room!r} stands on the stairs {stairs!r}"
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
-    """What a leaf would hit between shut and as it stands, and at least square to the wall."""
+    """A message for each thing in a leaf's swing area: furniture, another leaf, or a wall other than the leaf's own."""
     leaves = house.leaves
     if not leaves:
         return
@@ -128,7 +130,7 @@ def _wall_row(wall: Wall) -> tuple[float, ...]:
 
 
 def piece_name(piece: Furniture) -> str:
-    """A piece by its id and kind, for messages."""
+    """The id and kind of a piece, for messages."""
     return f"furniture {piece.id!r} ({piece.kind})"
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with the openings and windows of a house."""
+"""Checks of openings and windows: they lie in the right walls, do not overlap, and let a body through."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -11,20 +11,21 @@ from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
 
 MIN_WIDTH_M = 0.6
-"""Of what a body of radius 0.25 m walks through."""
+"""Least width of an opening that a body of radius 0.25 m walks through."""
 MIN_HEIGHT_M = 1.9
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]
+"""Axis of a segment (0: x, 1: y), its coordinate across, its lower and upper end [m]."""
 
 
 def opening_problems(house: House) -> Iterator[str]:
-    """Rules about openings and windows, storey by storey, each with its place in the spec."""
+    """A message for every rule that an opening or window breaks; it names the place in the spec."""
     for level, storey in enumerate(house.spec.storeys):
         windows = [window for window in house.windows if window.storey == level]
         spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]
         spans += [(window.id, span) for window in windows if (span := segment_span(window.start, window.end)) is not None]
-        yield from _not_apart(level, spans)
+        yield from _overlapping(level, spans)
         in_wall: dict[int, float] = defaultdict(float)
         for boundary, opening in house.boundaries[level]:
             if opening is not None and set(boundary.rooms) == set(opening.rooms):
@@ -38,7 +39,7 @@ def opening_problems(house: House) -> Iterator[str]:
             yield from _bad_window(house, window)
 
 
-def _not_apart(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
+def _overlapping(level: int, spans: list[tuple[str, Span]]) -> Iterator[str]:
     lines: dict[tuple[int, float], list[tuple[float, float, str]]] = defaultdict(list)
     for name, (axis, at, low, high) in spans:
         lines[axis, at].append((low, high, name))

@@ -1,4 +1,4 @@
-"""What is wrong with the plan of a house: rooms that overlap or nearly touch, rooms in the air, stairs that lead nowhere."""
+"""Checks of the floor plan: rooms do not overlap or nearly touch, stand on rooms below, and stairs join storeys."""
 
 from collections.abc import Iterator
 
@@ -9,16 +9,16 @@ from worlds.house import House
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 
 MIN_APART_M = 0.3
-"""Rooms touch or are at least so far apart: nothing can be built into less."""
+"""Least distance between two rooms that do not touch: nothing could be built in a narrower gap."""
 MIN_SUPPORT = 0.9
-"""Share of an indoor room above ground that has indoor rooms below."""
+"""Least share of the area of an indoor room on an upper storey that has indoor rooms below it."""
 _TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
 
 
 def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """Rules that concern whole rooms, each named."""
+    """A message for every rule that a room breaks; it names the room."""
     yield from overlap_problems(grid)
-    yield from _slivers(grid)
+    yield from _narrow_gaps(grid)
     yield from _unsupported(grid)
     for room in house.rooms:
         if room.label == STAIRS and room.ceiling_m == house.storeys[room.storey].ceiling_m:
@@ -26,7 +26,7 @@ def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
 
 
 def overlap_problems(grid: PlanGrid) -> Iterator[str]:
-    """Rooms that are in the same place."""
+    """A message for every two rooms of a storey that overlap."""
     for a, b, area in grid.clashes:
         if area > _TOLERANCE_M2:
             yield (
@@ -35,10 +35,15 @@ def overlap_problems(grid: PlanGrid) -> Iterator[str]:
             )
 
 
-def _slivers(grid: PlanGrid) -> Iterator[str]:
+def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
+    """A message for every two rooms with a gap between them that is narrower than `MIN_APART_M`.
+
+    For each row of cells, and then for each column, the nearest room before and after every empty cell is found; the
+    distance between the two is the width of the gap.
+    """
     for level, owner in enumerate(grid.owner):
         for axis, (cells, along, across) in enumerate(((owner.T, grid.x, grid.y), (owner, grid.y, grid.x))):
-            # From here on each row runs along the axis.
+            # `cells` is transposed for x, so that its rows run along the axis in both cases.
             number = np.arange(cells.shape[1])
             before = np.maximum.accumulate(np.where(cells != NO_ROOM, number, -1), axis=1)
             after = np.minimum.accumulate(np.where(cells != NO_ROOM, number, cells.shape[1])[:, ::-1], axis=1)[:, ::-1]
@@ -59,6 +64,7 @@ def _slivers(grid: PlanGrid) -> Iterator[str]:
 
 
 def _unsupported(grid: PlanGrid) -> Iterator[str]:
+    """A message for every indoor room on an upper storey with too little area on indoor rooms of the storey below."""
     indoor = np.array([*(room.label not in OUTDOOR_LABELS for room in grid.rooms), False])
     area, rooms = grid.area.ravel(), len(grid.rooms)
     for level in range(1, len(grid.owner)):

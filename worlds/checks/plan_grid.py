@@ -1,4 +1,8 @@
-"""`PlanGrid`: the plan of a house cut along every line that a room has a side on; rooms are sets of cells, exactly."""
+"""`PlanGrid`: the floor plans of a house as an exact grid of cells.
+
+The plan is cut along every x and y at which a room has a side, so each cell lies wholly inside or outside of every room, and
+questions about rooms become operations on arrays.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,21 +18,23 @@ _DECIMALS = 6
 
 @dataclass(frozen=True, eq=False)
 class PlanGrid:
-    """Which rooms cover which cells of every storey. Rooms are numbered in the order of the spec, storey by storey."""
+    """Which room covers each cell of every storey. Rooms are numbered in the order of the spec, storey by storey."""
 
     x: Float64[np.ndarray, "columns"]
-    """Where the cells begin and end, one more than there are cells [m]."""
+    """The lines between cells, one more than there are cells along x [m]."""
     y: Float64[np.ndarray, "rows"]
+    """The lines between cells, one more than there are cells along y [m]."""
     rooms: tuple[RoomSpec, ...]
     level_of_room: tuple[int, ...]
+    """Index of every room's storey."""
     owner: Int[np.ndarray, "storeys nx ny"]
-    """Room that covers a cell (of several, the last), `NO_ROOM` where none does."""
+    """Number of the room that covers a cell (the last one, if several do), `NO_ROOM` where none does."""
     clashes: tuple[tuple[int, int, float], ...]
-    """Rooms of a storey that cover the same cells, and the area that they share [m²]."""
+    """Pairs of rooms of a storey that overlap, and the area that they share [m²]."""
 
     @staticmethod
     def of(spec: HouseSpec) -> "PlanGrid":
-        """The grid of a house, which need not stand."""
+        """The grid of a house, which may break any rule."""
         rooms = [(level, room) for level, storey in enumerate(spec.storeys) for room in storey.rooms]
         corners = [np.round(room.polygon_m, _DECIMALS) for _, room in rooms]
         x, y = (np.unique(np.concatenate([c[:, k] for c in corners])) for k in (0, 1))
@@ -46,32 +52,36 @@ class PlanGrid:
 
     @property
     def area(self) -> Float64[np.ndarray, "nx ny"]:
-        """Of every cell [m²]."""
+        """Area of every cell [m²]."""
         return np.outer(np.diff(self.x), np.diff(self.y))
 
     def owner_at(self, level: Int[np.ndarray, "n"], points: Float64[np.ndarray, "n 2"]) -> Int[np.ndarray, "n"]:
-        """The room at each point of a storey, `NO_ROOM` outside of all."""
-        return np.asarray(self._framed[level, self._place(self.x, points[:, 0]), self._place(self.y, points[:, 1])])
+        """Number of the room at each point [m] of the storeys `level`, `NO_ROOM` outside of all rooms."""
+        return np.asarray(self._padded[level, self._index(self.x, points[:, 0]), self._index(self.y, points[:, 1])])
 
     def lattice(self, x: Float64[np.ndarray, "n"], y: Float64[np.ndarray, "m"]) -> Int[np.ndarray, "storeys n m"]:
-        """The room at each point of a lattice, `NO_ROOM` outside of all."""
-        return np.asarray(self._framed[:, self._place(self.x, x)[:, None], self._place(self.y, y)])
+        """Number of the room at each point (x, y) of a lattice [m], for every storey; `NO_ROOM` outside of all rooms."""
+        return np.asarray(self._padded[:, self._index(self.x, x)[:, None], self._index(self.y, y)])
 
     @cached_property
-    def _framed(self) -> Int[np.ndarray, "storeys nx ny"]:
+    def _padded(self) -> Int[np.ndarray, "storeys nx ny"]:
+        """`owner` with a frame of cells without a room, for points outside of the grid."""
         return np.pad(self.owner, ((0, 0), (1, 1), (1, 1)), constant_values=NO_ROOM)
 
     @staticmethod
-    def _place(lines: Float64[np.ndarray, "k"], at: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
+    def _index(lines: Float64[np.ndarray, "k"], at: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
         return np.searchsorted(lines, at, side="right")
 
 
 def _cells(i: Int[np.ndarray, "n"], j: Int[np.ndarray, "n"]) -> tuple[tuple[int, int], Bool[np.ndarray, "a b"]]:
-    """The cells inside a rectilinear ring of grid points, and the first row and column of them: by its winding number."""
+    """The cells inside a rectilinear polygon whose corners are grid points, and the indices of the first of these cells.
+
+    A cell is inside where the winding number of the polygon around it is not 0.
+    """
     i0, j0 = int(i.min()), int(j.min())
     turns = np.zeros((int(i.max()) - i0, int(j.max()) - j0), np.int8)
     for a, b, b_next in zip((i - i0).tolist(), (j - j0).tolist(), np.roll(j - j0, -1).tolist(), strict=True):
-        # A side that runs along y turns the winding number of all cells beyond it.
+        # A side along y changes the winding number of all cells beside it at larger x by one.
         if b != b_next:
             turns[a:, min(b, b_next) : max(b, b_next)] += 1 if b_next < b else -1
     return (i0, j0), turns != 0

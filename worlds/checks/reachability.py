@@ -1,4 +1,4 @@
-"""Which rooms a body reaches on foot: the parts of the free floor that hang together, joined by stairs."""
+"""Which rooms a body can reach on foot: the connected parts of the free floor, joined by stairs."""
 
 import math
 
@@ -11,13 +11,20 @@ from worlds.free_space import Obstacles, clearance_on, lattice, solid_obstacles,
 from worlds.house import House
 
 STAIRS_LINK_M = 0.5
-"""The end of a walking line is joined to free places this near [m]."""
+"""The end of a walking line (the path along a flight of stairs) is joined to free grid points within this distance."""
 
 
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
-    """Ids of the rooms that an upright round body cannot reach from the largest part of the house, doors being opened.
+    """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the largest part of the house.
 
-    The rule of `Walkable.reachable_rooms`, without its graph.
+    Doors count as opened: leaves are no obstacles. The rule is the same as that of `Walkable.reachable_rooms`, but it is
+    computed faster, without a graph:
+
+    1. On a grid of points, find those at which the body has space: inside a room, and far enough from obstacles and stairs
+       that also the step to a diagonal neighbour is free.
+    2. Number the connected parts of these points on every storey.
+    3. Give parts that stairs join the same number.
+    4. A room is reachable if the largest part has a point in it; the room of a staircase, if the staircase joins that part.
     """
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)
@@ -38,7 +45,7 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_
 
 
 def _parts(free: Bool[np.ndarray, "storeys nx ny"]) -> Int[np.ndarray, "storeys nx ny"]:
-    """Number of the connected part that each place belongs to, 0 where it is not free; a grid's diagonals are ways."""
+    """Number of the connected part that each grid point belongs to, 0 where it is not free; steps may be diagonal."""
     parts, used = [], 0
     for storey in free:
         count, labels = cv2.connectedComponents(storey.astype(np.uint8), connectivity=8)
@@ -55,7 +62,7 @@ def _join(
     solids: Obstacles,
     radius_m: float,
 ) -> tuple[Int[np.ndarray, "storeys nx ny"], list[tuple[str, int]]]:
-    """Parts that stairs join get one number; and the stairs' rooms with their part."""
+    """The parts, renumbered so that those joined by stairs are equal; and the id of each staircase's room with its part."""
     number = np.arange(parts.max(initial=0) + 1)
     flights = []
     for stairs in house.stairs:
@@ -76,7 +83,7 @@ def _near(
     solids: Obstacles,
     radius_m: float,
 ) -> set[int]:
-    """The parts that a body steps into from the end of a walking line."""
+    """The parts into which a body can step from the end of a walking line without a collision."""
     i, j = np.nonzero(np.add.outer((x - end[0]) ** 2, (y - end[1]) ** 2) <= STAIRS_LINK_M**2)
     i, j = i[parts[i, j] > 0], j[parts[i, j] > 0]
     places = np.stack([x[i], y[j], np.full(len(i), end[2])], axis=-1)

@@ -1,6 +1,16 @@
-"""Bands: which runs stand where on every storey, and how long that makes them.
+"""Bands: which runs of bays stand in which band of every storey, in which order, and how long the bands become.
 
-Every storey stands on the one below: a band of rooms is at least as long as the one above it.
+A band is a row of rooms along one side of a corridor (see the drawing in `wings`). A band is filled with runs: groups of
+bays that stay side by side; a bay is one slice of a band, with one main room (see `programmes`). Every storey has to stand
+on the one below, so a band is at least as long as the same band of the storey above.
+
+The functions are called in this order:
+
+1. `assign` chooses a band for every run, from the ground storey upwards: a storey may only use bands that exist below it.
+2. `wrap_round` (in some plans) bends the last room of the south band round the corridor's end, for rooms that are not
+   rectangles.
+3. `measured` sets the lengths of all bands, from the top storey downwards: a band must reach as far as the one above it.
+4. `placed_bays` turns the lengths into a position and a width for every bay.
 """
 
 from collections.abc import Sequence
@@ -15,33 +25,45 @@ from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
 
 _SHORTEST_BELOW = 350
-"""On a band shorter than this nothing is built: the little rooms in it would have to grow with what is above [cm]."""
-_WRAPS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
+"""Nothing is built on top of a band shorter than this: its small rooms would grow with the rooms above them [cm]."""
+_WRAPPING_LABELS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
+"""Labels of rooms that may bend round the end of the spine."""
 _STRETCH = 1.5
-"""Bands are widened to their shell up to this factor; shorter ones leave the storey's end open."""
+"""A band is stretched at most by this factor to be as long as the shell; a shorter band ends before the shell does."""
 
 
 @dataclass
 class BandedStorey:
-    """A storey's runs by band, and how far they reach [cm]."""
+    """The runs of a storey, sorted into bands, and the lengths of the bands."""
 
     bands: dict[Band, list[BayRun]]
     slot: BayRun | None = None
+    """The run of one bay that stands behind the stairs (see `Shell.slot`)."""
     lengths: dict[Band, int] = field(default_factory=dict)
+    """Length of every band; `measured` fills it in [cm]."""
     wrap: int = 0
-    """How far the last room of the south band reaches beyond the spine and round its end [cm]."""
+    """How far the last room of the south band reaches beyond the spine's end, round which it bends; 0: it does not [cm]."""
     past_spine: frozenset[Band] = frozenset()
-    """Bands that go on beside stairs at the spine's end."""
+    """Bands that continue past the spine's end, beside the stairs that stand there."""
 
     def bays(self, band: Band) -> list[Bay]:
-        """All along a band."""
+        """The bays of a band in their order along it."""
         return [bay for run in self.bands.get(band, ()) for bay in run.bays]
 
 
 def assign(
     programmes: Sequence[StoreyProgramme], shell: Shell, room: dict[Band, int], rng: np.random.Generator
 ) -> list[BandedStorey]:
-    """Bands of all runs; a storey uses only what is used below, and floors that repeat are the same."""
+    """Choose a band for every run of every storey, and the order of the runs in each band.
+
+    For each storey, lowest first:
+
+    1. A storey that repeats the one below (the same `runs` object) gets a copy of its assignment: the floors stay equal.
+    2. A single room may go behind the stairs, where no band reaches; on upper storeys only if there is one below it.
+    3. `distribute` shares the other runs among the bands. On the ground storey the bands have the lengths planned in `room`
+       [cm]; above, they have the lengths of the storey below, on which they stand.
+    4. The runs of each band are put in order; the comments in the code give the reason of each step.
+    """
     storeys: list[BandedStorey] = []
     for k, programme in enumerate(programmes):
         if k and programme.runs is programmes[k - 1].runs:
@@ -50,29 +72,44 @@ def assign(
         runs = list(programme.runs)
         slot = _take_slot(runs, shell) if k == 0 or storeys[-1].slot else None
         allowed = dict(room) if k == 0 else _room_above(storeys[-1], shell)
-        bands = distribute(runs, allowed, shell.depths, _kept(runs))
+        bands = distribute(runs, allowed, shell.depths, _reserved_bands(runs))
         for inside in bands.values():
+            # The order along a band is random, except for the rules below. The sorts are stable: they keep the random order
+            # of the runs that they do not tell apart.
             rng.shuffle(inside)
             if shell.at_end and inside:
+                # The last bay may have to reach past the spine's end, beside the stairs (`_widths` widens it). A run that
+                # ends with a narrow room does not come last, because that room would become many times too wide.
                 inside.sort(key=lambda run: bay_width(run.bays[-1], 420) >= 300)
+            # A garage comes first, in most plans at a corner of the building, rather than between two living rooms.
             inside.sort(key=lambda run: run.bays[0].labels[0] != "garage")
             if shell.at_end and inside:
+                # The last bay touches the spine with a part of its front only; that part must be the host's, for its door.
                 inside[-1] = replace(inside[-1], bays=(*inside[-1].bays[:-1], inside[-1].bays[-1].with_front()))
         storeys.append(BandedStorey({band: bands.get(band, []) for band in room}, slot))
     return storeys
 
 
 def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
-    """What may be built on a storey: not on a band so short that little rooms would grow large below what is above."""
+    """Lengths of the bands that may be built on a storey [cm].
+
+    Short bands are left out: `measured` makes a band as long as the one above, so their small rooms would grow large. The
+    south band always stays, because every storey needs one.
+    """
     length = {band: sum(_widths(storey, band, shell)) for band in storey.bands}
     return {band: n for band, n in length.items() if n > _SHORTEST_BELOW or (band == "south" and n)}
 
 
 def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Generator) -> None:
-    """Let the south band of the ground storey, and of those that repeat it, end with a room round the spine's end."""
+    """Let a large room at the end of the south band bend round the spine's end, on the ground storey and its repetitions.
+
+    The room must be plain (carved rooms would not fit the new shape) and no twin (its twins would not bend). About half of
+    its area goes beyond the spine's end. Nothing changes where that part would be narrower than 1.8 m, or where the spine is
+    wider than 2.8 m.
+    """
     south = storeys[0].bands["south"]
     able = [run for run in south if run.bays[-1].form == "plain" and run.bays[-1].twin is None]
-    able = [run for run in able if run.bays[-1].labels[0] in _WRAPS and sum(run.bays[-1].areas) >= 16.0]
+    able = [run for run in able if run.bays[-1].labels[0] in _WRAPPING_LABELS and sum(run.bays[-1].areas) >= 16.0]
     if not able or shell.depths.spine > 280:
         return
     area = able[0].bays[-1].areas[0]
@@ -82,18 +119,27 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
     south.remove(able[0])
     south.append(able[0])
     for storey in storeys:
+        # Storeys that repeat the ground storey share its lists (see `assign`).
         storey.wrap = wrap if storey.bands["south"] is south else 0
 
 
-def _kept(runs: Sequence[BayRun]) -> dict[int, Band]:
-    """Something lies in the south of every storey: what would have a garden or a balcony."""
+def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
+    """The band of the run that must go to the south band, by the run's index.
+
+    Every storey needs a run there, since gardens and most balconies lie in the south. It is the run with most living rooms,
+    dining rooms and kitchens, which lead outside; among equals, the one with the largest first room.
+    """
     garden = ("living room", "dining room", "kitchen")
     best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
     return {best: "south"}
 
 
 def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """The run that fits the place behind the stairs, taken from `runs`."""
+    """Remove from `runs` and return one that fits the place behind the stairs; None if none does.
+
+    The place has a given area: a run fits if it is one plain room, no twin, that wishes for about this area. At least two
+    runs are left over for the bands.
+    """
     slot = shell.slot()
     if slot is None or len(runs) < 3:
         return None
@@ -107,11 +153,22 @@ def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
 
 
 def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
-    """The shell as long as its longest storey in every band; says every storey how far its bands reach, top down."""
+    """The shell with the length of every band; also sets `lengths` of every storey.
+
+    1. A band of the shell is as long as that band on the storey where it is longest.
+    2. A storey whose south band is so short that it cannot be stretched to the spine's end loses its wrapped room. That
+       changes widths, so the shell is measured again.
+    3. With stairs at the spine's end, find the bands that reach past that end, from the top storey downwards: where a band
+       passes the end on one storey, it does so on all storeys below, which bear it. Their last bays get wider, so the shell
+       is measured a third time.
+    4. `Shell.flush` removes small steps between the ends of bands.
+    5. From the top storey downwards, a band is stretched to the shell's length if the factor is at most `_STRETCH`, and made
+       at least as long as the band above, which it bears.
+    """
     shell = replace(shell, lengths=_longest(shell, storeys))
     for storey in storeys:
         if _STRETCH * sum(_widths(storey, "south", shell)) < shell.length:
-            storey.wrap = 0  # too much of the spine has nothing in the south
+            storey.wrap = 0  # the south band ends far before the spine, so there is nothing to bend round
     shell = replace(shell, lengths=_longest(shell, storeys))
     if shell.at_end:
         passed: set[Band] = set()
@@ -127,6 +184,7 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
             own = sum(_widths(storey, band, shell))
             whole = shell.lengths[band]
             if shell.at_end and band not in storey.past_spine:
+                # The band ends with the spine rather than beside the stairs.
                 whole -= max(0, shell.reach(band, whole) - shell.length)
             whole = whole if whole <= _STRETCH * own else 0
             if band == "south" and storey.wrap:
@@ -137,27 +195,35 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
 
 
 def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
+    """Length of every band on the storey where it is longest [cm]."""
     return {b: max(sum(_widths(s, b, shell)) if b in s.bands else 0 for s in storeys) for b in BANDS}
 
 
 def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
+    """Wished-for width of every bay of a band, before the band is stretched [cm]."""
     widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
     if widths and storey.wrap and band == "south":
+        # The area beyond the spine's end is taken from the room's width in the band, so that its total area stays.
         beyond = storey.wrap * (shell.depths.south + shell.depths.spine) // shell.depths.south
         widths[-1] = max(DOOR_FRONT + 40, widths[-1] - beyond)
     if widths and shell.stairs and band in storey.past_spine:
-        # The last bay reaches past the spine's end, but enough of it has to touch the spine.
+        # The last bay stands beside the stairs, past the spine's end; enough of it must touch the spine for a door.
         widths[-1] = max(widths[-1], shell.stairs.length + DOOR_FRONT)
     return widths
 
 
 def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
-    """The bays of a storey that has been measured, with their places."""
+    """The bays of a storey with their positions and widths; `measured` comes first, since it sets the bands' lengths.
+
+    The bays of a band are widened in proportion until they fill it.
+    """
     out = []
     for band in storey.bands:
         bays, widths = storey.bays(band), _widths(storey, band, shell)
         start, joined = 0, _joints(storey.bands[band])
         filled = share_out(widths, bays, storey.lengths[band]) if bays else []
+        # `share_out` may have given the last bay some centimetres more than its twins. Twins have exactly the same shape, so
+        # that bay is no longer one.
         if len(bays) > 1 and filled[-1] != filled[-2] and bays[-1].twin == bays[-2].twin is not None:
             bays[-1] = bays[-1].apart(1)
         for bay, joint, width in zip(bays, joined, filled, strict=True):
@@ -169,5 +235,5 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
 
 
 def _joints(runs: Sequence[BayRun]) -> list[BayRun | None]:
-    """For every bay, the run that joins it to the bay before it."""
+    """For every bay, the run that it shares with the bay before it; None for the first bay of a run."""
     return [run if i else None for run in runs for i in range(len(run.bays))]

@@ -1,4 +1,12 @@
-"""How wide the bays of a band are, and which rectangles their rooms take; in centimetres."""
+"""How wide the bays of a band are, and which rectangles their rooms cover; all lengths are in whole centimetres.
+
+A bay is one slice of a band (a row of rooms along a corridor). It holds one main room, the host, and up to two small rooms
+carved from it; `programmes` draws the forms. A bay's depth is that of its band, so its area follows from its width:
+
+1. `bay_width` gives each bay the width at which its rooms get the areas wished for.
+2. `share_out` widens the bays of a band until they fill the band's length.
+3. `bay_rooms` cuts the bay into rectangles: the small rooms keep their size, the host gets everything else.
+"""
 
 import math
 from collections.abc import Sequence
@@ -8,31 +16,39 @@ from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.floor_plans.room_sizes import SIZES
 
 DOOR_FRONT = 140
-"""What a host keeps of its bay's front."""
+"""Length that a host keeps of its bay's front (the side along the corridor), enough for its door [cm]."""
 _ARM = 170
-"""Least depth of what reaches behind a carved room."""
+"""Least depth of the part of a host that lies behind a carved room, so that this part can be used [cm]."""
 _SLENDER = {"toilet": 2.6, "storage room": 2.6, "pantry": 2.6, "laundry room": 2.4, "bathroom": 2.2, "print room": 2.2}
+"""Greatest depth of a bay over its width, by the label of its host; `_MOST_SLENDER` for other labels."""
 _MOST_SLENDER = 1.75
-"""Greatest depth of a bay over its width."""
 
 
 def bay_width(bay: Bay, depth: int) -> int:
-    """The width at which the rooms of a bay get the areas wished for, or more where they would be too slender [cm]."""
+    """Wished-for width of a bay in a band of this depth, rounded up to 5 cm [cm].
+
+    It is the largest of three widths: the one at which the rooms get the areas wished for; the least one at which the
+    host is neither too narrow nor too slender; and the one at which the carved rooms fit beside the host's own front.
+    """
     host = bay.labels[0]
     wished = round(sum(bay.areas) * 1e4 / depth)
     least = max(round(100 * SIZES[host].side_m), math.ceil(depth / _SLENDER.get(host, _MOST_SLENDER)))
     carved = sum(_small_size(bay, i, depth)[0] for i in range(1, len(bay.labels)))
+    # What the host keeps of the width beside the carved rooms; both sides of a "middle" one are wide enough for a door.
     front = {"plain": 0, "inner": 120, "middle": 2 * DOOR_FRONT}.get(bay.form, 160)
     return 5 * math.ceil(max(wished, least, carved + front) / 5)
 
 
 def run_width(run: BayRun, depth: int) -> int:
-    """Of all its bays [cm]."""
+    """Sum of the wished-for widths of a run's bays in a band of this depth [cm]."""
     return sum(bay_width(bay, depth) for bay in run.bays)
 
 
 def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
-    """Width along the front and depth of the i-th room of a bay, a carved one."""
+    """Width along the front and depth of a carved room, the i-th room of its bay (i > 0), in steps of 5 cm [cm].
+
+    It is a little deeper than wide, and not so deep that the host's part behind it becomes unusable.
+    """
     side, area = round(100 * SIZES[bay.labels[i]].side_m), bay.areas[i] * 1e4
     most = max(side, depth - _ARM)
     deep = 5 * round(min(max(math.sqrt(1.3 * area), side), most) / 5)
@@ -40,7 +56,11 @@ def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
 
 
 def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
-    """The rectangles of every room of a bay that stands along `edge` from `start`, the host's first."""
+    """The rectangles of every room of a bay that stands along `edge` from `start` on, the host's first [cm].
+
+    Each form is written down in the bay's own frame: the first coordinate runs along the front, the second away from the
+    corridor; `_placed` moves the rectangles to the plan.
+    """
     cut = [_small_size(bay, i, depth) for i in range(1, len(bay.labels))]
     rooms: list[tuple[Rect, ...]]
     match bay.form:
@@ -61,6 +81,7 @@ def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[
             rooms = [host, ((left, 0, left + m, d),)]
         case "corners":
             (m, d), (n, e) = cut
+            # Both small rooms are equally deep, so that the host's part behind them is one rectangle.
             d = e = max(d, e)
             rooms = [((m, 0, width - n, d), (0, d, width, depth)), ((0, 0, m, d),), ((width - n, 0, width, e),)]
     return [tuple(_placed(r, bay, edge, start, width) for r in rects) for rects in rooms]
@@ -74,7 +95,11 @@ def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, widt
 
 
 def share_out(widths: Sequence[int], bays: Sequence[Bay], length: int) -> list[int]:
-    """Widen bays in proportion so that they fill `length`, which is at least their sum; twins stay alike."""
+    """Widen bays in proportion so that they fill `length`, which is at least the sum of `widths` [cm].
+
+    The centimetres that rounding down leaves over go to the last bay that has no twin, because twins must stay equal. Where
+    all bays are twins, they go to the last bay.
+    """
     total = sum(widths)
     out = [w + (length - total) * w // total for w in widths]
     rest = length - sum(out)

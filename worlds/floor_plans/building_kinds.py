@@ -8,28 +8,28 @@ from worlds.floor_plans.programmes import Habits
 
 @dataclass(frozen=True)
 class BuildingKind:
-    """A family of buildings."""
+    """A family of buildings, such as homes or schools."""
 
     rooms: tuple[int, int]
-    """Range of the number of rooms when none is asked for; corridors, halls and stairs come on top."""
+    """Range of the number of rooms, if the caller asks for none; corridors, halls and stairs are not counted."""
     storeys: tuple[int, ...]
-    """To choose from when none is asked for."""
+    """Numbers of storeys to choose from, if the caller asks for none."""
     first: tuple[str, ...]
-    """Rooms in the order in which they are wanted."""
+    """Labels of the rooms that every building gets, the most important first: a small building gets only the first ones."""
     more: tuple[str, ...]
-    """What further rooms are drawn from."""
+    """Labels from which further rooms are drawn."""
     style: PlanStyle
     habits: Habits
     halls: tuple[str | None, ...] = (None,)
-    """Labels of the first stretch of the ground storey's corridor; None: it has none."""
+    """Labels to choose from for the first stretch of the ground storey's corridor; None: it has no such stretch."""
     upstairs: tuple[str, ...] = ()
-    """What belongs on upper storeys."""
+    """Labels of rooms that belong on upper storeys."""
     repeats: float = 0.0
-    """Share of buildings whose upper storeys are all the same."""
+    """Share of buildings whose upper storeys are all equal."""
     flat: tuple[int, int] | None = None
-    """Range of the rooms on a storey where there are several storeys and no number of rooms is asked for."""
+    """Range of the number of rooms per storey, for buildings of several storeys whose number of rooms is not asked for."""
     shuffled: int = 0
-    """How far rooms may change places in `first`."""
+    """How many places a room may move in the order of `first`."""
 
 
 _HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))

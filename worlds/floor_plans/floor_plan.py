@@ -1,4 +1,10 @@
-"""From programmes to layouts: a shell for all storeys, then the rooms of each; valid by construction, without retries."""
+"""`lay_out`: from what the storeys of a building hold (programmes) to where their rooms are (layouts).
+
+The plan of a building is a corridor, called the spine, with rows of rooms along it, called bands; a second corridor with two
+more bands may leave the first at a right angle (see the drawing in `wings`). The parts of the plan that all storeys share -
+the depths of the bands, the stairs - are called the shell. A plan is valid by construction: nothing is drawn again until it
+fits.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,32 +23,45 @@ from worlds.stairs.flights import StairsKind
 
 SLAB_M = 0.3
 _SHORTEST_BAND = 250
-"""A band planned for less [cm] is left out."""
+"""A band with a planned length below this is left out [cm]."""
 
 
 @dataclass(frozen=True)
 class PlanStyle:
-    """Measures of a kind of building; ranges to draw from."""
+    """Dimensions of a kind of building; (low, high) pairs are ranges to draw from."""
 
     spine_m: tuple[float, float] = (1.4, 2.0)
+    """Width of the spine [m]."""
     depth_m: tuple[float, float] = (3.7, 4.6)
+    """Depth of a band, across the spine [m]."""
     heights_m: tuple[float, ...] = (2.6,)
+    """Heights of the ceiling above the floor to choose from [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """To choose from; None: U-shaped, at the spine's end."""
+    """Kinds of stairs to choose from; None: U-shaped stairs at the spine's end, all others stand in the north band."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """Below the first total length of its rooms a plan has rooms on one side of the spine, above the second on both."""
+    """A plan has rooms on one side of the spine if all its rooms together are shorter than a length from this range [m]."""
     winged_m: float = 26.0
-    """Above this total length there may be a second wing."""
+    """A plan may have a second wing if all its rooms together are at least this long [m]."""
     wings: float = 0.7
-    """Share of such plans that have one; very long ones always do."""
+    """Share of such plans that have a second wing; those of 40 m and more always have one."""
     spine_m2: float = 0.0
-    """Least area of a spine that is a room to live in."""
+    """Least area of the spine, for plans in which the spine is a living room [m²]."""
     wrapped: float = 0.35
-    """Share of plans, where it can be, whose last room wraps round the end of the spine."""
+    """Share of plans whose last south room bends round the spine's end, where one is suitable."""
 
 
 def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
-    """Layouts of all storeys, lowest first, turned to a random orientation."""
+    """Layouts of all storeys, lowest first.
+
+    1. `_topology` chooses how many bands there are, and draws their depths, from the total length of the rooms.
+    2. `_stairs` chooses the stairs before any room is placed, because they take the same part of every storey.
+    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last one round the spine's end, and
+       `bands.measured` sets the lengths of all bands so that every storey stands on the one below.
+    4. The spine becomes wider where it is a living room and its area would be too small. This comes after step 3, because
+       the area depends on the spine's length.
+    5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies
+       (`outdoors`). The draft is mirrored and rotated at random, the same for all storeys, and becomes a layout.
+    """
     depths, room = _topology(programmes, style, rng)
     height = float(rng.choice(style.heights_m))
     stairs, at_end, depths = _stairs(depths, room, style, len(programmes), height, rng)
@@ -68,12 +87,17 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.ran
 def _topology(
     programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator
 ) -> tuple[Depths, dict[Band, int]]:
-    """Measures across, and how much length each band is to get."""
+    """The depths of spine and bands, and the planned length of each band [cm].
+
+    The total length of a storey's rooms, side by side, decides the form: short ones stand on one side of the spine, longer
+    ones on both, the longest get a second wing. The total is that of the storey with the longest rooms.
+    """
 
     def draw(bounds: tuple[float, float]) -> int:
         return round(100 * float(rng.uniform(*bounds)))
 
     bays = [bay for programme in programmes for run in programme.runs for bay in run.bays]
+    # A band must be deep enough for the largest bay: at this depth the bay is about 1.6 times as wide as deep.
     deep = round(100 * min(8.0, max(0.62 * max((sum(bay.areas) for bay in bays), default=0.0), 0.0) ** 0.5))
     south, north, spine = max(draw(style.depth_m), deep), draw(style.depth_m), draw(style.spine_m)
     total = max(sum(bay_width(bay, (south + north) // 2) for run in p.runs for bay in run.bays) for p in programmes)
@@ -94,22 +118,30 @@ def _topology(
 
 
 def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
+    """The planned lengths without bands that are too short for a room; the south band always stays."""
     return {band: length for band, length in room.items() if length > _SHORTEST_BAND or band == "south"}
 
 
 def _stairs(
     depths: Depths, room: dict[Band, int], style: PlanStyle, storeys: int, height_m: float, rng: np.random.Generator
 ) -> tuple[StairsBay | None, bool, Depths]:
+    """The stairs, whether they stand at the spine's end, and the depths changed to suit them.
+
+    Also changes the planned lengths in `room` [cm]: the bands share the length that the stairs take from the north side.
+    """
     if storeys == 1:
         return None, False, depths
     kind = style.stairs[int(rng.integers(len(style.stairs)))]
     rise, flipped = height_m + SLAB_M, bool(rng.integers(2))
     if kind is None:
+        # The cell of these stairs is as wide as the spine, which is therefore wide enough for two flights side by side.
         depths = replace(depths, spine=min(max(depths.spine, 200), 240))
+        # Without stairs or a second wing in between, the two north bands would be one.
         if not depths.cross and "north 0" in room:
             room["north 2"] = room.get("north 2", 0) + room.pop("north 0")
         return stairs_bay("U", rise, depths.spine / 100, flipped), True, depths
     stairs = stairs_bay(kind, rise, flipped=flipped)
+    # U-shaped stairs that are almost as deep as the band fill it: the rest would be too shallow to use.
     if kind == "U" and 0 < depths.north - stairs.length <= 80:
         stairs = replace(stairs, length=depths.north)
     if depths.north:

@@ -1,11 +1,18 @@
-"""Houses that grow room by room: each room says for itself where it stands and how it is entered.
+"""`grow`: houses built from a list of room requests, one after another, for property-based tests.
 
-    row 1  | room | room    |          The first room of a row starts at x = 0, on top of the first room of the row below;
-    -------+------+---+-----+          the others follow to its east. Whatever is said about the rooms, the house stands and
-    stairs | room     | room|  row 0   can be walked; leaving a room out changes nothing about the rooms before it. A storey
-                                       that bears another is a full rectangle as large as that one.
+A request (`GrownRoom`) says what a room is like, where it stands relative to the rooms before it, and how it is entered:
 
-`worlds.strategies` draws the sayings. All arithmetic is in whole decimetres, so that walls meet exactly.
+    row 1  | room | room    |          The first room of a row starts at x = 0, north of the first room of the row below;
+    -------+------+---+-----+          the others follow to its east.
+    stairs | room     | room|  row 0
+
+`worlds.strategies` draws the requests with Hypothesis. Two properties matter for that, and explain the rules below:
+
+- Any list of requests gives a valid house that can be walked, so that no drawn example is thrown away.
+- A request never changes the rooms before it, so that Hypothesis can shrink a failing house by leaving rooms out.
+
+A storey that bears another is a full rectangle at least as large as that one. All arithmetic is in whole decimetres, so that
+walls meet exactly.
 """
 
 import math
@@ -20,17 +27,21 @@ Start = Literal["beside", "row", "storey"]
 Shape = Literal["rectangle", "L", "T"]
 DoorState = Literal["no leaf", "open", "ajar", "closed"]
 MIN_SIZE_DM = 20
-"""Least width and depth of a room; the front of the stairs is as wide."""
+"""Least width and depth of a room; also the width of the stairs' cell."""
 MIN_WIDTH_DM, MAX_DOOR_DM = 8, 10
+"""Least width of any opening that one can walk through, greatest width of a door or arch."""
 _MIN_CONTACT_DM = 7
-"""Where two rooms touch, they share at least so much wall: enough to leave it out and walk through."""
+"""Least length of wall that two touching rooms share; without that wall, a body can walk through."""
 _MIN_GAP_DM = 4
-"""Rooms are flush or differ by so much."""
+"""Least difference between the depth of a row and that of a room in it; closer depths become equal."""
 _MIN_STEM_DM = 12
-"""A wall that is at least so long has room for a door."""
+"""Least length of a wall that has room for a door."""
 _ROW_DM, _STACK_DM = 240, 360
+"""A row of at least the first width is full; a stack of rows of at least the second depth gets no more rows."""
 _MARGIN_DM = 2
+"""Distance of an opening from the ends of its wall."""
 _STAIRS_DM = 34
+"""Length of the stairs' cell."""
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
 Box = tuple[int, int, int, int]
 """x0, y0, x1, y1 [dm]."""
@@ -38,16 +49,16 @@ Box = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class Way:
-    """What is in the wall to a neighbour."""
+    """A request for an opening in the wall between a room and a neighbour."""
 
     kind: OpeningKind | None = "door"
-    """None: nothing but wall."""
+    """None: no opening."""
     width_dm: int = MIN_WIDTH_DM
-    """Wished for; cut down to what the wall has. An "open" boundary is open all along."""
+    """Width wished for; it is reduced to what the wall has. An "open" boundary is open along its whole length."""
     offset_dm: int = 0
-    """From the western or southern end of the wall, as far as there is room."""
+    """Distance from the western or southern end of the wall, as far as there is space."""
     leaf: DoorState = "no leaf"
-    """Of a door; left out where it would hit something."""
+    """How the leaf of a door stands; a leaf that would hit something is left out."""
     hinge: Literal["start", "end"] = "start"
     into_first: bool = True
     """Whether the leaf swings into the older of the two rooms."""
@@ -55,38 +66,44 @@ class Way:
 
 @dataclass(frozen=True)
 class GrownRoom:
-    """What a room says about itself."""
+    """A request for a room."""
 
     label: str
     width_dm: int = MIN_SIZE_DM
     depth_dm: int = MIN_SIZE_DM
-    """At most that of the first room in its row, which says how deep the row is."""
+    """Depth wished for. The first room of a row sets the row's depth, and no other room is deeper."""
     start: Start = "beside"
     """Whether it stands beside the room before it, or starts a row or a storey."""
     shape: Shape = "rectangle"
     height_m: float = 2.6
-    """Floor to ceiling, of the storey that the room starts."""
+    """Height of the ceiling above the floor [m]; only the first room of a storey decides it."""
     way_in: Way = Way()
-    """To a neighbour that was there before; where it lets nobody through, it has a door beside it."""
+    """Opening to a neighbour that stands already; where nobody can walk through it, a door is added beside it."""
     other: Way = Way(None)
-    """To a second such neighbour, if there is one."""
+    """Opening to a second such neighbour, if there is one."""
     from_south: bool = False
-    """Whether the way in is from the row below rather than from the room to the west."""
+    """Whether `way_in` leads to the row below rather than to the room in the west, where both exist."""
 
 
 def grow(
-    sayings: Sequence[GrownRoom], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
+    requests: Sequence[GrownRoom], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
 ) -> HouseSpec:
-    """The house of some rooms, bare unless `clutter` says how much furniture is to be filled in.
+    """The house that a list of room requests gives.
 
-    With `min_openness`, boundaries are opened all along, one after another, as soon as the share of closed boundary would
-    exceed 1 - `min_openness`.
+    1. The list is split into storeys, where a request starts one, up to `max_storeys`.
+    2. The storeys are planned from the top down, because a storey has to be as large as the one that it bears.
+    3. Each plan becomes a storey: rooms, stairs in the west if there are several storeys, and openings in the walls where
+       rooms touch.
+
+    `clutter` says how much furniture is filled in; None: the house stays empty. `min_openness` is the least openness of
+    every storey in [0, 1]: as soon as more than the share 1 - `min_openness` of the inner boundaries would be closed, a
+    boundary is opened along its whole length instead.
     """
     floors: list[list[GrownRoom]] = []
-    for saying in sayings:
-        if not floors or (saying.start == "storey" and len(floors) < max_storeys):
+    for request in requests:
+        if not floors or (request.start == "storey" and len(floors) < max_storeys):
             floors.append([])
-        floors[-1].append(saying)
+        floors[-1].append(request)
     bare = {"furniture": ()} if clutter is None else {}
     plans: list[_Plan] = []
     for level in reversed(range(len(floors))):
@@ -98,34 +115,35 @@ def grow(
 
 @dataclass(frozen=True)
 class _Placed:
-    """A room with its place."""
+    """A room with its position: a box [dm] with notches in its northern corners if it is L- or T-shaped."""
 
     id: str
-    saying: GrownRoom
+    request: GrownRoom
     box: Box
     notch_east: bool
     notch_west: bool
 
     @property
     def notch(self) -> tuple[int, int]:
-        """Width and depth of what is cut out of the northern corners."""
+        """Width and depth of the notches, a third of the box each [dm]."""
         x0, y0, x1, y1 = self.box
         return (x1 - x0) // 3, (y1 - y0) // 3
 
     @property
     def top(self) -> tuple[int, int]:
-        """Extent of the northernmost wall."""
+        """West and east end (x) of the northernmost wall [dm]."""
         x0, _, x1, _ = self.box
         return x0 + self.notch_west * self.notch[0], x1 - self.notch_east * self.notch[0]
 
     @property
     def sides(self) -> tuple[int, int]:
-        """Northern ends of the western and of the eastern wall."""
+        """North ends (y) of the western and of the eastern wall [dm]."""
         y1 = self.box[3]
         return y1 - self.notch_west * self.notch[1], y1 - self.notch_east * self.notch[1]
 
     @property
     def polygon(self) -> tuple[Point, ...]:
+        """The corners, counter-clockwise [m]."""
         x0, y0, x1, y1 = self.box
         (left, right), (west, east) = self.top, self.sides
         corners = [(x0, y0), (x1, y0)]
@@ -134,7 +152,7 @@ class _Placed:
         return tuple(_metres(corner) for corner in corners)
 
     def has_room_for(self, box: Box) -> bool:
-        """Whether a box lies in the room, a decimetre clear of the notches and the walls across from it."""
+        """Whether a box [dm] lies in the room, with a distance of 1 dm from the notches."""
         x0, y0, x1, y1 = box
         (left, right), (west, east) = self.top, self.sides
         inside = self.box[0] <= x0 and self.box[1] <= y0 and x1 <= self.box[2] and y1 <= self.box[3]
@@ -145,16 +163,20 @@ class _Placed:
 
 @dataclass(frozen=True)
 class _Contact:
-    """A stretch of wall between an older and a younger room."""
+    """A stretch of wall between a room and one that was placed before it, and the opening requested there."""
 
     rooms: tuple[_Placed, _Placed]
+    """The older room and the younger one."""
     along_x: bool
+    """Whether the wall runs along x; otherwise along y."""
     at: int
+    """The coordinate that is constant along the wall [dm]."""
     low: int
     high: int
+    """Extent along the wall [dm]."""
     way: Way
     needed: bool
-    """Whether the younger room is entered here."""
+    """Whether the younger room is entered here, so that one must be able to walk through."""
 
     @property
     def length(self) -> int:
@@ -163,30 +185,36 @@ class _Contact:
 
 @dataclass(frozen=True)
 class _Plan:
+    """The rooms of a storey with their positions, and the stretches of wall between them."""
+
     rooms: tuple[_Placed, ...]
     contacts: tuple[_Contact, ...]
     height_m: float
 
     @staticmethod
-    def of(sayings: Sequence[GrownRoom], first_number: int, bears: tuple[int, int]) -> "_Plan":
-        """The plan of a storey that bears one of a width and depth [dm]."""
+    def of(requests: Sequence[GrownRoom], first_number: int, bears: tuple[int, int]) -> "_Plan":
+        """The plan of a storey that bears one of width and depth `bears` [dm]; (0, 0): it is the top storey.
+
+        Rooms are numbered from `first_number` on. The last room of each row and the last row are enlarged until they reach
+        as far as the storey above.
+        """
         rows: list[list[_Placed]] = []
         contacts: list[_Contact] = []
-        y0, number, grouped = 0, first_number, _rows(sayings)
+        y0, number, grouped = 0, first_number, _split_into_rows(requests)
         for row in grouped:
             depth = row[0].depth_dm if row is not grouped[-1] else max(row[0].depth_dm, bears[1] - y0)
             below = [room for room in rows[-1] if room.box[3] == y0] if rows else []
             rows.append([])
-            for saying in row:
+            for request in row:
                 x0 = rows[-1][-1].box[2] if rows[-1] else 0
-                least = bears[0] if saying is row[-1] else 0
-                box = (x0, y0, _east(max(x0 + saying.width_dm, least), below), y0 + depth)
-                room = _placed(f"{saying.label} {number}", saying, box, solid=bears > (0, 0), first=not rows[-1])
+                least = bears[0] if request is row[-1] else 0
+                box = (x0, y0, _east(max(x0 + request.width_dm, least), below), y0 + depth)
+                room = _placed(f"{request.label} {number}", request, box, solid=bears > (0, 0), first=not rows[-1])
                 contacts += _contacts(room, rows[-1][-1] if rows[-1] else None, below)
                 rows[-1].append(room)
                 number += 1
             y0 += depth
-        return _Plan(tuple(room for row in rows for room in row), tuple(contacts), sayings[0].height_m)
+        return _Plan(tuple(room for row in rows for room in row), tuple(contacts), requests[0].height_m)
 
     @property
     def extent(self) -> tuple[int, int]:
@@ -194,13 +222,19 @@ class _Plan:
         return max(room.box[2] for room in self.rooms), max(room.box[3] for room in self.rooms)
 
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
-        rooms = [RoomSpec(id=room.id, label=room.saying.label, polygon_m=room.polygon) for room in self.rooms]
+        """The storey as a spec; `more` are further fields of it.
+
+        With `min_openness`, the stretches are treated in order. Each may stay closed as long as the total closed length
+        allows it; then whole stretches are opened.
+        """
+        rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []
         swings: list[Box] = []
         if levels > 1:
             cell, ways = _stairs(level, levels, self.rooms[0].id)
             rooms.append(cell)
             openings += ways
+            # No leaf may swing in front of the stairs.
             swings.append((0, 0, 2 * MAX_DOOR_DM, MIN_SIZE_DM))
         inner = [contact for contact in self.contacts if not _outdoor(contact)]
         closed_dm = (1.0 - min_openness) * sum(contact.length for contact in inner)
@@ -215,22 +249,23 @@ class _Plan:
         return StoreySpec(height_m=self.height_m, rooms=tuple(rooms), openings=tuple(openings), **more)  # type: ignore[arg-type]
 
 
-def _rows(sayings: Sequence[GrownRoom]) -> list[list[GrownRoom]]:
-    """Which rooms stand in which row. Neither rows nor stacks of them grow without end."""
+def _split_into_rows(requests: Sequence[GrownRoom]) -> list[list[GrownRoom]]:
+    """Split the requests of a storey into rows; `_ROW_DM` and `_STACK_DM` limit how long rows and how deep storeys get."""
     rows: list[list[GrownRoom]] = []
-    for saying in sayings:
+    for request in requests:
         full = bool(rows) and sum(room.width_dm for room in rows[-1]) >= _ROW_DM
         deep = sum(row[0].depth_dm for row in rows) >= _STACK_DM
-        if not rows or full or (saying.start == "row" and not deep):
+        if not rows or full or (request.start == "row" and not deep):
             rows.append([])
-        rows[-1].append(saying)
+        rows[-1].append(request)
     return rows
 
 
 def _east(x1: int, below: Sequence["_Placed"]) -> int:
-    """Where a room ends that reaches to `x1` or a little farther.
+    """The x of the east end of a room: `x1`, or a little farther [dm].
 
-    Rooms touch along a good piece of wall or not at all, so that an opening fits wherever two rooms meet.
+    The end is moved east until it is equal to the end of each wall in the row below or at least `_MIN_CONTACT_DM` away. So
+    rooms share either no wall or enough of it for an opening.
     """
     ends = [end for room in below for end in room.top]
     while any(0 < abs(x1 - end) < _MIN_CONTACT_DM for end in ends):
@@ -238,35 +273,44 @@ def _east(x1: int, below: Sequence["_Placed"]) -> int:
     return x1
 
 
-def _placed(name: str, saying: GrownRoom, box: Box, *, solid: bool, first: bool) -> _Placed:
-    """A room in its row. A first room is as deep as its row; in a storey that bears another, all are, without notches."""
+def _placed(name: str, request: GrownRoom, box: Box, *, solid: bool, first: bool) -> _Placed:
+    """A room in its place in a row.
+
+    The first room of a row is as deep as the row, because the next row begins on top of it. On a storey that bears another
+    (`solid`), all rooms are that deep and have no notches, because the storey above needs support everywhere.
+    """
     x0, y0, x1, y1 = box
     if solid:
-        return _Placed(name, saying, box, notch_east=False, notch_west=False)
-    if not first and y1 - (y0 + saying.depth_dm) >= _MIN_GAP_DM:
-        y1 = y0 + saying.depth_dm
+        return _Placed(name, request, box, notch_east=False, notch_west=False)
+    if not first and y1 - (y0 + request.depth_dm) >= _MIN_GAP_DM:
+        y1 = y0 + request.depth_dm
     stem = (x1 - x0) - 2 * ((x1 - x0) // 3)
-    is_t = saying.shape == "T" and not first and stem >= _MIN_STEM_DM
-    return _Placed(name, saying, (x0, y0, x1, y1), notch_east=saying.shape == "L" or is_t, notch_west=is_t)
+    is_t = request.shape == "T" and not first and stem >= _MIN_STEM_DM
+    return _Placed(name, request, (x0, y0, x1, y1), notch_east=request.shape == "L" or is_t, notch_west=is_t)
 
 
 def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> list[_Contact]:
+    """The stretches of wall between a room and those placed before it: to the west and in the row below.
+
+    `way_in` goes to one of these sides, `other` to the other. Where several rooms of the row below touch the room, only the
+    longest stretch gets an opening.
+    """
     x0, y0, x1, _ = room.box
     spans = [(other, max(x0, other.top[0]), min(x1, other.top[1])) for other in below]
     south = sorted((span for span in spans if span[2] > span[1]), key=lambda span: span[1] - span[2])
-    from_south = bool(south) and (west is None or (room.saying.from_south and south[0][2] - south[0][1] >= _MIN_STEM_DM))
+    from_south = bool(south) and (west is None or (room.request.from_south and south[0][2] - south[0][1] >= _MIN_STEM_DM))
     contacts = []
     if west is not None:
-        way = room.saying.other if from_south else room.saying.way_in
+        way = room.request.other if from_south else room.request.way_in
         contacts.append(_Contact((west, room), False, x0, y0, min(west.sides[1], room.sides[0]), way, not from_south))
     for k, (other, low, high) in enumerate(south):
-        way = Way(None) if k else room.saying.way_in if from_south else room.saying.other
+        way = Way(None) if k else room.request.way_in if from_south else room.request.other
         contacts.append(_Contact((other, room), True, y0, low, high, way, from_south and k == 0))
     return contacts
 
 
 def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
-    """What is in a stretch of wall; doors' leaves are added to `swings`."""
+    """The openings in a stretch of wall; the swing areas of their leaves are added to `swings`."""
     way, low, high = contact.way, contact.low, contact.high
     if way.kind == "open":
         return [_opening(contact, "open", low, high)]
@@ -285,6 +329,7 @@ def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
 
 
 def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSpec | None:
+    """The leaf requested for a door; None if there is none or its swing area is not free."""
     way, width = contact.way, stop - start
     if way.leaf == "no leaf":
         return None
@@ -309,7 +354,10 @@ def _opening(contact: _Contact, kind: OpeningKind, low: int, high: int, leaf: Le
 
 
 def _gap_dm(opening: OpeningSpec, ceiling_m: float) -> float:
-    """Length of fully open wall that an opening is worth, or a little less; doors are closed."""
+    """Length of wall, open from floor to ceiling, with the same area as an opening [dm].
+
+    Doors and arches count as 0; for arches this is too little, which errs on the safe side.
+    """
     if opening.kind in ("door", "arch"):
         return 0.0
     low, high = opening.gap_m(ceiling_m)
@@ -317,11 +365,14 @@ def _gap_dm(opening: OpeningSpec, ceiling_m: float) -> float:
 
 
 def _outdoor(contact: _Contact) -> bool:
-    return any(room.saying.label in OUTDOOR_LABELS for room in contact.rooms)
+    return any(room.request.label in OUTDOOR_LABELS for room in contact.rooms)
 
 
 def _stairs(level: int, levels: int, hall: str) -> tuple[RoomSpec, list[OpeningSpec]]:
-    """West of the storey's first room: the way up over the southern half of the cell's front, the way down beside it."""
+    """The stairs of a storey and their openings, in the west of the storey's first room `hall`.
+
+    The flight up begins at the southern half of the cell's front, the flight down at the northern half.
+    """
     name, depth = f"{STAIRS} {level}", MIN_SIZE_DM / 10
     corners = ((-_STAIRS_DM / 10, 0.0), (0.0, 0.0), (0.0, depth), (-_STAIRS_DM / 10, depth))
     ends = {"up": (0.05, depth / 2), "down": (depth / 2, depth - 0.05)}

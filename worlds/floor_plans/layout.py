@@ -1,4 +1,8 @@
-"""A storey's plan before it has doors: rooms, and which of them are to be joined how."""
+"""`StoreyLayout`: the plan of a storey before its doors have positions: the rooms, and which of them are to be connected.
+
+A link is a request: these two rooms get an opening of this kind. `worlds.openings.placement` decides where in their shared
+wall the opening lies.
+"""
 
 from dataclasses import dataclass
 
@@ -7,13 +11,13 @@ from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
 
 @dataclass(frozen=True)
 class Link:
-    """Two neighbouring rooms to be joined by an opening."""
+    """A request for an opening between two neighbouring rooms."""
 
     rooms: tuple[str, str]
-    """Ids."""
+    """Ids of the two rooms."""
     kind: OpeningKind = "door"
     seed: int | None = None
-    """Of where the opening is and what it is like; links of twin rooms have the same. None: as it comes."""
+    """Seed of the opening's position and size; links of twin rooms share one. None: the storey's generator draws them."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,6 @@ class StoreyLayout:
     rooms: tuple[RoomSpec, ...]
     links: tuple[Link, ...]
     openings: tuple[OpeningSpec, ...] = ()
-    """Those that have their place already: of stairs."""
+    """Openings that have a position already: those to the stairs."""
     height_m: float = 2.6
-    """Floor to ceiling [m]."""
+    """Height of the ceiling above the floor [m]."""

@@ -1,4 +1,4 @@
-"""Gardens and balconies: places outside, behind the bands of a storey."""
+"""Gardens and balconies: outdoor areas that adjoin the outer side of a storey's bands (its rows of rooms)."""
 
 from collections.abc import Sequence
 
@@ -10,11 +10,12 @@ from worlds.floor_plans.rectangles import contact
 from worlds.floor_plans.storey_draft import PlacedBay, StoreyDraft
 from worlds.floor_plans.wings import Shell
 
-_OUTSIDE_FIRST = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
+_LEADING_OUTSIDE = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
+"""Labels of rooms that should lead outside, the most suitable first."""
 _WIDEST_BALCONY, _LEAST_BALCONY = 500, 150
-"""[cm]"""
+"""Greatest and least width of a balcony [cm]."""
 _MARGIN = 60
-"""What is left of a bay's back beside a balcony, if anything is [cm]."""
+"""Least length of a bay's outer wall left on either side of a balcony that is narrower than the bay [cm]."""
 
 
 def add_outdoors(
@@ -25,41 +26,53 @@ def add_outdoors(
     hosts: Sequence[int],
     rng: np.random.Generator,
 ) -> None:
-    """A garden all along the south, a balcony behind some room."""
+    """Add the garden and the balcony that the programme asks for, each with a link to a room that leads to it.
+
+    `hosts` are the numbers of the main rooms of the bays in `placed`, in the same order.
+
+    1. Collect the bays whose outer wall faces the outside. In a plan with a second wing these are the bays in the south and
+       along that wing: the north bands lie in the corners between the wings.
+    2. The balcony goes behind the bay whose room suits best (a living room first), on the south side only if no garden
+       needs it. It is centred on the bay and at most 5 m wide.
+    3. The garden takes the whole south side. If the balcony is there too, it gets a part of the first bay's width, and the
+       garden starts where it ends.
+    4. The garden's link goes to a living room, dining room or kitchen if one is in the south, otherwise to any bay there.
+    """
     depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
     backs = [(p, host) for p, host in zip(placed, hosts, strict=True) if p.band in open_bands]
     if programme.balcony:
-        backs.sort(key=lambda pair: _wish(pair, programme.garden))
+        backs.sort(key=lambda pair: _balcony_rank(pair, programme.garden))
         p, host = backs[0]
+        # A bay that is only a little wider than the widest balcony gets one all along.
         wide = p.width if p.width < _WIDEST_BALCONY + 2 * _MARGIN else _WIDEST_BALCONY
         start = p.start + (p.width - wide) // 2
         if programme.garden and p.band == "south":
-            # Both have to share the south side.
+            # Every bay that faces the outside is in the south, so balcony and garden share that side.
             p, host = next(pair for pair in backs if pair[0].band == "south" and pair[0].start == 0)
             start, wide = 0, max(_LEAST_BALCONY, p.width // 3)
             first = wide
         out, away = shell.depths.of(p.band), int(rng.integers(140, 191))
         balcony = draft.add("balcony", [shell.edge(p.band).rect(start, out, start + wide, out + away)])
-        draft.link(_behind(draft, balcony, host), balcony)
+        draft.link(_way_out(draft, balcony, host), balcony)
     if programme.garden:
         south = [(p, host) for p, host in backs if p.band == "south"]
         end = max(p.start + p.width + p.wrap for p, _ in south)
         garden = draft.add("garden", [edge.rect(first, depth, end, depth + int(rng.integers(360, 461)))])
-        south.sort(key=lambda pair: _wish(pair, False))
-        best = [host for p, host in south if p.bay.labels[0] in _OUTSIDE_FIRST[:3]] or [host for _, host in south]
-        draft.link(_behind(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
+        south.sort(key=lambda pair: _balcony_rank(pair, False))
+        best = [host for p, host in south if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in south]
+        draft.link(_way_out(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
 
 
-def _wish(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
-    """How little a bay asks for a place outside."""
+def _balcony_rank(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
+    """Sort key: the smaller, the better a bay suits a balcony; `south_last` puts bays in the south behind all others."""
     label = pair[0].bay.labels[0]
-    rank = _OUTSIDE_FIRST.index(label) if label in _OUTSIDE_FIRST else len(_OUTSIDE_FIRST)
+    rank = _LEADING_OUTSIDE.index(label) if label in _LEADING_OUTSIDE else len(_LEADING_OUTSIDE)
     return south_last and pair[0].band == "south", rank
 
 
-def _behind(draft: StoreyDraft, outside: int, host: int) -> int:
-    """The room that leads outside: the host, unless what is carved from its back leaves it no wall there."""
+def _way_out(draft: StoreyDraft, outside: int, host: int) -> int:
+    """The room that leads outside: the host, or the room with the longest shared wall where the host has too little."""
     if contact(draft.rooms[outside].rects, draft.rooms[host].rects) >= DOOR_FRONT:
         return host
     return draft.nearest(outside, range(outside))

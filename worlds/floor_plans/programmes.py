@@ -1,7 +1,16 @@
-"""Programmes: what a storey is to hold before it has a shape - bays of rooms, in runs that stay together.
+"""Programmes: which rooms a storey holds, grouped into bays and runs, before any room has a position.
 
-A bay is a slice of a band of rooms along a corridor. It belongs to one room, its host, from which up to two small rooms
-may be carved; these leave the host L-, T- or U-shaped:
+The words used for floor plans:
+
+- The spine is the corridor (or the hall or living room) on which the rooms of a storey open.
+- A band is a row of rooms along one side of the spine.
+- A bay is one slice of a band, from the spine to the outer wall. It belongs to one room, its host.
+- A run is a group of bays that stay side by side, such as a kitchen and its dining room. The joint of a run is the kind of
+  opening between neighbouring bays in it.
+- A programme lists the runs of a storey and says what its spine is, and whether it has a garden or a balcony.
+- Twins are rooms of exactly the same shape.
+
+Up to two small rooms may be carved from the host of a bay, which leaves the host L-, T- or U-shaped:
 
     plain      corner     corners    middle     inner (reached from the host only)
     +-----+    +-----+    +-----+    +-----+    +---+--+
@@ -22,75 +31,91 @@ from worlds.spec import OpeningKind
 
 Form = Literal["plain", "corner", "corners", "middle", "inner"]
 SMALL = ("toilet", "storage room", "pantry", "laundry room", "print room")
+"""Labels of rooms that may be carved from a larger one."""
 _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-plan office", "gym")
+"""Labels of rooms that may be open to the spine, without a door."""
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
+"""Labels of rooms that stand side by side in this order or the reverse one."""
 _SEEDS = 2**31
-_ROW = 4
+_MOST_TWINS_IN_RUN = 4
+"""Most twins that stand side by side."""
 _OTHER_SEED = 1009
+"""Added to a seed to get another one."""
 
 
 @dataclass(frozen=True)
 class Bay:
-    """A host and the small rooms carved from its bay."""
+    """A slice of a band: a host and the small rooms carved from it."""
 
     labels: tuple[str, ...]
-    """The host's first."""
+    """Labels of the rooms, the host's first."""
     areas: tuple[float, ...]
-    """Wished for [m²]."""
+    """Area wished for by each room [m²]."""
     form: Form = "plain"
+    """Where the small rooms are; the module's docstring draws the forms."""
     flipped: bool = False
+    """Whether the form is mirrored along the band."""
     entry: OpeningKind = "door"
-    """Between the host and what it stands along."""
+    """Kind of the opening between the host and the spine."""
     twin: int | None = None
-    """Bays of the same twin number get exactly the same shape."""
+    """Bays with the same twin number get exactly the same shape; None: the bay has no twin."""
     seed: int | None = None
-    """Of furniture and finishes; the small rooms have the following ones."""
+    """Seed of the host's furniture and finishes; the small rooms have the next numbers. None: the house's seed decides."""
 
     def apart(self, steps: int) -> "Bay":
-        """The same with other looks, and no twin of this one; itself for 0 steps."""
+        """The same bay with other seed and twin numbers, so that it is no twin of this one; itself for 0 steps."""
         twin, seed = (None if value is None else value + _OTHER_SEED * steps for value in (self.twin, self.seed))
         return replace(self, twin=twin, seed=seed)
 
     def with_front(self) -> "Bay":
-        """The same with nothing carved from the host's front."""
+        """The bay with the whole front left to the host: small rooms are carved from its back instead."""
         return self if self.form == "plain" else replace(self, form="inner", flipped=True)
 
 
 @dataclass(frozen=True)
 class BayRun:
-    """Bays that stay side by side; neighbours in it are joined."""
+    """A group of bays that stay side by side in a band."""
 
     bays: tuple[Bay, ...]
     joint: OpeningKind | None = None
+    """Kind of the opening between neighbouring hosts of the run; None: there is none."""
 
 
 @dataclass(frozen=True)
 class StoreyProgramme:
-    """What a storey holds."""
+    """The rooms of a storey and how they are grouped."""
 
     runs: tuple[BayRun, ...]
     spine: str = "corridor"
-    """Label of what the bays stand along."""
+    """Label of the room that the bays stand along."""
     hall: str | None = None
-    """Label of the first stretch of the spine, where it has one of its own."""
+    """Label of the first stretch of the spine, if that is a room of its own."""
     garden: bool = False
     balcony: bool = False
     seed: int | None = None
-    """Of the spine, on floors that repeat."""
+    """Seed of the spine, so that it looks the same on all storeys that repeat; None: the house's seed decides."""
 
 
 @dataclass(frozen=True)
 class Habits:
-    """How the buildings of a kind are laid out."""
+    """Shares that say how the buildings of a kind are laid out, each in [0, 1]."""
 
     open_plan: float = 0.0
-    """Share of kitchens, dining and living rooms without walls between them."""
+    """Share of storeys whose kitchen, dining room and living room have no walls between them."""
     twins: float = 0.0
-    """Share of equal rooms that are built alike."""
+    """Share of the rooms with the same label that get the same shape."""
 
 
 def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """Group the rooms of a storey into bays and runs, in random order."""
+    """Group the rooms of a storey into bays and runs, in random order.
+
+    1. A kitchen, a dining room and a living room become one run, because people build them side by side.
+    2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own; some of
+       those with the same label become twins.
+    3. Every small room is carved from a host that is large enough, since on their own they would be deep and narrow slices
+       of a band.
+    4. Twins are put into runs, because only in one band do they get the same shape. All other bays are runs of one.
+    """
     left = [labels[i] for i in rng.permutation(len(labels))]
     chain = _take_chain(left, habits, rng)
     small = [label for label in left if label in SMALL or (label == "bathroom" and rng.random() < 0.35)]
@@ -99,14 +124,14 @@ def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generat
     joined = list(chain.bays) if chain else []
     singles = _twins([_bay(label, rng) for label in left], habits, rng)
     bays = _carve(joined + singles, len(joined), small, rng)
-    runs = _rows(bays[len(joined) :])
+    runs = _twin_runs(bays[len(joined) :])
     if chain is not None:
         runs.append(replace(chain, bays=tuple(bays[: len(joined)])))
     return tuple(runs[i] for i in rng.permutation(len(runs)))
 
 
 def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """The same runs with a seed for every bay: storeys that have them are twins, their rooms alike in every way."""
+    """The same runs with a seed for every bay: storeys that share these runs have equal rooms, furniture included."""
     return tuple(
         replace(run, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in run.bays))
         for run in runs
@@ -114,6 +139,7 @@ def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ..
 
 
 def _bay(label: str, rng: np.random.Generator) -> Bay:
+    """A bay of one room, with its area and its entry drawn."""
     entry: OpeningKind = "door"
     if label in _PUBLIC and rng.random() < 0.4:
         entry = ("cased", "arch", "open")[int(rng.integers(3))] if label != "gym" else "cased"
@@ -126,7 +152,10 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
 
 
 def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> BayRun | None:
-    """One kitchen, dining and living room each, where there are at least two of them."""
+    """Remove one kitchen, dining room and living room from `left` and make a run of them.
+
+    None, and nothing is removed, if `left` has fewer than two of these labels.
+    """
     chain = [label for label in _OPEN_CHAIN if label in left]
     if len(chain) < 2:
         return None
@@ -140,7 +169,7 @@ def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> Ba
 
 
 def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Bay]:
-    """Make some of the bays with the same label alike in shape, most of these in looks, too."""
+    """Make some of the bays with the same label twins; three quarters of the twins get the same furniture, too."""
     first: dict[str, Bay] = {}
     out = []
     for bay in bays:
@@ -155,25 +184,30 @@ def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Ba
     return out
 
 
-def _rows(bays: Sequence[Bay]) -> list[BayRun]:
-    """Twins stand side by side, at most `_ROW` of them: only in one band can they be alike to the centimetre."""
+def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
+    """Runs of twins, at most `_MOST_TWINS_IN_RUN` in each, and runs of one for all other bays.
+
+    Twins stand side by side because only in one band can they be equal to the centimetre; a longer group would not fit into
+    a band. The next `_MOST_TWINS_IN_RUN` twins get numbers of their own: they may stand in another band.
+    """
     runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
         alike = [bay for bay in bays if bay.twin == twin]
-        for i in range(0, len(alike), _ROW):
-            runs.append(BayRun(tuple(bay.apart(i) for bay in alike[i : i + _ROW])))
+        for i in range(0, len(alike), _MOST_TWINS_IN_RUN):
+            runs.append(BayRun(tuple(bay.apart(i) for bay in alike[i : i + _MOST_TWINS_IN_RUN])))
     return runs
 
 
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
-    """Give every small room a host; those for whom there is none get bays of their own.
+    """Give every small room a host; a small room without a suitable host gets a bay of its own.
 
-    The first `joined` bays stay joined: nothing is carved from behind, where it would part them.
+    The first `joined` bays form a run with openings between its hosts. At most one corner at the front is carved from each
+    of them, so that neighbouring hosts still share the wall behind it; a room carved from the back could separate them.
     """
     out = list(bays)
     for label in small:
         area = _draw_area(label, rng)
-        hosts = [i for i, bay in enumerate(out) if _takes(bay, label, area, i < joined)]
+        hosts = [i for i, bay in enumerate(out) if _can_host(bay, label, area, i < joined)]
         likely = [i for i in hosts if out[i].labels[0] in SIZES[label].beside]
         if not hosts:
             out.append(_bay(label, rng))
@@ -186,13 +220,15 @@ def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Ge
     return out
 
 
-def _takes(bay: Bay, label: str, area: float, joined: bool) -> bool:
+def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
+    """Whether a small room of this area [m²] can be carved from a bay; the host keeps more than half of the area."""
     if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels or bay.areas[0] < 2.2 * (area + sum(bay.areas[1:])):
         return False
     return bay.form == "plain" or (not joined and bay.form == "corner")
 
 
 def _form(bay: Bay, label: str, rng: np.random.Generator) -> Form:
+    """The form that a bay gets when a small room is carved from it."""
     if bay.form == "corner":
         return "corners"
     private = label in ("pantry", "storage room") or (label == "bathroom" and bay.labels[0] == "bedroom")

@@ -1,4 +1,7 @@
-"""Rooms as sets of rectangles in whole centimetres: what plans are cut from, and where walls coincide exactly."""
+"""Rooms as sets of rectangles in whole centimetres.
+
+Floor plans are computed in integers, so that the walls of neighbouring rooms coincide exactly.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,27 +14,31 @@ Corner = tuple[int, int]
 
 @dataclass(frozen=True)
 class Edge:
-    """A straight side that rooms stand along; u runs with it, v away from it, both from `x`, `y` [cm]."""
+    """A straight line that a row of rooms stands along, with a frame of its own.
+
+    The frame has its origin at (`x`, `y`) [cm]; u runs along the line, v away from it.
+    """
 
     x: int
     y: int
     along: Corner
+    """Unit vector of u in the plan."""
     out: Corner
-    """Unit vectors of u and v."""
+    """Unit vector of v in the plan."""
 
     def rect(self, u0: int, v0: int, u1: int, v1: int) -> Rect:
-        """A rectangle given in u and v [cm], in the plan's coordinates."""
+        """A rectangle with opposite corners (u0, v0) and (u1, v1) [cm], in the plan's coordinates."""
         (ax, ay), (bx, by) = self.point(u0, v0), self.point(u1, v1)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
     def point(self, u: int, v: int) -> Corner:
-        """A point given in u and v [cm], in the plan's coordinates."""
+        """The point (u, v) [cm], in the plan's coordinates."""
         return self.x + u * self.along[0] + v * self.out[0], self.y + u * self.along[1] + v * self.out[1]
 
 
 @dataclass(frozen=True)
 class SquareSymmetry:
-    """One of the eight symmetries of the square, about the origin."""
+    """One of the eight symmetries of the square, about the origin: swap x and y first, then mirror x and y."""
 
     swap: bool
     flip_x: bool
@@ -49,17 +56,17 @@ class SquareSymmetry:
 
 
 def metres(p: Corner) -> tuple[float, float]:
-    """A point of the grid [m]."""
+    """A point of the centimetre grid, in metres."""
     return p[0] / 100, p[1] / 100
 
 
 def area_m2(rects: Sequence[Rect]) -> float:
-    """Area of disjoint rectangles [m²]."""
+    """Total area of rectangles that do not overlap [m²]."""
     return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in rects) / 1e4
 
 
 def contact(a: Sequence[Rect], b: Sequence[Rect]) -> int:
-    """Length of the longest straight side that two disjoint sets of rectangles share [cm]."""
+    """Length of the longest piece of side that a rectangle of `a` shares with one of `b`; 0 if they do not touch [cm]."""
     return max((_side(p, q) for p in a for q in b), default=0)
 
 
@@ -69,7 +76,12 @@ def _side(p: Rect, q: Rect) -> int:
 
 
 def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
-    """Corners of the union of disjoint rectangles that form one piece without holes, counter-clockwise [cm]."""
+    """Corners of the union of rectangles, counter-clockwise [cm].
+
+    The rectangles do not overlap; their union is one piece without holes. The sides of every rectangle are cut at all x and
+    y that occur and directed counter-clockwise. Sides that appear in both directions lie inside the union and are removed;
+    the rest is the outline.
+    """
     if len(rects) == 1:
         x0, y0, x1, y1 = rects[0]
         return (x0, y0), (x1, y0), (x1, y1), (x0, y1)
@@ -80,7 +92,7 @@ def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
         ring = [(x, y0) for x in across] + [(x1, y) for y in up[1:]]
         ring += [(x, y1) for x in reversed(across[:-1])] + [(x0, y) for y in reversed(up[:-1])]
         for side in pairwise(ring):
-            # Where two rectangles touch, their sides run against each other and cancel.
+            # Where two rectangles touch, their sides have opposite directions and cancel.
             if side[::-1] in edges:
                 edges.remove(side[::-1])
             else:
@@ -89,6 +101,7 @@ def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
 
 
 def _corners(successor: dict[Corner, Corner]) -> tuple[Corner, ...]:
+    """The points of a closed outline at which its direction changes."""
     first = min(successor)
     corners, before, here = [first], first, successor[first]
     while here != first:

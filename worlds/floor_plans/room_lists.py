@@ -1,4 +1,7 @@
-"""Which rooms a building of a kind has, and on which storeys."""
+"""Room lists: which rooms a building of a kind has, and on which storeys they are.
+
+The result is a programme for each storey (see `programmes`): its rooms in groups, without positions.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,17 +16,23 @@ from worlds.labels import OUTDOOR_LABELS
 from worlds.spec import OpeningKind
 
 _BELOW = ("living room", "kitchen", "dining room", "garage", "pantry", "lobby", "entrance hall")
-"""What belongs on the ground storey where there are several."""
+"""Labels of rooms that belong on the ground storey of a building with several storeys."""
 _ONCE = ("living room", "kitchen", "dining room", "garage", "garden", "pantry", "lobby")
+"""Labels that are drawn at most once for a building."""
 _SEEDS = 2**31
 
 
 def draw_programmes(
     kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator
 ) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
-    """What the storeys of a building hold, `rooms` rooms besides circulation in all, and how it is to be laid out.
+    """The programme of every storey of a building, lowest first, and the style in which it is laid out.
 
-    There are at least as many rooms as storeys.
+    `rooms` counts the rooms of the whole building, without corridors, halls and stairs; it is at least `storeys`.
+
+    1. Draw the labels of the rooms.
+    2. A building of several storeys may repeat its upper storeys (`BuildingKind.repeats`).
+    3. A home of one storey with few rooms may have a living room in place of the corridor.
+    4. In all other cases the rooms are shared among the storeys (`by_storey`) and grouped.
     """
     labels = _labels(kind, rooms, storeys, rng)
     hall = kind.halls[int(rng.integers(len(kind.halls)))]
@@ -39,14 +48,22 @@ def draw_programmes(
 def programmes_of(
     labels: Sequence[Sequence[str]], habits: Habits, hall: str | None, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...]:
-    """Programmes of storeys whose rooms are known."""
+    """Programmes of storeys from the labels of their rooms; the `hall` is on the ground storey only."""
     return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
 
 
 def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
-    """Share rooms among storeys: what has to be below, below, the rest evenly; no storey stays without a room.
+    """Share rooms among storeys, as labels per storey, lowest first; no storey stays without an indoor room.
 
-    There are at least as many rooms as storeys, the outdoor ones not counted, and at most as many balconies.
+    `labels` has at least as many indoor rooms as there are storeys, and at most as many balconies.
+
+    1. Rooms in `_BELOW` go to the ground storey. Every other room goes to the storey with the least area so far; the ground
+       storey counts as 10 m² smaller than it is, because it has to bear the others. Rooms in `upstairs` go above it. Small
+       rooms come late, to even out the areas.
+    2. Empty storeys take a room from the storey with most rooms.
+    3. The storeys are sorted by area, since every storey stands on the one below. `_settle` then makes sure that no upper
+       storey is much larger than the ground storey.
+    4. The garden goes to the ground storey; balconies go to storeys drawn at random.
     """
     out: list[list[str]] = [[] for _ in range(storeys)]
     area = [0.0] * storeys
@@ -70,12 +87,15 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
 
 
 def _area(labels: Sequence[str]) -> float:
-    """Wished for indoors, about [m²]."""
+    """Sum of the usual areas of the indoor rooms among `labels` [m²]."""
     return sum(sum(SIZES[label].usual) / 2 for label in labels if label not in OUTDOOR_LABELS)
 
 
 def _settle(storeys: list[list[str]]) -> None:
-    """No storey is much larger than the ground one: such a storey changes places with what may leave the ground."""
+    """Exchange rooms so that no upper storey is much larger than the ground storey.
+
+    An upper storey that is more than 15 % larger changes places with the ground storey's rooms, except those in `_BELOW`.
+    """
     for level in range(1, len(storeys)):
         fixed, free = ([label for label in storeys[0] if (label in _BELOW) == below] for below in (True, False))
         if free and _area(storeys[level]) > 1.15 * _area(storeys[0]):
@@ -91,13 +111,17 @@ def _fill_empty(storeys: list[list[str]]) -> None:
 
 
 def _labels(kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
-    """The rooms of a building; indoor ones at least as many as storeys."""
+    """Draw the labels of a building's rooms, with at least as many indoor rooms as storeys.
+
+    The kind's `first` rooms come first, in an order that is slightly shuffled, then draws from `more`.
+    """
     order = list(kind.first)
     if kind.shuffled:
         keys = np.arange(len(order)) + rng.uniform(0, kind.shuffled, len(order))
         order = [order[i] for i in np.argsort(keys)]
     pool: list[str] = []
     while len(order) < rooms:
+        # Every label of the list is drawn once before any is drawn again.
         pool = pool or [kind.more[i] for i in rng.permutation(len(kind.more))]
         label = pool.pop()
         most = storeys if label == "balcony" else 1 if label in _ONCE else rooms
@@ -112,9 +136,10 @@ def _labels(kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generat
 def _repeating(
     labels: Sequence[str], storeys: int, hall: str | None, kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...] | None:
-    """Upper storeys that are all the same, and the same as the ground storey where the number of rooms allows it.
+    """Programmes of a building whose upper storeys are all equal.
 
-    None where the ground storey would be the smaller one.
+    The ground storey is equal to them if the rooms divide evenly among the storeys and there is no garden. None if the
+    ground storey would be smaller than the others, which stand on it, or if a storey would have two balconies.
     """
     share = len(labels) // storeys
     equal = len(labels) == share * storeys and "garden" not in labels
@@ -134,7 +159,7 @@ def _repeating(
 def _around_a_living_room(
     labels: Sequence[str], kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
-    """A small home without a corridor: its rooms stand along the living room."""
+    """Programme and style of a small home without a corridor: the living room is its spine, and the rooms stand along it."""
     others = list(labels)
     others.remove("living room")
     storey = _storey(others, kind.habits, rng, None)

@@ -1,18 +1,18 @@
-"""How large rooms are, and what they like to stand beside."""
+"""Room sizes by label, and from which rooms small ones are carved."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class RoomSize:
-    """Sizes of the rooms with a label."""
+    """Size of the rooms with one label."""
 
     usual: tuple[float, float]
-    """Range of areas that are wished for [m²]."""
+    """Range from which the area wished for is drawn [m²]."""
     side_m: float = 2.4
-    """Least width."""
+    """Least width [m]."""
     beside: tuple[str, ...] = ()
-    """Labels of rooms that it may be carved from, best of all."""
+    """Labels of the rooms from which such a room is preferably carved."""
 
 
 _QUIET = ("bedroom", "children's room")
@@ -42,4 +42,4 @@ SIZES: dict[str, RoomSize] = {
     "entrance hall": RoomSize((8.0, 16.0), 2.4),
     "corridor": RoomSize((8.0, 16.0), 2.0),
 }
-"""Of rooms that stand in bays; outdoor places and stairs have rules of their own."""
+"""Sizes of the indoor rooms by label. `outdoors` sizes gardens and balconies, `worlds.stairs` sizes stairs."""

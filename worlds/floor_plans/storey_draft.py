@@ -1,4 +1,8 @@
-"""One storey's rooms and links, in centimetres, before they become a layout."""
+"""`StoreyDraft`: the rooms of one storey while its plan is being drawn up, as rectangles in whole centimetres.
+
+A draft knows its rooms by number and keeps them in the frame in which the spine (the corridor) runs east. `draft_storey`
+adds the indoor rooms; `StoreyDraft.layout` names the rooms, turns the plan and converts it to metres.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,31 +17,34 @@ from worlds.labels import STAIRS
 from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
 
 _LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
+"""Least area of an entrance hall or lobby at the start of the spine, by label [m²]."""
 _LONGEST_HALL = 1100
-"""A longer hall is a corridor [cm]."""
+"""Greatest length of such a hall; a longer one would be a corridor [cm]."""
 _NICHE = 60
-"""Corners of a spine are not nearer to each other [cm]."""
-_WAY = 100
-"""Least wall between two rooms that are joined [cm]."""
+"""Least distance between corners of the spine; smaller niches would be of no use [cm]."""
+_LEAST_SHARED_WALL = 100
+"""Least length of wall that two rooms share if a door is to connect them [cm]."""
 
 
 @dataclass(frozen=True)
 class PlacedBay:
-    """A bay with its place in a band [cm]."""
+    """A bay (a host and the rooms carved from it) with its position in a band."""
 
     band: Band
     bay: Bay
     start: int
+    """Distance from the start of the band [cm]."""
     width: int
+    """Length along the band [cm]."""
     joint: BayRun | None
-    """The run that joins it to the bay before it."""
+    """The run that this bay shares with the bay before it; None: this bay starts a run."""
     wrap: int = 0
-    """How far its host reaches beyond the spine and round its end [cm]."""
+    """How far its host reaches beyond the spine's end, round which it bends; 0: it does not [cm]."""
 
 
 @dataclass(frozen=True)
 class DraftRoom:
-    """A room that has no id yet."""
+    """A room of the draft, without an id: its label and its rectangles [cm]."""
 
     label: str
     rects: tuple[Rect, ...]
@@ -46,30 +53,35 @@ class DraftRoom:
 
 @dataclass
 class StoreyDraft:
-    """Rooms and links, by the rooms' numbers."""
+    """The rooms and links of a storey; a room's number is its index in `rooms`."""
 
     rooms: list[DraftRoom] = field(default_factory=list)
     links: list[tuple[int, int, OpeningKind, int | None]] = field(default_factory=list)
+    """Requests for openings: numbers of two rooms, kind, seed."""
     gaps: list[tuple[int, int, str, tuple[Corner, Corner]]] = field(default_factory=list)
+    """Openings to stairs, which have positions already: numbers of two rooms, "up" or "down", both ends [cm]."""
 
     def add(self, label: str, rects: Sequence[Rect], seed: int | None = None) -> int:
-        """The new room's number."""
+        """Add a room and return its number."""
         self.rooms.append(DraftRoom(label, tuple(rects), seed))
         return len(self.rooms) - 1
 
     def link(self, a: int, b: int, kind: OpeningKind = "door", seed: int | None = None) -> None:
-        """Join two rooms."""
+        """Ask for an opening between two rooms."""
         self.links.append((a, b, kind, seed))
 
     def nearest(self, room: int, others: Sequence[int]) -> int:
-        """Of `others`, the one with the longest side along `room`. Raises `WorldsError` where a door does not fit."""
+        """The room among `others` that shares the longest piece of wall with `room`.
+
+        Raises `WorldsError` if that is too short for a door.
+        """
         shared = [contact(self.rooms[room].rects, self.rooms[k].rects) for k in others]
-        if max(shared, default=0) < _WAY:
+        if max(shared, default=0) < _LEAST_SHARED_WALL:
             raise WorldsError(f"no wall for the door of a {self.rooms[room].label!r}: it touches nothing that leads to it")
         return others[shared.index(max(shared))]
 
     def layout(self, level: int, turn: SquareSymmetry, height_m: float) -> StoreyLayout:
-        """The storey as a layout, turned."""
+        """The storey as a layout: mirrored and rotated by `turn`, in metres, with an id for every room."""
         count: dict[str, int] = {}
         ids, rooms = [], []
         for room in self.rooms:
@@ -94,7 +106,15 @@ def draft_storey(
     slot: BayRun | None,
     cross_apart: bool,
 ) -> tuple[StoreyDraft, list[int]]:
-    """All indoor rooms of a storey: the spine first, then stairs, then bays; and the numbers of the bays' hosts."""
+    """Draw up all indoor rooms of a storey; also returns the number of every bay's host, in the order of `placed`.
+
+    1. The spine (corridor) comes first, because everything else gets its door there. It may be up to three rooms: an
+       entrance hall, the corridor, and the corridor of the second wing (a room of its own if `cross_apart`).
+    2. The stairs follow, with openings to the spine at fixed positions: a flight must begin and end there on every storey.
+    3. Each bay is cut into rooms. Its host is linked to the spine, its carved rooms to the host or the spine, and hosts of
+       one run to each other.
+    4. The room behind the stairs (`slot`), if there is one, is linked to the spine's arms beside the stairs.
+    """
     draft = StoreyDraft()
     spine = _spine(draft, programme, shell, placed, cross_apart)
     if shell.stairs is not None:
@@ -110,6 +130,10 @@ def draft_storey(
 def _spine(
     draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[PlacedBay], cross_apart: bool
 ) -> list[int]:
+    """Add the rooms of the spine and return their numbers, from west to east, that of the second wing last.
+
+    The spine ends where the last room along it ends, but not before the stairs or the second wing, so that both open on it.
+    """
     c, x = shell.depths.spine, shell.passage_start
     reach = [shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)[2] for p in placed if p.band not in ("west", "east")]
     cross = max((p.start + p.width for p in placed if p.band in ("west", "east")), default=0)
@@ -124,10 +148,12 @@ def _spine(
     split = _hall_end(programme.hall, shell, placed, end) if programme.hall else 0
     parts = []
     if programme.hall and split:
+        # The floor beside the stairs belongs to the part of the spine that it touches.
         in_hall = arms if _stairs_end(shell) <= split else []
         parts.append(draft.add(programme.hall, [(0, 0, split, c), *in_hall]))
         arms = [] if in_hall else arms
     main = [(split, 0, end, c), *arms] + ([] if cross_apart else wing)
+    # A short spine that cannot be divided is the hall as a whole.
     label = programme.hall if programme.hall and not split and end <= _LONGEST_HALL else programme.spine
     parts.append(draft.add(label, main, programme.seed if programme.hall is None else None))
     if split:
@@ -139,12 +165,17 @@ def _spine(
 
 
 def _stairs_end(shell: Shell) -> int:
-    """Where stairs in the north band end; far away if there are none."""
+    """Position along the spine where the stairs in the north band end [cm]; far away if no stairs stand there."""
     return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
 
 
 def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) -> int:
-    """Where the entrance hall may end so that every bay keeps enough of one of the two for its door; 0: nowhere."""
+    """Position along the spine where the entrance hall ends and the corridor begins; 0: there is none [cm].
+
+    It is the westernmost end of a bay that meets these conditions: the hall has its least area, and the corridor a useful
+    length; the cut makes no narrow niche beside the stairs; and every bay whose front it divides, across the spine, has its
+    whole front free and keeps at least 3 m of it on one side, for its door.
+    """
     fronts = []
     for p in placed:
         if p.band not in ("west", "east"):
@@ -164,6 +195,7 @@ def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) ->
 
 
 def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, storeys: int) -> None:
+    """Add the cell of the stairs, and its openings to the spine for the flights that this storey has."""
     stairs, edge = shell.stairs, shell.stairs_edge()
     if stairs is None:
         return
@@ -177,12 +209,13 @@ def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, 
 
 
 def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[PlacedBay], spine: Sequence[int]) -> list[int]:
-    """The hosts' numbers."""
+    """Add the rooms of all bays with their links; returns the number of every bay's host."""
     hosts: list[int] = []
     for p in placed:
         bay, depth = p.bay, shell.depths.of(p.band)
         rects = bay_rooms(bay, shell.edge(p.band), p.start, p.width, depth)
         if p.wrap:
+            # The host continues past the spine's end, over the depth of the band and of the spine.
             end = p.start + p.width
             rects[0] += (shell.edge(p.band).rect(end, -shell.depths.spine, end + p.wrap, depth),)
         numbers = [
@@ -192,6 +225,7 @@ def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[PlacedBay], spine: 
         host = numbers[0]
         draft.link(draft.nearest(host, spine), host, bay.entry, bay.seed)
         for label, small in zip(bay.labels[1:], numbers[1:], strict=True):
+            # An "inner" room does not touch the spine, and a pantry belongs to its kitchen.
             way_in = host if bay.form == "inner" or label == "pantry" else draft.nearest(small, spine)
             draft.link(way_in, small, "door", bay.seed)
         if p.joint is not None and p.joint.joint is not None:

@@ -1,4 +1,4 @@
-"""`Symmetry`: the same house mirrored, turned by quarters and moved."""
+"""`Symmetry`: a house mirrored, rotated by quarter turns and shifted."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from jaxtyping import Float
 from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec, WindowSpec
 
 _DIGITS = 9
-"""Coordinates are rounded to the nanometre, so that going there and back is exact."""
+"""Coordinates are rounded to the nanometre, so that a symmetry and its inverse lead back to the same numbers."""
 _TURNS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 _QUARTER = math.pi / 2
 _Gap = TypeVar("_Gap", OpeningSpec, WindowSpec)
@@ -18,40 +18,43 @@ _Gap = TypeVar("_Gap", OpeningSpec, WindowSpec)
 
 @dataclass(frozen=True)
 class Symmetry:
-    """x is mirrored first (or not), then all is turned counter-clockwise about the origin, then shifted."""
+    """A symmetry of the plan: mirror x if asked for, then rotate counter-clockwise about the origin, then shift."""
 
     mirror: bool = False
     quarter_turns: int = 0
     shift_m: Point = (0.0, 0.0)
 
     def point(self, point: Point) -> Point:
-        """Where a point of the plan goes [m]."""
+        """The image of a point of the plan [m]."""
         x, y = (-point[0] if self.mirror else point[0]), point[1]
         cos, sin = _TURNS[self.quarter_turns % 4]
-        # Plus zero: no -0.0 in files.
+        # Adding zero turns -0.0 into 0.0, which is what files should contain.
         return (
             round(cos * x - sin * y + self.shift_m[0], _DIGITS) + 0.0,
             round(sin * x + cos * y + self.shift_m[1], _DIGITS) + 0.0,
         )
 
     def points(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Where points of W go [m]."""
+        """The images of points in W; heights stay [m]."""
         cos, sin = _TURNS[self.quarter_turns % 4]
         x, y = points[:, 0] * (-1.0 if self.mirror else 1.0), points[:, 1]
         return np.stack([cos * x - sin * y + self.shift_m[0], sin * x + cos * y + self.shift_m[1], points[:, 2]], axis=-1)
 
     def yaw(self, yaw: float) -> float:
-        """How an object that can only be turned then stands, in (-pi, pi]: its front goes where the symmetry takes it."""
+        """The image of an object's yaw, in (-pi, pi] [rad].
+
+        Objects are rotated, never mirrored themselves; the image faces where the symmetry takes the front of the object.
+        """
         start = -yaw if self.mirror else yaw
         quarters = round(start / _QUARTER)
-        # What is square with the walls stays exactly so.
+        # Whole quarter turns are counted as integers, so that an object parallel to a wall stays exactly parallel.
         turned, rest = (quarters + self.quarter_turns) % 4, start - quarters * _QUARTER
         if turned == 3 or (turned == 2 and rest > 0.0):
             turned -= 4
         return turned * _QUARTER + rest
 
     def house(self, spec: HouseSpec) -> HouseSpec:
-        """The whole house; ids, seeds and heights stay. Furniture is turned, not mirrored in itself."""
+        """The image of a whole house; ids, seeds and heights stay. Furniture is rotated, but not mirrored itself."""
         return spec.model_copy(update={"storeys": tuple(self._storey(storey) for storey in spec.storeys)})
 
     def _storey(self, storey: StoreySpec) -> StoreySpec:
@@ -69,7 +72,7 @@ class Symmetry:
         return room.model_copy(update={"polygon_m": corners[::-1] if self.mirror else corners})
 
     def _ends(self, gap: _Gap) -> _Gap:
-        # A leaf hangs at the same of the two ends and swings into the same room.
+        # The leaf needs no change: "start" and "end" move with the points, and the room that it swings into is the same.
         return gap.model_copy(update={"start_m": self.point(gap.start_m), "end_m": self.point(gap.end_m)})
 
     def _piece(self, piece: FurnitureSpec) -> FurnitureSpec:
@@ -78,9 +81,9 @@ class Symmetry:
 
 
 def in_place(spec: HouseSpec, mirror: bool = False, quarter_turns: int = 0) -> Symmetry:
-    """The symmetry that leaves the lower left corner of the house's plan where it is.
+    """The symmetry with a shift that keeps the lower left corner of the plan's bounding box where it is.
 
-    So mirroring twice or turning four times leads back to the same house.
+    With this shift, mirroring twice or rotating by four quarter turns gives the same house again.
     """
     bare = Symmetry(mirror, quarter_turns)
     before = [corner for storey in spec.storeys for room in storey.rooms for corner in room.polygon_m]

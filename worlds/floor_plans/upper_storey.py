@@ -1,4 +1,4 @@
-"""`with_storey_on_top`: a house one storey taller, its top storey's plan repeated."""
+"""`with_storey_on_top`: a house with one more storey, which repeats the plan of the top storey."""
 
 import re
 import zlib
@@ -15,14 +15,20 @@ from worlds.walls import opening_span
 _GROUND_ONLY = frozenset({"garden", "garage"})
 _NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
 _FRONT_M = 0.9
+"""No door leaf may stand nearer than this to the foot of a flight."""
 _MIN_SHARED_M = 0.7
+"""Least width of the opening at the foot of a flight, unless the one below is narrower."""
 
 
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
-    """A copy of the top storey's plan on top of it, without gardens and garages; the stairs go on up.
+    """A house with a copy of the top storey's plan on top, without gardens and garages; the stairs continue upwards.
 
-    Rooms get new ids and with them furniture and finishes of their own; twins stay twins. Raises `WorldsError` for a house
-    whose top storey no stairs reach, or where there is no room at the foot of another flight.
+    1. Each staircase gets an opening on the present top storey for the new flight, above that of the flight below, since all
+       flights of a staircase have the same shape.
+    2. Door leaves that would stand in front of such an opening are hung differently, or removed.
+    3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
+
+    Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of the new flight.
     """
     top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
     cells = [room for room in top.rooms if room.label == STAIRS]
@@ -34,7 +40,7 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
 
 def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
-    """The opening of the next flight up: above the one of the flight below."""
+    """The opening on the top storey to the flight up from there, straight above the opening to the flight below."""
     here = sorted(cell.polygon_m)
     lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
     foot = next((o for o in below.openings if lower in o.rooms and o.leads == "up"), None)
@@ -47,11 +53,11 @@ def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> Ope
             if (wall.axis, wall.at) == (axis, at) and stop - start >= min(_MIN_SHARED_M, high - low) - 1e-6:
                 ends = {"start_m": wall.point(start), "end_m": wall.point(stop)}
                 return foot.model_copy(update={"rooms": (room.id, cell.id), **ends})
-    raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies before the foot of another flight")
+    raise WorldsError(f"stairs {cell.id!r}: on storeys[{level}] no room lies in front of the foot of the new flight")
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
-    """The storey with the openings of the flights up; leaves that would stand before them hang elsewhere."""
+    """The storey with the openings of the flights up; leaves that would stand in front of these are hung differently."""
     rooms = {room.id: room for room in top.rooms}
     openings = [*top.openings, *ups]
     gaps = [OpeningDraft.of(opening, rooms) for opening in openings]
@@ -64,6 +70,7 @@ def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
 
 
 def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
+    """The new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
     level = len(spec.storeys)
     rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
@@ -81,6 +88,7 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:
+    """An id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; long names are cut, ids have 64 characters."""
     match = _NUMBERED.fullmatch(name)
     stem = match[1] if match else name[:56]
     number = int(match[3]) if match else 1
@@ -90,7 +98,7 @@ def _new_name(name: str, level: int, taken: set[str]) -> str:
 
 
 def _new_seed(seed: int | None, level: int) -> int | None:
-    """Of a room that had one: another, the same for all that had the same."""
+    """The seed of a room's copy: a new one that depends on the old one only, so that twins stay twins; None stays None."""
     return None if seed is None else zlib.crc32(f"{seed} {level}".encode())
 
 

@@ -1,7 +1,9 @@
-"""Wings: the corridors of a building, the bands of rooms along them, and the place of the stairs; shared by all storeys.
+"""Wings: the corridors of a building, the bands of rooms along them, and the stairs; the same on all storeys.
 
-The main wing's spine runs east from the origin; that of a second wing leaves it northwards, through the north band. Stairs
-stand in the north band or at the main spine's end.
+A wing is a corridor, called its spine, with rows of rooms along it, called bands. The spine of the main wing runs east from
+the origin. That of a second wing, if there is one, leaves it northwards; the passage is the part of it that goes through the
+north band. Stairs stand in the north band, which they interrupt, or at the east end of the main spine. What all storeys
+share is called the shell; all lengths are in whole centimetres. The drawing has x to the right (east) and y up (north):
 
                        west  |  |  east
     +---------+--------+-----+  +----+---------+
@@ -26,54 +28,64 @@ Band = Literal["south", "north 0", "north 1", "north 2", "west", "east"]
 BANDS: tuple[Band, ...] = ("south", "north 0", "north 1", "north 2", "west", "east")
 _FROM_THE_EAST: tuple[Band, ...] = ("north 2", "north 1", "north 0")
 _LEAST_STEP = 60
-"""Between the ends of bands on either side of a spine [cm]."""
+"""Least difference between the ends of the bands on both sides of a spine; smaller steps are evened out [cm]."""
 _SHORTEST = 220
 """Least length of a spine that ends at stairs [cm]."""
 _ARM = 140
-"""Width of the spine's arms beside stairs [cm]."""
+"""Width of an arm: a piece of corridor that leads from the spine along a side of the stairs [cm]."""
 
 
 @dataclass(frozen=True)
 class Depths:
-    """Measures across the wings [cm]; 0: there is no such band."""
+    """Dimensions across the wings: widths of the spines, depths of the bands [cm]; 0: there is none."""
 
     spine: int
+    """Width of the main spine."""
     south: int
     north: int = 0
+    """Depth of all three north bands."""
     cross: int = 0
     """Width of the second wing's spine."""
     west: int = 0
+    """Depth of the band along the second wing's west side."""
     east: int = 0
+    """Depth of the band along the second wing's east side."""
 
     def of(self, band: Band) -> int:
-        """Depth of a band."""
+        """Depth of a band [cm]."""
         return {"south": self.south, "west": self.west, "east": self.east}.get(band, self.north)
 
 
 @dataclass(frozen=True)
 class StairsBay:
-    """What stairs take, from the origin of an edge [cm]."""
+    """The space that stairs take along an edge (see `Edge`), in its coordinates u and v [cm].
+
+    The cell is the room of the stairs. L-shaped and straight stairs also need arms: pieces of corridor beside the cell, for
+    the ends of the flights that do not face the spine.
+    """
 
     kind: StairsKind
     length: int
+    """Length of the cell, along the first flight."""
     width: int
-    """Of the cell, along the first flight and across it."""
+    """Width of the cell, across the first flight."""
     flipped: bool = False
+    """Whether the stairs are mirrored along u."""
 
     @property
     def front(self) -> int:
-        """How much of a band they take."""
+        """Length of the band that the stairs take, with their arms [cm]."""
         if self.kind == "straight":
             return self.length + 2 * _ARM
         return self.width + (_ARM if self.kind == "L" else 0)
 
     @property
     def depth(self) -> int:
-        """How far the cell reaches away from the spine."""
+        """How far the cell reaches away from the spine [cm]."""
         return self.width if self.kind == "straight" else self.length
 
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
-        """In u and v: what the spine has beside the cell."""
+        """The arms as (u0, v0, u1, v1) [cm]."""
         match self.kind:
             case "straight":
                 return (0, 0, _ARM, self.width), (_ARM + self.length, 0, self.front, self.width)
@@ -82,7 +94,7 @@ class StairsBay:
         return ()
 
     def cell(self) -> tuple[int, int, int, int]:
-        """In u and v."""
+        """The cell as (u0, v0, u1, v1) [cm]."""
         match self.kind:
             case "straight":
                 return _ARM, 0, _ARM + self.length, self.width
@@ -91,7 +103,7 @@ class StairsBay:
         return 0, 0, self.width, self.length
 
     def gaps(self) -> tuple[tuple[int, int, int, int], tuple[int, int, int, int]]:
-        """In u and v: the openings to the flight up and from the one below, as segments."""
+        """The openings to the flight up and to the flight down, each as a segment (u0, v0, u1, v1) [cm]."""
         match self.kind:
             case "straight":
                 up = self._turned((_ARM, 5, _ARM, self.width - 5))
@@ -109,7 +121,10 @@ class StairsBay:
 
 
 def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, flipped: bool = False) -> StairsBay:
-    """Comfortable stairs of a kind for a rise from floor to floor; `width_m` [m] of the cell is for U only."""
+    """Comfortable stairs of a kind that rise `rise_m` from floor to floor [m].
+
+    `width_m` is the width of the cell [m]; only U-shaped stairs use it.
+    """
     if kind == "U":
         across = width_m or 2.2
         length, _ = cell_needed("U", rise_m, 0.26, across / 2 - 0.05)
@@ -120,29 +135,32 @@ def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, fl
 
 @dataclass(frozen=True)
 class Shell:
-    """What all storeys share."""
+    """The part of the plan that all storeys share: spines, bands and stairs."""
 
     depths: Depths
     lengths: dict[Band, int]
-    """Of the bands where they are longest [cm]."""
+    """Length of every band on the storey where it is longest [cm]."""
     stairs: StairsBay | None = None
     at_end: bool = False
-    """Whether the stairs stand at the spine's end rather than in the north band."""
+    """Whether the stairs stand at the main spine's east end rather than in the north band."""
 
     @property
     def stairs_start(self) -> int:
-        """Where the stairs' bay begins in the north band."""
+        """The x at which the stairs in the north band begin [cm]."""
         return self.lengths["north 0"]
 
     @property
     def passage_start(self) -> int:
-        """Where the second wing's spine goes through the north band."""
+        """The x at which the passage begins, in which the second wing's spine goes through the north band [cm]."""
         in_band = self.stairs.front if self.stairs and not self.at_end else 0
         return self.stairs_start + in_band + self.lengths["north 1"]
 
     @property
     def length(self) -> int:
-        """Of the main spine, less stairs at its end."""
+        """Length of the main spine, without stairs at its end [cm].
+
+        It is as long as the bands along it. Stairs at its end take their length from it, but never the passage.
+        """
         passage_end = self.passage_start + self.depths.cross
         total = max(self.lengths["south"], passage_end + self.lengths["north 2"])
         if self.stairs is None or not self.at_end:
@@ -150,7 +168,10 @@ class Shell:
         return max(_SHORTEST, total - self.stairs.length, passage_end if self.depths.cross else 0)
 
     def flush(self) -> "Shell":
-        """The same without small steps: ends of bands that lie nearly side by side do so."""
+        """The shell without small steps in its outline.
+
+        Where two bands on both sides of a spine end less than `_LEAST_STEP` apart, the shorter one becomes as long.
+        """
         n = dict(self.lengths)
         step = n["south"] - (self.passage_start + self.depths.cross + n["north 2"])
         last = next((band for band in _FROM_THE_EAST if n[band]), None)
@@ -163,13 +184,13 @@ class Shell:
         return replace(self, lengths=n)
 
     def reach(self, band: Band, length: int) -> int:
-        """How far east a band of that length goes; 0 for those along the second wing."""
+        """The x of the east end of a band with that length [cm]; 0 for the bands along the second wing."""
         if band in ("west", "east"):
             return 0
         return self.edge(band).x + length
 
     def edge(self, band: Band) -> Edge:
-        """Where a band's rooms stand."""
+        """The line that the rooms of a band stand along."""
         c, x = self.depths.spine, self.passage_start
         top = c + self.depths.north
         match band:
@@ -187,13 +208,16 @@ class Shell:
                 return Edge(x + self.depths.cross, top, (0, 1), (1, 0))
 
     def stairs_edge(self) -> Edge:
-        """Where the stairs' bay stands."""
+        """The line that the stairs stand along."""
         if self.at_end:
             return Edge(self.length, 0, (0, 1), (1, 0))
         return Edge(self.stairs_start, self.depths.spine, (1, 0), (0, 1))
 
     def slot(self) -> Rect | None:
-        """The place behind the stairs, reached from the spine's arms, where it is large enough for a room."""
+        """The space in the north band behind the stairs; None where it is too shallow for a room or cannot be reached.
+
+        It is reached from the arms beside the stairs, so U-shaped stairs, which have none, leave no such space.
+        """
         if self.stairs is None or self.at_end or self.stairs.kind == "U":
             return None
         if self.depths.north - self.stairs.depth < 175:
@@ -204,7 +228,14 @@ class Shell:
 def distribute(
     runs: Sequence[BayRun], room: dict[Band, int], depths: Depths, kept: dict[int, Band]
 ) -> dict[Band, list[BayRun]]:
-    """Give every run a band: the longest first, each to where most room is left [cm]; `kept` says where some belong."""
+    """Choose a band for every run.
+
+    `room` has the planned length of every band [cm]; `kept` gives the band of some runs, by their index.
+
+    The longest runs come first, because they are the hardest to fit. Each goes to the band with most length left. For this
+    comparison, a band's length left is reduced by twice the length that the run lacks there, and by twice the run's
+    `_misfit` in that band: a band that is too deep or too shallow for its rooms.
+    """
     left = dict(room)
     bands: dict[Band, list[BayRun]] = {band: [] for band in room}
     order = sorted(range(len(runs)), key=lambda i: -run_width(runs[i], 450))
@@ -221,6 +252,10 @@ def distribute(
 
 
 def _misfit(run: BayRun, depth: int) -> float:
-    """How much wider a run is than its area wants, in a deep band, or than is good for its rooms, in a shallow one [cm]."""
+    """How badly a run fits a band of some depth [cm].
+
+    In a deep band, it is the width that the run has beyond what its area asks for, because rooms have a least width. In a
+    shallow band, it is the width beyond 1.8 times the depth for each bay, where rooms become too long.
+    """
     wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
     return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))

@@ -1,4 +1,8 @@
-"""Where door leaves hang: free to swing, never in each other's way nor in front of another opening."""
+"""Where door leaves hang: at which end of the opening, and into which room they swing.
+
+A leaf must swing freely: its swing area, the rectangle around the sector that it sweeps, overlaps no wall, obstacle or other
+leaf's swing area. As it stands, open, it must not block another opening. `hang_leaf` tries the four possible ways.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,14 +13,16 @@ from worlds.spec import RoomSpec
 
 LEAF_THICKNESS_M = 0.04
 _WALL_M = 0.051
-"""From a wall's centre line to clear of its face [m]."""
+"""Distance from a wall's centre line to just outside its face: half the thickness and 1 mm [m]."""
 _FRONT_M = 0.6
-"""What stays free before and behind an opening, for a body to step into [m]."""
+"""Depth of the area that stays free before and behind an opening, so that a body can step there [m]."""
 _PASSING_M = 0.65
-"""What stays free past a leaf that stands in a corridor [m]."""
+"""Width that stays free past the tip of a leaf that stands open in a corridor [m]."""
 _MOST_OPEN_RAD = math.radians(105.0)
 _AJAR_RAD = (math.radians(62.0), math.radians(85.0))
+"""Range of the angle of a leaf that does not stand fully open."""
 _CIRCULATION = frozenset({"corridor", "entrance hall", "lobby"})
+"""Labels of rooms that people walk along, where a leaf is most in the way."""
 
 
 def hang_leaf(
@@ -26,37 +32,46 @@ def hang_leaf(
     draws: tuple[float, float],
     obstacles: Sequence[Rectangle] = (),
 ) -> LeafDraft | None:
-    """A leaf for a door way, or None where there is no room for one to swing.
+    """Choose the leaf of a doorway; None where a leaf cannot swing freely.
 
-    It swings into the room that is not the corridor, hangs at the end nearer to a corner, and stands open. `gaps` are all
-    the storey's openings, with the leaves that hang already; `draws` in [0, 1) say how far it is open; it keeps clear of
-    `obstacles`.
+    The four ways to hang it are tried, and the first in which it swings freely is taken:
+
+    1. First into the room that is no corridor, so that the leaf does not stand in people's way (never into stairs).
+    2. For each room, first with the hinge at the end nearer to a corner, so that the open leaf stands against a wall.
+
+    A quarter of the leaves stand ajar; the others are open to a right angle or further, as far as the wall behind them
+    allows. `gaps` are all openings of the storey, with the leaves that were hung before. `draws` are two numbers in [0, 1)
+    that decide whether the leaf is ajar, and its angle. `obstacles` are further areas to keep free [m].
     """
     ajar = draws[0] < 0.25
-    for into in sorted(door.rooms, key=lambda room: _reluctance(rooms[room])):
+    for into in sorted(door.rooms, key=lambda room: _swing_rank(rooms[room])):
         if rooms[into].label == STAIRS:
             continue
-        for at_low in sorted((True, False), key=lambda low: _to_corner(door, rooms[into], low)):
-            low, high = _AJAR_RAD if ajar else (math.pi / 2, _widest(door, rooms[into], at_low))
+        for at_low in sorted((True, False), key=lambda low: _distance_to_corner(door, rooms[into], low)):
+            low, high = _AJAR_RAD if ajar else (math.pi / 2, _largest_angle(door, rooms[into], at_low))
             leaf = LeafDraft(at_low, into, round(low + draws[1] * (high - low), 3))
             if _swings_freely(door, leaf, gaps, rooms, obstacles):
                 return leaf
     return None
 
 
-def _reluctance(room: RoomSpec) -> tuple[int, float]:
-    """Doors swing into rooms rather than into corridors, indoors rather than out, and where there is more room."""
+def _swing_rank(room: RoomSpec) -> tuple[int, float]:
+    """Sort key: the smaller, the better a door swings into this room.
+
+    Doors swing into rooms rather than corridors, indoors rather than outdoors, and otherwise into the larger room.
+    """
     rank = 2 if room.label in OUTDOOR_LABELS else 1 if room.label in _CIRCULATION else 0
     return rank, -_extent(room)
 
 
 def _extent(room: RoomSpec) -> float:
+    """Area of the room's bounding rectangle [m²]."""
     xs, ys = zip(*room.polygon_m, strict=True)
     return float((max(xs) - min(xs)) * (max(ys) - min(ys)))
 
 
-def _to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """From an end of the door to the next wall across, away from the door [m]."""
+def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
+    """Distance from one end of the door, along its wall, to the next wall across; infinite if there is none [m]."""
     hinge, sign = (door.low, -1.0) if at_low else (door.high, 1.0)
     inside = door.at + _WALL_M * (1.0 if door.larger_side == room.id else -1.0)
     nearest = math.inf
@@ -67,7 +82,7 @@ def _to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
 
 
 def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]:
-    """The room's edges that run across `axis`: where on the axis, and from where to where across."""
+    """The room's edges at a right angle to `axis`, each as its coordinate on the axis and its extent across [m]."""
     corners, across = room.polygon_m, 1 - axis
     return [
         (p[axis], min(p[across], q[across]), max(p[across], q[across]))
@@ -76,26 +91,30 @@ def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]
     ]
 
 
-def _widest(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """The angle at which the leaf comes near the wall behind it [rad]."""
-    behind = _to_corner(door, room, at_low) - _WALL_M - LEAF_THICKNESS_M
+def _largest_angle(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
+    """The largest angle at which the leaf does not touch the wall behind it, at most `_MOST_OPEN_RAD` [rad]."""
+    behind = _distance_to_corner(door, room, at_low) - _WALL_M - LEAF_THICKNESS_M
     return min(_MOST_OPEN_RAD, math.pi / 2 + math.asin(min(1.0, max(0.0, behind / door.width))))
 
 
 def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
-    """The rectangle around all that the leaf sweeps up to where it stands, and at least to square, clear of its own wall."""
+    """The swing area: the rectangle around the sector that the leaf sweeps from closed to its angle [m].
+
+    The sector is that of a right angle for leaves that stand less far open: people open them further. The rectangle begins
+    outside the face of the door's own wall.
+    """
     behind = max(0.0, -math.cos(leaf.angle)) * door.width + LEAF_THICKNESS_M / 2
     return _box(door, leaf, -behind, door.width, door.width)
 
 
 def resting_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
-    """The rectangle around the leaf as it stands [m]."""
+    """The rectangle around the leaf at the angle at which it stands [m]."""
     tip, half = door.width * math.cos(leaf.angle), LEAF_THICKNESS_M / 2
     return _box(door, leaf, min(0.0, tip) - half, max(0.0, tip) + half, door.width * math.sin(leaf.angle))
 
 
 def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: float) -> Rectangle:
-    """From `start` to `stop` from the hinge towards the other end, and `depth` into the room."""
+    """The rectangle from `start` to `stop` along the wall, counted from the hinge, and `depth` into the room [m]."""
     along = (door.low + start, door.low + stop) if leaf.at_low else (door.high - stop, door.high - start)
     into_larger = door.larger_side == leaf.into
     cross = (door.at + _WALL_M, door.at + depth) if into_larger else (door.at - depth, door.at - _WALL_M)
@@ -103,7 +122,11 @@ def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: 
 
 
 def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool:
-    """Whether the door's leaf stands within `depth_m` before another opening, or swings through that one's leaf."""
+    """Whether the door's leaf is in the way of another opening.
+
+    If both have leaves that swing into the same room, that is so if their swing areas overlap; otherwise, if the leaf stands
+    within `depth_m` [m] in front of the opening.
+    """
     if door.leaf is None or door.leaf.into not in other.rooms or other is door:
         return False
     if other.leaf is not None and other.leaf.into == door.leaf.into:
@@ -118,7 +141,9 @@ def _swings_freely(
     rooms: Mapping[str, RoomSpec],
     obstacles: Sequence[Rectangle],
 ) -> bool:
+    """Whether the leaf's swing area is free, and the open leaf blocks no other opening of the room that it swings into."""
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
+    # In a corridor, people have to pass a leaf that stands square to the wall.
     passing = _PASSING_M if room.label in _CIRCULATION else 0.0
     needed = _box(door, leaf, -LEAF_THICKNESS_M / 2, door.width, door.width + passing) if passing else swing
     if any(_overlap(needed, wall) or _overlap(swing, wall) for wall in _walls(room)):
@@ -136,7 +161,7 @@ def _swings_freely(
 
 
 def _walls(room: RoomSpec) -> list[Rectangle]:
-    """The room's walls as rectangles a little thinner than they are."""
+    """The room's walls as rectangles, 2 mm thinner on each side than `_WALL_M`, so that touching is no overlap [m]."""
     half, corners = _WALL_M - 0.002, room.polygon_m
     return [
         (min(x0, x1) - half, min(y0, y1) - half, max(x0, x1) + half, max(y0, y1) + half)

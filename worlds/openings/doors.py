@@ -1,4 +1,4 @@
-"""Door leaves: panels on hinges, standing open as far as the spec says."""
+"""`DoorLeaf`: the panel of a door as a placed object, at the angle that the spec gives."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,8 +15,9 @@ from worlds.walls import Boundary
 
 LEAF_THICKNESS_M = 0.04
 _GAP_M = 0.01
-"""Between leaf and lintel."""
+"""Gap between the leaf and the lintel above it."""
 _ARC_STEPS = 8
+"""Straight pieces that stand for the arc of a leaf's tip."""
 _STEEL: Colour = (0.72, 0.72, 0.74)
 _PAINTS: tuple[tuple[Colour, str], ...] = (
     ((0.93, 0.92, 0.89), "plain"),
@@ -29,24 +30,24 @@ _PAINTS: tuple[tuple[Colour, str], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class DoorLeaf(Placed):
-    """The leaf of a door as it stands; in its own frame it runs along x, the hinge at the left end."""
+    """The leaf of a door at its angle. In its own frame it extends along x, with the hinge at the end of smaller x."""
 
     id: str
     storey: int
     opening: int
     """Index among the storey's openings."""
     into: str
-    """Id of the room that it swings into."""
+    """Id of the room that the leaf swings into."""
     hinge: tuple[float, float]
-    """On the wall's centre line [m]."""
+    """Position of the hinge, on the wall's centre line [m]."""
     shut_yaw: float
-    """Direction from the hinge to the free end when it is shut [rad]."""
+    """Direction from the hinge to the free end when the leaf is closed [rad]."""
     turn: float
-    """How far it stands open from there, counter-clockwise [rad]."""
+    """Angle from the closed to the present position, positive counter-clockwise [rad]."""
     position: Vector
     size: Vector
     style: int
-    """Seed of what it looks like."""
+    """Seed of the leaf's appearance."""
 
     @property
     def yaw(self) -> float:  # type: ignore[override]
@@ -55,18 +56,18 @@ class DoorLeaf(Placed):
 
     @cached_property
     def swing(self) -> Polygon:
-        """The sector that it sweeps from shut to where it stands, and at least to square with the wall [m]."""
+        """Swing area: the sector from the closed to the present position, but at least a quarter of a circle [m]."""
         return Polygon([self.hinge, *self.arc(math.copysign(max(abs(self.turn), math.pi / 2), self.turn))])
 
     def arc(self, turn: float) -> list[tuple[float, float]]:
-        """The way of its free end from shut through `turn` [rad], as points [m]."""
+        """The path of the free end from the closed position through an angle `turn` [rad], as points [m]."""
         (x, y), radius = self.hinge, self.size[0]
         angles = (self.shut_yaw + turn * i / _ARC_STEPS for i in range(_ARC_STEPS + 1))
         return [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """A panel with two fields, a handle on either side."""
+        """A panel with two fields and a handle on both sides."""
         (width, thickness, height), rng = self.size, np.random.default_rng(self.style)
         paint, material = _PAINTS[int(rng.integers(len(_PAINTS)))]
         shade: Colour = (0.88 * paint[0], 0.88 * paint[1], 0.88 * paint[2])
@@ -90,7 +91,15 @@ def hang_leaves(
     floor_m: float,
     style: int,
 ) -> Iterator[DoorLeaf]:
-    """The leaves of a storey with these `openings`, whose boundaries with the openings in them are `pieces`."""
+    """The leaves of a storey's `openings`.
+
+    Args:
+        level: index of the storey.
+        pieces: the storey's room boundaries, cut at the openings, each with the opening in it or None.
+        openings: the storey's openings; those without a leaf, or in no boundary, are skipped.
+        floor_m: height of the floor in W [m].
+        style: seed of the leaves' appearance, the same for all doors of the storey.
+    """
     wall_of = {id(opening): boundary for boundary, opening in pieces if opening is not None}
     for index, opening in enumerate(openings):
         wall = wall_of.get(id(opening))
@@ -104,7 +113,7 @@ def _hung(
     hinge, free = (opening.start_m, opening.end_m) if leaf.hinge == "start" else (opening.end_m, opening.start_m)
     width, along = opening.width_m, (free[0] - hinge[0], free[1] - hinge[1])
     across = 1.0 if wall.rooms[1] == leaf.into else -1.0
-    # The room's side of the wall is to the left of the shut leaf where the leaf opens counter-clockwise.
+    # A leaf opens counter-clockwise if the room that it swings into is to the left of the closed leaf, seen from its hinge.
     left = along[0] if wall.axis == 0 else -along[1]
     turn = math.copysign(leaf.angle_rad, across * left)
     shut = math.atan2(along[1], along[0])

@@ -1,4 +1,8 @@
-"""`OpeningDraft`: an opening while it is being planned, in plain floats along the wall that it is in."""
+"""`OpeningDraft`: an opening while its position is being planned.
+
+A draft gives the opening by its extent along its wall, which is easier to compute with than the end points of an
+`OpeningSpec`. The code calls drafts gaps.
+"""
 
 import itertools
 from collections.abc import Iterable, Iterator
@@ -14,51 +18,55 @@ _TOLERANCE_M = 1e-6
 
 @dataclass(frozen=True)
 class LeafDraft:
-    """A door's leaf."""
+    """The leaf of a door."""
 
     at_low: bool
-    """Whether it hangs at the gap's lower end."""
+    """Whether the hinge is at the end of the gap with the smaller coordinate."""
     into: str
+    """Id of the room that the leaf swings into."""
     angle: float
-    """[rad]"""
+    """How far the leaf is open; 0: closed [rad]."""
 
     def spec(self) -> LeafSpec:
-        """As data, of a gap whose lower end comes first."""
+        """The leaf as a spec, for an opening that starts at the gap's lower end."""
         return LeafSpec(hinge="start" if self.at_low else "end", into=self.into, angle_rad=self.angle)
 
 
 @dataclass(frozen=True)
 class OpeningDraft:
-    """An opening from `low` to `high` on the line `at` along `axis` (0: x, 1: y) [m]."""
+    """An opening in a wall that runs along `axis` (0: x, 1: y), from `low` to `high` on that axis [m]."""
 
     rooms: tuple[str, str]
-    """On the side of the smaller and of the larger cross coordinate."""
+    """Ids of the rooms on both sides: first the one at smaller coordinates across the wall, then the other."""
     kind: OpeningKind
     axis: int
     at: float
+    """Coordinate of the wall's centre line across the axis [m]."""
     low: float
     high: float
     height: float = 2.05
+    """Upper end above the floor [m]."""
     sill: float = 1.0
+    """Lower end above the floor, for half walls and counters only [m]."""
     leaf: LeafDraft | None = None
 
     @property
     def width(self) -> float:
-        """[m]."""
+        """Clear width [m]."""
         return self.high - self.low
 
     @property
     def larger_side(self) -> str:
-        """The room on the side of the larger cross coordinate."""
+        """Id of the room at larger coordinates across the wall."""
         return self.rooms[1]
 
     def around(self, depth_m: float) -> Rectangle:
-        """The rectangle before and behind the gap."""
+        """The rectangle that reaches `depth_m` to both sides of the gap [m]."""
         cross = self.at - depth_m, self.at + depth_m
         return (self.low, cross[0], self.high, cross[1]) if self.axis == 0 else (cross[0], self.low, cross[1], self.high)
 
     def spec(self) -> OpeningSpec:
-        """As data."""
+        """The opening as a spec."""
         ends = [(v, self.at) if self.axis == 0 else (self.at, v) for v in (self.low, self.high)]
         return OpeningSpec(
             rooms=self.rooms,
@@ -72,8 +80,9 @@ class OpeningDraft:
 
     @staticmethod
     def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "OpeningDraft":
-        """The gap of an opening that is placed already. Raises `HouseError` where it runs along neither x nor y."""
+        """The draft of an opening from a spec. Raises `HouseError` where it runs along neither x nor y."""
         axis, at, low, high = opening_span(opening)
+        # A spec may name its two rooms in any order; a draft needs them by their sides of the wall.
         sides = opening.rooms
         for wall in shared_walls(rooms[sides[0]], rooms[sides[1]]):
             if (wall.axis, wall.at) == (axis, at) and wall.low < high and low < wall.high:
@@ -86,12 +95,12 @@ class OpeningDraft:
 
 
 def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
-    """Where two rooms lie on either side of a line, in stretches."""
+    """The stretches of wall with room `a` on one side and room `b` on the other."""
     return join_stretches(_facing(a, b))
 
 
 def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
-    """Pieces that continue each other, between the same rooms, as one; sorted."""
+    """Sort pieces of boundary and merge those that continue each other on one line between the same rooms."""
     joined: list[Boundary] = []
     for piece in sorted(pieces, key=lambda wall: (wall.axis, wall.at, wall.low)):
         last = joined[-1] if joined else None
@@ -104,6 +113,7 @@ def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
 
 
 def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
+    """The overlaps of all pairs of edges of two rooms that lie on one line, with the rooms on opposite sides."""
     for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(_edges(a), _edges(b)):
         start, stop = max(low, low_b), min(high, high_b)
         if axis == axis_b and side != side_b and abs(at - at_b) < _TOLERANCE_M and stop - start > _TOLERANCE_M:
@@ -111,7 +121,7 @@ def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
 
 
 def _edges(room: RoomSpec) -> Iterator[tuple[int, float, float, float, int]]:
-    """Axis, place, extent of every edge, and on which side of it the room lies (1: larger cross coordinate)."""
+    """Every edge as (axis, coordinate across, low, high, side); side is 1 if the room is at larger coordinates across."""
     corners = room.polygon_m
     for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1], strict=True):
         if y0 == y1:

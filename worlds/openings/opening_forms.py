@@ -1,4 +1,8 @@
-"""Ways to open a partition by a given area: part of it away, an arch, a hatch beside the door, a half wall."""
+"""Forms in which a partition (the wall between two rooms) can be opened by a given area.
+
+A form takes a task, a partition and an area to open, and returns openings: a part of the wall removed, an arch, a half wall,
+or a hatch (an opening above a sill) beside the door. Each form covers only some range of areas, so `open_by` tries several.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -12,34 +16,40 @@ from worlds.spec import PASSABLE, OpeningKind
 from worlds.walls import Boundary
 
 _MIN_STRETCH_M = 0.6
-"""Shorter stretches of wall are never taken away whole; a body has to pass."""
+"""Shorter stretches of wall are never removed, because a body could not walk through."""
 _MIN_HATCH_M = 0.2
+"""Least width of a hatch."""
 _MAX_FRAMED_M = 2.6
+"""Greatest width of an arch or a cased opening."""
 _HATCH_CORNER_M = 0.05
+"""Distance of a hatch from the ends of its wall."""
 _DOOR_CORNER_M = 0.1
-"""Of a narrow door that makes way for a hatch; its leaf clears the wall across by this."""
+"""Distance of a door from the corner, when it is moved there to make space for a hatch; its leaf clears the wall there."""
 _LOW_SILL_M = 0.3
+"""Sill of a low hatch, which opens more of the wall than a usual one."""
 _EXACT_M2 = 0.03
+"""A form whose area differs by no more than this from the task's is accepted at once."""
 _DOOR_M = 0.85
+"""Usual width of a door."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a form has to do with a partition."""
+    """A partition and the area by which a form has to open it."""
 
     part: Partition
     old: tuple[OpeningDraft, ...]
-    """The gaps in it so far."""
+    """The openings that the partition has so far."""
     area: float
-    """Of the gaps to be [m²]."""
+    """Area that the new openings should have [m²]."""
     draw: float
-    """In [0, 1): where along the wall."""
+    """Number in [0, 1) that decides where along the wall an opening lies."""
     blocked: tuple[OpeningDraft, ...] = ()
-    """Stretches of wall that furniture stands at; no door is put there."""
+    """Stretches of wall with furniture in front of them, where no door is placed; each given as an opening draft."""
 
     @property
     def main(self) -> Boundary:
-        """The longest stretch."""
+        """The longest straight stretch of the partition."""
         return max(self.part.walls, key=lambda wall: wall.length)
 
 
@@ -47,7 +57,11 @@ Gaps = tuple[OpeningDraft, ...]
 
 
 def open_by(task: Task, style: str) -> Gaps:
-    """The gaps of the form that comes to the task's area, `style` first; else of the one that comes nearest."""
+    """Openings with the task's area, or as near to it as possible.
+
+    The form named `style` is tried first, then all others in the order of `FORMS`. The first with the right area (within
+    0.03 m²) is taken. If no form has it, the one that comes nearest is taken; a closed partition counts as area 0.
+    """
     best, least = closed(task), math.inf
     for name in (style, *(name for name in FORMS if name != style)):
         gaps = FORMS[name](task)
@@ -62,17 +76,21 @@ def open_by(task: Task, style: str) -> Gaps:
 
 
 def area_of(gaps: Sequence[OpeningDraft], part: Partition) -> float:
-    """What gaps take out of a partition for good [m²]."""
+    """Area by which openings permanently open a partition; doors count as 0 [m²]."""
     return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
 
 
 def fully_open(task: Task) -> Gaps:
-    """No wall, on every stretch that is wide enough to walk through."""
+    """Remove the wall on every stretch that is long enough to walk through."""
     return tuple(_open_gap(task, wall, wall.low, wall.high) for wall in task.part.walls if wall.length >= _MIN_STRETCH_M)
 
 
 def closed(task: Task) -> Gaps:
-    """A door if one could walk through before, else nothing."""
+    """Close the partition: keep a door if one could walk through before, so that rooms stay connected; else no opening.
+
+    Existing doors stay. Otherwise a door is placed in the longest free span, if possible not where furniture stands; if no
+    span is long enough, the door takes the place of the widest opening.
+    """
     doors = tuple(gap for gap in task.old if gap.kind == "door")
     ways = [gap for gap in task.old if gap.kind in PASSABLE]
     if doors or not ways:
@@ -85,8 +103,8 @@ def closed(task: Task) -> Gaps:
     return (replace(widest, kind="door", high=min(widest.high, widest.low + _DOOR_M), height=_height("door", task)),)
 
 
-def _away(task: Task) -> Gaps:
-    """A part of the wall away, floor to ceiling, from one end."""
+def _wall_removed(task: Task) -> Gaps:
+    """Remove a part of the wall from floor to ceiling, beginning at one of its ends; the longest stretches come first."""
     left = task.area / task.part.height_m
     gaps: list[OpeningDraft] = []
     for wall in sorted(task.part.walls, key=lambda wall: -wall.length):
@@ -101,20 +119,22 @@ def _away(task: Task) -> Gaps:
 
 def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A wide gap under a lintel or an arch."""
+        """A wide opening under a lintel or an arch, in the longest stretch."""
         span = (task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
         most, least = min(_MAX_FRAMED_M, span[2] - span[1]), 1.0 if kind == "arch" else MIN_DOOR_M
         if most < least:
             return None
         height = _height(kind, task)
-        rise = spandrel_area(1.0) if kind == "arch" else 0.0  # of every arch this wide, per metre of its width
+        # Area that an arch lacks of its bounding rectangle, per metre of width: from 0.8 m on, the curves of all arches are
+        # equally high, so this area is proportional to the width.
+        rise = spandrel_area(1.0) if kind == "arch" else 0.0
         return (_in_span(kind, task, span, min(max(task.area / (height - rise), least), most)),)
 
     return form
 
 
 def _half_wall(task: Task) -> Gaps | None:
-    """A passage at one end and a half wall beside it."""
+    """A passage without a wall at one end of the longest stretch, and a half wall beside it."""
     wall, height = task.main, task.part.height_m
     passage, sill = 0.9, 1.0
     most = wall.length - passage
@@ -133,7 +153,7 @@ def _half_wall(task: Task) -> Gaps | None:
 
 def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A hatch, as wide as needed, beside the door."""
+        """A hatch beside the door, as wide as the area asks for; with `narrow_door`, the door first moves to a corner."""
         doors = closed(task)
         if narrow_door and doors:
             span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
@@ -142,6 +162,7 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
         span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))
         if span[2] - span[1] < _MIN_HATCH_M or (doors and doors[-1].high > span[0].high):
             return None
+        # The area of a hatch is proportional to its width, so one of 1 m gives the area per metre.
         hatch = replace(make_gap(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
         width = task.area / area_of([hatch], task.part)
         placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span[2] - span[1]))
@@ -159,7 +180,10 @@ def _height(kind: OpeningKind, task: Task) -> float:
 
 
 def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
-    """A gap of that width, to the centimetre where the span allows it."""
+    """An opening of that width in a span, at the position that the task's draw gives; rounded to 1 cm where possible.
+
+    The ends of the span are not always on the centimetre grid, and the opening must stay within them.
+    """
     start, stop = round(span[1], 6), round(span[2], 6)
     width = min(round(width, 2), round(stop - start, 6))
     low = min(round(start + task.draw * (stop - start - width), 2), round(stop - width, 6))
@@ -168,7 +192,7 @@ def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> Opening
 
 
 FORMS: dict[str, Callable[[Task], Gaps | None]] = {
-    "open": _away,
+    "open": _wall_removed,
     "arch": _framed("arch"),
     "cased": _framed("cased"),
     "half wall": _half_wall,
@@ -178,6 +202,6 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
     "narrow": _hatch("counter", 1.0, narrow_door=True),
     "narrow and low": _hatch("half wall", _LOW_SILL_M, narrow_door=True),
 }
-"""By name; what people build more often first."""
+"""All forms by name, what people build most often first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Forms for their looks, and which share of a wall they usually take."""
+"""Forms from which a partition's style is drawn, and the range of the share of its area that they usually open."""

@@ -1,7 +1,7 @@
-"""`with_openness`: open or close the partitions of a house until it is as open as asked for.
+"""`with_openness`: open or close the partitions of a house until it has the openness asked for.
 
-The openness of a house is the share of the area of all partitions between indoor rooms that is gap for good: 0 where every
-room is behind doors, 1 where there is no inner wall.
+A partition is the wall between two indoor rooms. The openness of a house is the share of the area of all its partitions that
+is permanently open: 0 where every room has a door, 1 where there are no inner walls.
 """
 
 import math
@@ -24,50 +24,63 @@ _TIERS = {
     **dict.fromkeys(("corridor", "entrance hall", "lobby", "open-plan office", "office", "meeting room", "library"), 1),
     **dict.fromkeys(("bedroom", "children's room", "bathroom", "toilet"), 3),
 }
-"""What people open first; rooms not named come third, and what is private last."""
+"""Order in which partitions are opened, by label: rooms that people like open first, then work rooms, private rooms last.
+
+Labels that are not named are in tier 2.
+"""
 TOLERANCE = 0.05
+"""Greatest difference between the openness reached and the target."""
 _NEAR = 0.004
-"""Nearer than this to the target, no further partition is touched."""
+"""An openness that differs from the target by less than this is left as it is."""
 _FRONT_M = 0.6
+"""Depth of the area in front of a wall in which furniture counts as standing at it."""
 _NARROW_M = 1.3
-"""Before gaps narrower than this no leaf may stand."""
+"""No leaf may stand in front of an opening narrower than this."""
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """A partition, what is in it, and how it would be opened."""
+class _PartPlan:
+    """A partition, the openings planned for it, and how it would be opened further."""
 
     part: Partition
     gaps: Gaps
+    """The openings as planned now."""
     old: Gaps
+    """The openings that the house has."""
     order: tuple[int, float]
+    """Sort key: the tier of `_TIERS`, that of the more private of the two rooms, then a random number."""
     style: str
+    """The form in which the partition is opened first (see `opening_forms`)."""
     share: float
+    """Share of the partition's area that its style opens."""
     draws: tuple[float, float, float]
+    """Numbers in [0, 1): position of openings, whether a leaf is ajar, angle of the leaf."""
     blocked: Gaps
+    """Stretches of wall with furniture in front of them."""
 
     @property
     def area(self) -> float:
+        """Area that the planned openings open [m²]."""
         return area_of(self.gaps, self.part)
 
     def task(self, area: float) -> Task:
         return Task(self.part, self.old, area, self.draws[0], self.blocked)
 
-    def styled(self) -> "_Plan":
+    def styled(self) -> "_PartPlan":
         return self.opened_by(self.share * self.part.area)
 
-    def opened_by(self, area: float) -> "_Plan":
+    def opened_by(self, area: float) -> "_PartPlan":
         return replace(self, gaps=open_by(self.task(area), self.style) if area > 0.0 else closed(self.task(0.0)))
 
-    def full(self) -> "_Plan":
+    def full(self) -> "_PartPlan":
         return replace(self, gaps=fully_open(self.task(self.part.area)))
 
-    def shut(self) -> "_Plan":
+    def shut(self) -> "_PartPlan":
         return replace(self, gaps=closed(self.task(0.0)))
 
 
 def openness_of(spec: HouseSpec) -> float:
-    """The share of all partitions' area that is gap; 0 for a house without partitions."""
+    """Share of the area of all partitions that is permanently open, in [0, 1]; 0 for a house without partitions."""
     parts = partitions(spec)
     total, pairs = sum(part.area for part in parts), {part.rooms for part in parts}
     gaps = sum(gap_area(o, s.height_m) for s in spec.storeys for o in s.openings if frozenset(o.rooms) in pairs)
@@ -77,13 +90,20 @@ def openness_of(spec: HouseSpec) -> float:
 def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> HouseSpec:
     """The same house with its inner walls opened, or closed with doors, until its openness is within 0.05 of `target`.
 
-    Nothing but openings changes, and what was joined stays joined. Kitchens, dining and living rooms open first, then
-    corridors, lobbies and offices, bedrooms and bathrooms last; closing goes the other way. `seed` (absent: the house's)
-    draws the order among equals and the ways of opening. Raises `WorldsError` for a target outside of [0, 1], and where the
-    inner walls are so short (less than 1.5 m in all) that there is no such house.
+    Only openings change, and rooms that were connected stay connected.
+
+    1. Sort the partitions: kitchens, dining and living rooms first, then corridors, lobbies and offices, bedrooms and
+       bathrooms last. `seed` (None: the house's) draws the order within these tiers, and the form of each opening.
+    2. `_share_out` opens the partitions in this order, or closes them in the reverse order, until the next one would go
+       past the target; this one is changed only in part.
+    3. Openings cannot have just any area, so a difference may be left. `_correct` lets other partitions make up for it.
+    4. The storeys whose openings changed are rebuilt, with leaves in the new doors.
+
+    Raises `WorldsError` for a target outside of [0, 1], and where the inner walls are so short (less than 1.5 m in total)
+    that no such house exists.
     """
     if not 0.0 <= target <= 1.0:
-        raise WorldsError(f"no house has openness {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
+        raise WorldsError(f"openness is {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
     before = _plans(spec, spec.seed if seed is None else seed)
     total = sum(plan.part.area for plan in before)
     after = list(before)
@@ -99,8 +119,8 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     return spec.model_copy(update={"storeys": tuple(storeys)})
 
 
-def _plans(spec: HouseSpec, seed: int) -> list[_Plan]:
-    """All partitions, what people open first at the head."""
+def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
+    """A plan for every partition of a house, in the order in which they are opened."""
     plans = []
     for part in partitions(spec):
         storey = spec.storeys[part.storey]
@@ -108,22 +128,28 @@ def _plans(spec: HouseSpec, seed: int) -> list[_Plan]:
         gaps = tuple(
             OpeningDraft.of(opening, rooms) for opening in storey.openings if frozenset(opening.rooms) == part.rooms
         )
+        # A generator for each partition, so that a change to one does not change the draws of others.
         rng = np.random.default_rng([seed, zlib.crc32("|".join(sorted(part.rooms)).encode())])
         draws = rng.random(5).tolist()
         style = list(STYLES)[int(draws[3] * len(STYLES))]
         low, high = STYLES[style]
         order = max(_TIERS.get(rooms[room].label, 2) for room in part.rooms), draws[4]
         blocked = _blocked(part, storey)
-        plans.append(_Plan(part, gaps, gaps, order, style, low + draws[1] * (high - low), tuple(draws[:3]), blocked))
+        plans.append(_PartPlan(part, gaps, gaps, order, style, low + draws[1] * (high - low), tuple(draws[:3]), blocked))
     return sorted(plans, key=lambda plan: plan.order)
 
 
-def _excess(plans: Sequence[_Plan], goal: float) -> float:
+def _excess(plans: Sequence[_PartPlan], goal: float) -> float:
+    """How far the open area of all plans is above the goal [m²]."""
     return sum(plan.area for plan in plans) - goal
 
 
-def _share_out(plans: list[_Plan], goal: float) -> None:
-    """Take step after step towards the goal [m²], the one that would overshoot in part."""
+def _share_out(plans: list[_PartPlan], goal: float) -> None:
+    """Take the `_steps` in order until the open area reaches the goal [m²].
+
+    Steps in the wrong direction are skipped: a partition may already be more open than its style would make it. The step
+    that would go past the goal is taken only in part, if that brings the area nearer to the goal, and is the last one.
+    """
     lacking = -_excess(plans, goal)
     opening = lacking > 0.0
     for i, new in _steps(plans, opening):
@@ -139,8 +165,12 @@ def _share_out(plans: list[_Plan], goal: float) -> None:
         lacking -= gain
 
 
-def _steps(plans: list[_Plan], opening: bool) -> Iterator[tuple[int, _Plan]]:
-    """Partition by partition, what it would be next: tier by tier each in its style, then each without walls; or shut."""
+def _steps(plans: list[_PartPlan], opening: bool) -> Iterator[tuple[int, _PartPlan]]:
+    """The changes to try, each as a plan's index and its new version.
+
+    To open a house: tier by tier, first each partition in its style, then each without its wall, so that all partitions of a
+    tier are opened a little before one of them disappears. To close a house: each partition closed, the most private first.
+    """
     if not opening:
         yield from ((i, plans[i].shut()) for i in reversed(range(len(plans))))
         return
@@ -150,8 +180,11 @@ def _steps(plans: list[_Plan], opening: bool) -> Iterator[tuple[int, _Plan]]:
         yield from ((i, plans[i].full()) for i in members)
 
 
-def _correct(plans: list[_Plan], goal: float, enough: float) -> None:
-    """Where the last partition could not take exactly what was left, let others take it."""
+def _correct(plans: list[_PartPlan], goal: float, enough: float) -> None:
+    """Change one partition after another by the difference that is left, until it is at most `enough` [m²].
+
+    A change is kept only if it reduces the difference.
+    """
     for i in range(len(plans)):
         excess = _excess(plans, goal)
         if abs(excess) <= enough:
@@ -161,8 +194,11 @@ def _correct(plans: list[_Plan], goal: float, enough: float) -> None:
             plans[i] = new
 
 
-def _rebuild(storey: StoreySpec, changed: Sequence[_Plan]) -> StoreySpec:
-    """The storey with the openings of some partitions replaced, and leaves in the new doors."""
+def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
+    """The storey with the openings of some partitions replaced, and leaves in the new doors.
+
+    Old leaves stay, unless they would stand in front of a narrow new opening; such a leaf is hung differently or removed.
+    """
     rooms = {room.id: room for room in storey.rooms}
     pairs = {plan.part.rooms for plan in changed}
     kept = [opening for opening in storey.openings if frozenset(opening.rooms) not in pairs]
@@ -170,7 +206,7 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_Plan]) -> StoreySpec:
     gaps = [OpeningDraft.of(opening, rooms) for opening in kept] + [gap for gap, _ in new]
     draws = [(0.5, 0.5)] * len(kept) + [(ajar, angle) for _, (_, ajar, angle) in new]
     narrow = [gap for gap, _ in new if gap.width < _NARROW_M]
-    obstacles = [_footprint(piece) for piece in _standing(storey)]
+    obstacles = [_footprint(piece) for piece in _blocking_furniture(storey)]
     openings = kept + [gap.spec() for gap, _ in new]
     for k, gap in enumerate(gaps):
         bare = gap.leaf is None and k >= len(kept)
@@ -180,12 +216,13 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_Plan]) -> StoreySpec:
     return storey.model_copy(update={"openings": tuple(openings)})
 
 
-def _standing(storey: StoreySpec) -> list[FurnitureSpec]:
+def _blocking_furniture(storey: StoreySpec) -> list[FurnitureSpec]:
+    """The solid furniture that the spec lists, at a height where it blocks people."""
     return [piece for piece in storey.furniture or () if kind_of(piece.kind).solid and piece.position_m[2] < 2.0]
 
 
 def _footprint(piece: FurnitureSpec) -> Rectangle:
-    """The rectangle around a piece."""
+    """The axis-aligned bounding rectangle of a piece in the plan [m]."""
     (x, y, _), (width, depth, _) = piece.position_m, piece.size_m
     cos, sin = abs(math.cos(piece.yaw_rad)) / 2, abs(math.sin(piece.yaw_rad)) / 2
     dx, dy = width * cos + depth * sin, width * sin + depth * cos
@@ -193,10 +230,10 @@ def _footprint(piece: FurnitureSpec) -> Rectangle:
 
 
 def _blocked(part: Partition, storey: StoreySpec) -> Gaps:
-    """The stretches of a partition's walls that furniture stands before."""
+    """The stretches of a partition's walls with furniture in front of them, as drafts of openings."""
     rooms = sorted(part.rooms)
     found = []
-    for x0, y0, x1, y1 in (_footprint(piece) for piece in _standing(storey) if piece.room in part.rooms):
+    for x0, y0, x1, y1 in (_footprint(piece) for piece in _blocking_furniture(storey) if piece.room in part.rooms):
         for wall in part.walls:
             along, across = ((x0, x1), (y0, y1)) if wall.axis == 0 else ((y0, y1), (x0, x1))
             if across[0] < wall.at + _FRONT_M and across[1] > wall.at - _FRONT_M:

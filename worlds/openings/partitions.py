@@ -1,4 +1,4 @@
-"""`Partition`: all that separates two indoor rooms of a storey, and how much of it is gap for good."""
+"""`Partition`: the boundary between two indoor rooms of a storey, and how much of its area is permanently open."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -12,23 +12,24 @@ from worlds.walls import Boundary, boundaries
 
 @dataclass(frozen=True)
 class Partition:
-    """The boundary between two indoor rooms neither of which is stairs."""
+    """The whole boundary between two indoor rooms of a storey, neither of which is stairs."""
 
     storey: int
     rooms: frozenset[str]
+    """Ids of the two rooms."""
     walls: tuple[Boundary, ...]
-    """Its straight stretches."""
+    """The straight stretches that the boundary consists of."""
     height_m: float
-    """Floor to ceiling."""
+    """Height of the ceiling above the floor [m]."""
 
     @property
     def area(self) -> float:
-        """Gaps included [m²]."""
+        """Area of the boundary, openings included [m²]."""
         return self.height_m * sum(wall.length for wall in self.walls)
 
 
 def partitions(spec: HouseSpec) -> list[Partition]:
-    """All partitions of a house, storey by storey. Raises `HouseError` where rooms overlap."""
+    """The partitions of all storeys, lowest first. Raises `HouseError` where rooms overlap."""
     found = []
     for level, storey in enumerate(spec.storeys):
         inner = {room.id for room in storey.rooms if room.label != STAIRS and room.label not in OUTDOOR_LABELS}
@@ -42,7 +43,10 @@ def partitions(spec: HouseSpec) -> list[Partition]:
 
 
 def gap_area(opening: OpeningSpec, ceiling_m: float) -> float:
-    """What an opening takes out of the wall for good [m²]: nothing if it is a door, which can be closed."""
+    """Area by which an opening permanently opens the wall, under a ceiling at `ceiling_m` [m²].
+
+    It is 0 for a door, because a door can be closed.
+    """
     if opening.kind == "door":
         return 0.0
     low, high = opening.gap_m(ceiling_m)

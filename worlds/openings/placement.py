@@ -1,4 +1,4 @@
-"""`place_openings`: from which rooms are joined to where in their wall, how wide, and which way the doors swing."""
+"""`place_openings`: turns links (requests to connect two rooms) into openings with a position, a width and a door leaf."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,27 +14,39 @@ from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 
 CORNER_M = 0.15
+"""Least distance of an opening from the ends of its wall."""
 APART_M = 0.1
+"""Least distance between two openings."""
 MIN_DOOR_M = 0.7
+"""Least width of a door."""
 MIN_OPEN_M = 0.8
-"""Of a wall taken away; other walls reach into the gap at corners."""
-_MIN_LOOK_M = 0.4
+"""Least length of a wall that is removed; the walls across reach into the opening at its corners."""
+_MIN_LOOK_THROUGH_M = 0.4
+"""Least width of a half wall or counter, which one can only look over."""
 _WIDTHS_M: dict[OpeningKind, tuple[float, float]] = {
     "door": (0.8, 1.0), "cased": (1.1, 2.0), "arch": (1.1, 2.0), "half wall": (1.0, 3.0), "counter": (1.0, 2.2),
 }  # fmt: skip
+"""Range from which the width of an opening is drawn."""
 _DOORLESS = 0.06
-"""Share of door ways without a leaf."""
+"""Share of doorways without a leaf."""
 _DRAWS = 7
+"""Random numbers that each link uses."""
 
 Span = tuple[Boundary, float, float]
-"""A free part of a shared wall, from where to where [m]."""
+"""A free part of a shared wall: the wall, and the ends of the part along it [m]."""
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
-    """All openings of a storey: those that the layout has already, then those of its links in their order.
+    """All openings of a storey: those that the layout has already, then those of its links, in their order.
 
-    On the centimetre grid, clear of corners and of each other. A wall too short for the kind asked for gets a door. Every
-    link has draws of its own. Raises `WorldsError`, naming the rooms, where not even a door fits.
+    1. Every link gets its own random numbers, all drawn first, so that how many of them one link uses does not change the
+       others. The links of twin rooms draw them from a seed that they share.
+    2. Openings that one can walk through are placed first, because they must fit; half walls and counters take what is left.
+       Openings lie on the centimetre grid, clear of corners and of each other. A wall too short for the kind asked for gets
+       a door.
+    3. Door leaves are hung when all openings have a position, since a leaf must not block an opening.
+
+    Raises `WorldsError`, naming the rooms, where not even a door fits.
     """
     rooms = {room.id: room for room in layout.rooms}
     gaps = [OpeningDraft.of(opening, rooms) for opening in layout.openings]
@@ -44,7 +56,7 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
             draws[i] = default_rng(link.seed).random(_DRAWS).tolist()
     walkable_pairs = {frozenset(link.rooms) for link in layout.links if link.kind in PASSABLE}
     placed: dict[int, list[OpeningDraft]] = {}
-    # What one walks through has the first choice of the wall.
+    # False sorts before True: links that one can walk through come first.
     for i in sorted(range(len(layout.links)), key=lambda k: layout.links[k].kind not in PASSABLE):
         link = layout.links[i]
         walls = shared_walls(rooms[link.rooms[0]], rooms[link.rooms[1]])
@@ -63,7 +75,11 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
 def _place(
     link: Link, alone: bool, walls: Sequence[Boundary], gaps: Sequence[OpeningDraft], storey_m: float, draws: Sequence[float]
 ) -> list[OpeningDraft]:
-    """The gaps of one link; `alone`: there is no way yet between the rooms and this kind is none."""
+    """The openings of one link.
+
+    `alone`: one cannot walk through the kind asked for (a half wall or a counter), and no other link connects the rooms.
+    They get a door or a cased opening first.
+    """
     if link.kind == "open":
         wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
         if not wide:
@@ -71,22 +87,22 @@ def _place(
         return [make_gap("open", span, span[1], span[2], storey_m) for span in wide]
     spans = free_spans(walls, gaps)
     if link.kind in PASSABLE:
-        return [_somewhere(link, walls, spans, storey_m, draws)]
+        return [_place_passable(link, walls, spans, storey_m, draws)]
     way_in = Link(link.rooms, "cased" if draws[4] < 0.5 else "door")
-    found = [_somewhere(way_in, walls, spans, storey_m, draws)] if alone else []
+    found = [_place_passable(way_in, walls, spans, storey_m, draws)] if alone else []
     beside = free_spans(walls, [*gaps, *found])
     room_for = max((high - low for _, low, high in beside), default=0.0)
-    if room_for >= _MIN_LOOK_M:
+    if room_for >= _MIN_LOOK_THROUGH_M:
         found.append(_fit(link.kind, beside, room_for, storey_m, draws))
     elif not found:
         raise _too_short(link, walls)
     return found
 
 
-def _somewhere(
+def _place_passable(
     link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]
 ) -> OpeningDraft:
-    """A passable gap of the link's kind if it fits, of a door otherwise."""
+    """An opening of the link's kind if it fits, otherwise a door."""
     longest = max((high - low for _, low, high in spans), default=0.0) + 1e-9
     kind: OpeningKind = link.kind if longest >= _WIDTHS_M[link.kind][0] else "door"
     if longest < MIN_DOOR_M:
@@ -95,21 +111,23 @@ def _somewhere(
 
 
 def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> OpeningDraft:
-    """A gap as wide as drawn and as fits, more often near a corner than not."""
+    """An opening as wide as drawn, if it fits; doors lie near a corner more often than not."""
     least, most = _WIDTHS_M[kind]
     width = min(round(least + draws[0] * (most - least), 2), math.floor(longest * 100 + 1e-6) / 100)
     fitting = [span for span in spans if span[2] - span[1] >= width - 1e-9]
     span = _by_length(fitting, draws[1])
     slack = max(0.0, span[2] - span[1] - width)
-    # Doors stand in corners: their leaves then open against a wall, and the room keeps its longest stretch of wall.
+    # Doors are placed near corners: their leaves then open against a wall, and the room keeps its longest stretch of wall.
     shift = draws[2] * slack if kind != "door" or draws[3] < 0.3 else min(slack, 0.15 * draws[2])
     start = span[1] + shift if draws[3] < 0.65 else span[1] + slack - shift
+    # Round up to the centimetre grid, but not past the last grid point at which the opening fits into the span.
     low = min(math.ceil(round(start, 6) * 100 - 1e-6), math.floor(round(span[2] - width, 6) * 100 + 1e-6)) / 100
     low = max(low, round(span[1], 6))
     return make_gap(kind, span, low, round(low + width, 6), storey_m)
 
 
 def _by_length(spans: Sequence[Span], share: float) -> Span:
+    """The span at share `share` in [0, 1) of the total length: long spans are chosen more often."""
     left = share * sum(high - low for _, low, high in spans)
     for span in spans:
         left -= span[2] - span[1]
@@ -119,7 +137,10 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
 
 
 def make_gap(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
-    """A gap in a wall with the usual heights of its kind, in a storey that is `storey_m` high."""
+    """An opening from `low` to `high` along the wall of a span [m], with the usual height of its kind.
+
+    It stays at least 5 cm below the ceiling, which is `storey_m` above the floor [m].
+    """
     wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)
     rooms = (str(wall.rooms[0]), str(wall.rooms[1]))
@@ -129,7 +150,7 @@ def make_gap(kind: OpeningKind, span: Span, low: float, high: float, storey_m: f
 def free_spans(
     walls: Iterable[Boundary], gaps: Sequence[OpeningDraft], corner_m: float = CORNER_M, apart_m: float = APART_M
 ) -> list[Span]:
-    """What is left of walls between corners and gaps, keeping the given distances [m] from both."""
+    """The parts of walls that are free, at least `corner_m` from the walls' ends and `apart_m` from all `gaps` [m]."""
     spans: list[Span] = []
     for wall in walls:
         start, stop = wall.low + corner_m, wall.high - corner_m

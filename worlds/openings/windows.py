@@ -1,4 +1,4 @@
-"""Windows: where rooms get them when the spec is silent, and what they look like from inside."""
+"""Windows: `sample_windows` draws them for rooms of a spec that lists none, `hang_windows` makes them placed objects."""
 
 import math
 import zlib
@@ -19,76 +19,82 @@ from worlds.spec import HouseSpec, RoomSpec, WindowSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary, segment_span
 
 WINDOW_DEPTH_M = 0.07
-"""That frame, sill and curtains stand out from the wall into the room [m]."""
+"""How far frame, sill and curtains reach from the wall into the room [m]."""
 _CORNER_M = 0.2
+"""Least distance of a window from the ends of its wall."""
 _APART_M = 0.3
+"""Least distance between two windows."""
 _UNDER_CEILING_M = 0.12
+"""Least distance of a window from the ceiling."""
 _TRIES = 4
+"""Positions that are tried for each window."""
 _TOLERANCE_M = 1e-6
 
 
 @dataclass(frozen=True)
-class _Look:
-    """The windows of a kind of room."""
+class _WindowStyle:
+    """Number and size of the windows in one kind of room."""
 
     count: Range
-    """Expected number, drawn between these."""
+    """Range from which the expected number of windows is drawn."""
     width: Range
-    """[m]"""
+    """Range of the width [m]."""
     sill: Range
-    """[m]"""
+    """Range of the sill's height above the floor [m]."""
     height: Range
-    """From sill to upper edge [m]."""
+    """Range of the height from the sill to the upper edge [m]."""
 
 
-_USUAL = _Look((1.0, 2.0), (1.1, 1.7), (0.92, 1.02), (1.1, 1.3))
-_SELDOM = _Look((0.4, 0.5), (1.1, 1.5), (0.92, 1.02), (1.1, 1.3))
-_LARGE = _Look((1.0, 2.0), (1.4, 2.0), (0.7, 0.95), (1.3, 1.5))
-_ROW = _Look((2.0, 4.0), (1.4, 2.0), (0.9, 1.0), (1.2, 1.4))
-_HIGH = _Look((0.5, 0.5), (0.6, 0.9), (1.45, 1.55), (0.5, 0.6))
-_LOOKS: Mapping[str, _Look] = {
+_USUAL = _WindowStyle((1.0, 2.0), (1.1, 1.7), (0.92, 1.02), (1.1, 1.3))
+_SELDOM = _WindowStyle((0.4, 0.5), (1.1, 1.5), (0.92, 1.02), (1.1, 1.3))
+_LARGE = _WindowStyle((1.0, 2.0), (1.4, 2.0), (0.7, 0.95), (1.3, 1.5))
+_ROW = _WindowStyle((2.0, 4.0), (1.4, 2.0), (0.9, 1.0), (1.2, 1.4))
+_HIGH = _WindowStyle((0.5, 0.5), (0.6, 0.9), (1.45, 1.55), (0.5, 0.6))
+_WINDOW_STYLES: Mapping[str, _WindowStyle] = {
     **dict.fromkeys(("dining room", "bedroom", "children's room", "office", "meeting room", "gym", "print room"), _USUAL),
     **dict.fromkeys(("library", "laboratory", "lobby"), _USUAL),
     "living room": _LARGE,
     **dict.fromkeys(("open-plan office", "classroom"), _ROW),
-    "kitchen": _Look((1.0, 1.0), (1.1, 1.4), (1.05, 1.1), (0.95, 1.1)),
+    "kitchen": _WindowStyle((1.0, 1.0), (1.1, 1.4), (1.05, 1.1), (0.95, 1.1)),
     "bathroom": _HIGH,
-    "toilet": _Look((0.3, 0.3), (0.5, 0.7), (1.5, 1.6), (0.45, 0.55)),
+    "toilet": _WindowStyle((0.3, 0.3), (0.5, 0.7), (1.5, 1.6), (0.45, 0.55)),
     **dict.fromkeys(("corridor", "entrance hall", "laundry room"), _SELDOM),
 }
-"""Rooms that are not named have none."""
+"""Windows by room label; rooms with other labels have none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Window(Placed):
-    """A window in its wall; the object is what stands out of the wall on the inside."""
+    """A window in its wall. The placed object is the part in front of the wall, in the room: frame, sill and curtains."""
 
     id: str
     room: str
     storey: int
     wall: Boundary
-    """The stretch of outer wall that it is in."""
+    """The stretch of outer wall in which the window lies."""
     start: tuple[float, float]
-    """One end on the wall's centre line [m]."""
+    """One end of the window on the wall's centre line [m]."""
     end: tuple[float, float]
+    """The other end [m]."""
     position: Vector
     yaw: float
     size: Vector
     style: int
-    """Seed of what it looks like."""
+    """Seed of the window's appearance."""
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Frame, panes, sill, and curtains or none."""
+        """Frame, panes, sill, and in some windows curtains."""
         return window_parts(Size(*self.size), np.random.default_rng(self.style))
 
 
 def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, rng: Generator) -> tuple[WindowSpec, ...]:
-    """Windows for a room under a ceiling at `height_m`; `outer` are the stretches of its walls with nothing behind them.
+    """Draw the windows of a room whose ceiling is `height_m` above the floor [m].
 
-    They keep clear of corners and of each other; rooms that usually have none, and rooms without outer walls, get none.
+    `outer` are the stretches of the room's walls with nothing behind them. All windows of a room have the same size. Windows
+    keep their distance from corners and from each other; a window for which no free position is found is left out.
     """
-    look = _LOOKS.get(room.label)
+    look = _WINDOW_STYLES.get(room.label)
     if look is None or not outer:
         return ()
     low, high = look.count
@@ -116,7 +122,10 @@ def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, r
 def _spot(
     outer: Sequence[Boundary], widths: tuple[float, float], t: float, placed: Sequence[tuple[Boundary, float, float]]
 ) -> tuple[Boundary, float, float] | None:
-    """A place at share `t` of all that is free for a window of the first of `widths` that fits anywhere."""
+    """The wall and the ends of a window at share `t` in [0, 1) of all positions along the outer walls.
+
+    The window has the first of `widths` that fits into any of the walls. None if it would be too near to one of `placed`.
+    """
     for width in widths:
         rooms = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
         left = t * sum(rooms)
@@ -135,9 +144,10 @@ def _spot(
 def hang_windows(
     spec: HouseSpec, level: int, windows: Sequence[WindowSpec], outer: Mapping[str, Sequence[Boundary]], floor_m: float
 ) -> Iterator[Window]:
-    """The `windows` of a storey, whose rooms have the stretches `outer` of outer wall.
+    """The windows of a storey as placed objects.
 
-    Raises `HouseError` for a window that lies in no outer wall of its room, or upside down.
+    `outer` has the stretches of outer wall of every room, by room id; `floor_m` is the floor's height in W [m]. Raises
+    `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
     """
     rooms = {room.id: room for room in spec.storeys[level].rooms}
     count: Counter[str] = Counter()
@@ -146,7 +156,7 @@ def hang_windows(
         wall = _wall_of(window, outer.get(window.room, ()))
         if wall is None:
             raise HouseError(
-                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room that no other room is behind"
+                f"{place}: {window.start_m} - {window.end_m} must lie in a wall of that room with no other room behind it"
             )
         if window.sill_m >= window.height_m:
             raise HouseError(f"{place}: its sill ({window.sill_m} m) is not below its upper edge ({window.height_m} m)")
@@ -156,12 +166,13 @@ def hang_windows(
 
 
 def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
-    """A seed that depends on the room alone, and is the same for twins."""
+    """Seed of a window's appearance; it depends on nothing else of the house than the room, and twin rooms share it."""
     own = (spec.seed, room.id) if room.seed is None else (room.seed,)
     return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())
 
 
 def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:
+    """The stretch of outer wall in which the whole window lies; None if there is none."""
     span = segment_span(spec.start_m, spec.end_m)
     if span is None:
         return None

@@ -165,7 +165,7 @@ def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
         (["generate", "-o", "."], "is a folder"),
         (["generate", "-o", "pipe"], "pipe: is a device or a pipe"),
         (["variant", "good.json", "-o", "h.json"], "good.json: nothing would change"),
-        (["variant", "good.json", "--clutter", "5", "-o", "h.json"], "clutter 5.0 cannot be; valid: 0"),
+        (["variant", "good.json", "--clutter", "5", "-o", "h.json"], "clutter is 5.0; valid: 0"),
         (["variant", "good.json", "--repaint", "-4", "-o", "h.json"], "whole number from 0"),
         (["import", "plan.png", "-o", "h.json"], "valid: .svg, .geojson, .json"),
         (["import", "plan.svg", "-o", "h.json"], "plan.svg: cannot be read"),

@@ -90,5 +90,5 @@ def test_given_windows_are_kept_and_wrong_ones_refused():
     for bad in ({"room": "living room"}, {"end_m": (0.4, 4.5)}, {"end_m": (0.0, 14.5)}, {"sill_m": 2.2}):
         with pytest.raises(HouseError, match=r"storeys\[0\].windows\[0\]"):
             house_with(given.model_copy(update=bad))
-    with pytest.raises(HouseError, match="no other room is behind"):
+    with pytest.raises(HouseError, match="no other room behind it"):
         house_with(WindowSpec(room="kitchen", start_m=(1.0, 0.0), end_m=(2.0, 0.0)))
