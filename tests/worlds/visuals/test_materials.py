@@ -110,7 +110,7 @@ def test_unknown_names_and_sizes_are_refused():
     rng = np.random.default_rng(0)
     with pytest.raises(WorldsError, match="velvet"):
         texture("velvet", COLOUR, rng, (8, 8), (1.0, 1.0))
-    with pytest.raises(WorldsError, match="positive"):
+    with pytest.raises(WorldsError, match="valid: above 0"):
         texture("wood", COLOUR, rng, (8, 8), (0.0, 1.0))
     with pytest.raises(WorldsError, match="dungeon"):
         finish_of("dungeon", rng)
