@@ -15,7 +15,7 @@ from lexis.datasets.dataset import write_dataset
 from lexis.errors import EncoderError
 from lexis.map.folder import load_map, save_map
 from lexis.query.calibration import Calibration, save_calibration
-from lexis.types import Camera, EncoderId, Intrinsics, Observation
+from lexis.types import Camera, EncoderId, Intrinsics, LoopEdge, Observation
 
 
 class ColourEncoder:
@@ -46,7 +46,7 @@ def encoders(monkeypatch):
             raise EncoderError("encoder 'gone': no model 'gone'")
         return ColourEncoder()
 
-    monkeypatch.setattr(cli, "_encoder", load)
+    monkeypatch.setattr("lexis.encoder.open_clip_encoder.load_encoder", load)
     return asked
 
 
@@ -292,6 +292,11 @@ def test_the_help_of_all_has_an_example(capsys):
     assert "\n  lexis run " in capsys.readouterr().out.split("example:")[1]
 
 
-@pytest.mark.parametrize(("number", "says"), [(0, "0 keyframes"), (1, "1 keyframe"), (2, "2 keyframes")])
-def test_one_is_no_plural(number, says):
-    assert cli._count(number, "keyframe") == says
+@pytest.mark.parametrize(("loops", "says"), [(0, "0 loop edges"), (1, "1 loop edge"), (2, "2 loop edges")])
+def test_a_count_of_one_is_singular(mapped, tmp_path, capsys, loops, says):
+    edges = tuple(LoopEdge(8 + i, i, np.eye(4), np.eye(6), 20) for i in range(loops))
+    candidates = tuple((edge.query, (edge.match,)) for edge in edges)
+    looped = replace(load_map(mapped), loops=edges, loop_weights=np.ones(loops), candidates=candidates)
+    save_map(looped, tmp_path / "looped")
+    assert cli.main(["relabel", str(tmp_path / "looped"), "--rooms", "kitchen,hall", "-o", str(tmp_path / "other")]) == 0
+    assert f"keyframes, {says}, rooms: " in capsys.readouterr().out

@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from lexis.config import LandmarkConfig
 from lexis.features import FeatureExtractor
-from lexis.landmarks import View, _fit, _Tracks, triangulate
+from lexis.landmarks import View, triangulate
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Features, Intrinsics
+from lexis.types import Camera, Features, Intrinsics
 
 CONFIG = LandmarkConfig()
 
@@ -119,5 +119,10 @@ def test_a_false_match_whose_depth_is_that_of_a_camera_stops_nothing(rng):
     T_V_R[1:, :3, 3] = [[-0.048343, 0.000139, 0.234008], [0.152942, -0.014453, -0.179848]]
     pixels = np.array([[369.25036621, 141.45582581], [170.92623901, 184.57714844], [164.18553162, 141.71463013]])
     intrinsics = Intrinsics(480, 360, 201.3839, 201.3839, 239.5, 179.5)
-    many = pixels + rng.normal(0.0, 0.5, (2000, 3, 2))
-    _fit(_Tracks(many, np.ones((2000, 3), bool), T_V_R, intrinsics))
+    camera = Camera(intrinsics, np.eye(4))
+    many = (pixels + rng.normal(0.0, 0.5, (2000, 3, 2))).astype(np.float32)
+    descriptors = rng.integers(0, 256, (2000, 61), np.uint8)
+    views = [View(se3.inverse(T), Features(many[:, i], descriptors)) for i, T in enumerate(T_V_R)]
+    everything = replace(CONFIG, epipolar_px=1000.0, max_reprojection_px=1e9, min_parallax_rad=1e-9)
+    landmarks = triangulate(views[0], views[1:], camera, everything)
+    assert landmarks.points.shape == (len(landmarks.feature_ids), 3)

@@ -12,7 +12,7 @@ from shapely.ops import unary_union
 
 from worlds.errors import HouseError
 from worlds.furniture.catalogue import CATALOGUE
-from worlds.furniture.placing.furnish import _kinds_for, furnish, is_solid
+from worlds.furniture.placing.furnish import furnish, is_solid, kinds_for
 from worlds.furniture.placing.kept_free import PASSAGE_M
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.furniture.registry import KINDS, furniture
@@ -274,7 +274,7 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     names = [f"{label} 4.2 x 4.0" for label in ("living room", "bedroom", "office", "gym")]
 
     def all_pieces():
-        _kinds_for.cache_clear()
+        kinds_for.cache_clear()
         rooms = [(name, seed) for name in names for seed in range(4)]
         pieces = [(room, piece) for room in rooms for piece in furnish(STOREYS[room[0]], _seeded(room[1]))]
         return {(room, p.kind, p.position_m, p.yaw_rad, p.size_m, p.seed) for room, p in pieces}
@@ -284,7 +284,7 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     furniture("gong", width=(0.3, 0.3), depth=(0.3, 0.3), height=(0.3, 0.3), rooms=rooms)(lambda size, rng: ())
     after = all_pieces()
     del KINDS["gong"]
-    _kinds_for.cache_clear()
+    kinds_for.cache_clear()
     assert sum(kind == "gong" for _, kind, *_ in after) > 5
     assert len(before & after) > 0.9 * len(before)
 

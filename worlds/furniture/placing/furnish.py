@@ -79,7 +79,7 @@ class _Furnisher:
 
     def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
         self._plan, self._numbers, self._clutter = plan, numbers, clutter
-        self._kinds = _kinds_for(plan.label)
+        self._kinds = kinds_for(plan.label)
         self._pieces: list[Piece] = []
         self._by_kind: dict[str, list[Piece]] = defaultdict(list)
         self._more: list[_Queued] = []
@@ -171,8 +171,8 @@ class _Queued(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Kinds:
-    """The kinds that belong in a room, in the order of placing."""
+class RoomKinds:
+    """The kinds that belong in rooms with one label, in the order of placing."""
 
     standing: tuple[Kind, ...]
     """Kinds that stand by themselves."""
@@ -185,12 +185,16 @@ class _Kinds:
 
 
 @cache
-def _kinds_for(label: str) -> _Kinds:
+def kinds_for(label: str) -> RoomKinds:
+    """The kinds of the catalogue that belong in rooms with `label`.
+
+    The result is cached: call `kinds_for.cache_clear()` after the catalogue has changed.
+    """
     here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
     seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
     standing = tuple(kind for kind in here if _stage(kind) == 1)
     details = tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
-    return _Kinds(standing, _by_host(seats), details, _by_host(here))
+    return RoomKinds(standing, _by_host(seats), details, _by_host(here))
 
 
 def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
