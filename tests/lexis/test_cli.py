@@ -1,4 +1,4 @@
-"""`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
+"""`lexis`: every command end to end on a small recording. Bad input gives exit status 2 and one line, never a traceback."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from lexis.types import Camera, EncoderId, Intrinsics, LoopEdge, Observation
 
 
 class ColourEncoder:
-    """Sees the mean colour; rooms are colours of their own."""
+    """Encodes an image by its mean colour; each room name is a colour of its own."""
 
     name = fingerprint = "colour"
 
@@ -37,7 +37,7 @@ class ColourEncoder:
 
 @pytest.fixture(autouse=True)
 def encoders(monkeypatch):
-    """One encoder whatever is asked for; the names that were."""
+    """Replaces all encoders by one; the fixture's value is the list of the names that were asked for."""
     asked = []
 
     def load(model, options=None):
@@ -52,7 +52,7 @@ def encoders(monkeypatch):
 
 @pytest.fixture
 def dataset(rng, tmp_path):
-    """Eight metres forward: red at first, then green."""
+    """A recording of eight metres forward, with red images at first and then green ones."""
     poses = np.tile(np.eye(4), (81, 1, 1))
     poses[:, 0, 3] = 0.1 * np.arange(81)
     images = rng.integers(0, 60, (81, 48, 64, 3), dtype=np.uint8)
@@ -67,7 +67,7 @@ def dataset(rng, tmp_path):
 
 @pytest.fixture
 def mapped(dataset, tmp_path, capsys):
-    """The map of the recording."""
+    """The map made from the recording."""
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(tmp_path / "map")]) == 0
     capsys.readouterr()
     return tmp_path / "map"
@@ -261,7 +261,7 @@ def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
 
 
 def test_names_of_files_need_not_be_text(tmp_path, rng):
-    """In a process of its own, whose stdout is as strict as a terminal's."""
+    """This runs in a separate process, whose standard output is as strict about encoding as a terminal."""
     save_map(corridor_with_offices(rng), tmp_path / "map")
     out = os.fsencode(tmp_path) + b"/\xff.tum"
     line = [sys.executable, "-m", "lexis.cli", "export", tmp_path / "map", "--format", "tum", "-o", out]

@@ -1,4 +1,4 @@
-"""Pages of houses: every house and label is on them; the view into a room shows the room."""
+"""Pages of houses show every house and every label; the view into a room shows that room."""
 
 import numpy as np
 import pytest

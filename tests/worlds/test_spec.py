@@ -1,4 +1,4 @@
-"""House specs: JSON is an exact copy, and bad JSON names the place."""
+"""House specs: a JSON round trip is exact, and errors in JSON name the place."""
 
 import json
 import os
@@ -87,7 +87,7 @@ def test_the_published_schema_is_the_one_in_use():
 
 
 def leaves(node, schema, path="", description=""):
-    """All numbers of a schema: where, and all that is said on the way from the last field down."""
+    """All numbers in a schema: the path, and all descriptions between the field and the number."""
     node = {**node, **schema["$defs"].get(node.get("$ref", "").rpartition("/")[2], {})}
     description += " " + node.get("description", "")
     if node.get("type") in ("number", "integer"):

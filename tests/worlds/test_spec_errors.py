@@ -1,4 +1,4 @@
-"""What a person is told about a house that is wrong: one line, the place, what would be valid; and soon, however large."""
+"""Messages about invalid houses: one line, the place, the valid values; and in bounded time, however large the file."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Houses in pairs: one thing differs and nothing else; symmetries are a group and commute with the truth."""
+"""Variants of houses: one property differs and nothing else; symmetries form a group and commute with the truth."""
 
 import math
 
@@ -26,7 +26,7 @@ def spec(request):
 
 
 def assert_same(a, b):
-    """Equal but for the last digits of yaws."""
+    """Assert that two houses are equal, except for the last digits of yaws."""
     assert bare(a) == bare(b)
     for x, y in zip(pieces(a), pieces(b), strict=True):
         assert math.remainder(x.yaw_rad - y.yaw_rad, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)

@@ -1,4 +1,4 @@
-"""The encoder: unit vectors, explicit preprocessing, one clear line for every model that cannot be had."""
+"""The encoder: unit vectors, explicit preprocessing, and a one-line error for every model that is not available."""
 
 import json
 import pickle
@@ -27,7 +27,7 @@ PREPROCESS = {"mean": [0.1, 0.2, 0.3], "std": [0.5, 0.6, 0.7], "resize_mode": "s
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory):
-    """A folder with a random model's architecture and weights."""
+    """A folder with the architecture and weights of a random model."""
     folder = tmp_path_factory.mktemp("tiny")
     (folder / "tiny-test.json").write_text(json.dumps(TINY))
     open_clip.add_model_config(folder / "tiny-test.json")
@@ -148,7 +148,7 @@ def test_what_cannot_be_had_is_refused_in_one_line_that_says_what_is_valid(tiny,
 
 
 class Evil:
-    """Runs code when unpickled."""
+    """Runs code when it is unpickled."""
 
     def __reduce__(self):
         return (pytest.fail, ("a pickle was executed",))

@@ -1,4 +1,4 @@
-"""Ways to compute: they change the cost of embeddings, not what they are; text and images are encoded once."""
+"""Encoder options change the cost of embeddings but not their values; texts and images are encoded only once."""
 
 import json
 
@@ -22,7 +22,7 @@ ARCHITECTURE = {
 
 
 class Counting(open_clip.CLIP):
-    """Counts what it has encoded."""
+    """A network that counts the images and texts that it encodes."""
 
     images = texts = 0
 

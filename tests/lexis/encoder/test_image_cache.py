@@ -1,4 +1,4 @@
-"""Embeddings on disk: what was put in comes out, or nothing; one encoder's never for another's."""
+"""The image cache on disk returns what was stored or nothing, and never the embeddings of another encoder."""
 
 import sqlite3
 import subprocess

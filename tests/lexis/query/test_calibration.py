@@ -1,4 +1,4 @@
-"""Calibrations: what is saved is loaded, what is damaged or another encoder's is refused, the shipped one is mini's."""
+"""Calibrations: loading inverts saving, damaged or foreign ones are refused, and the shipped one belongs to `mini`."""
 
 import json
 from dataclasses import replace
@@ -52,7 +52,7 @@ def test_of_other_weights_a_given_one_is_refused_and_the_shipped_one_left_alone(
 
 
 def test_the_shipped_one_is_that_of_the_shipped_weights():
-    """Else: lexis-sim calibrate-queries."""
+    """If this fails, run lexis-sim calibrate-queries."""
     assert load_calibration(MINI_CALIBRATION).fingerprint == load_encoder("mini").fingerprint
 
 

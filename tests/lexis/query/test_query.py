@@ -1,4 +1,4 @@
-"""Questions in free words: what fits best comes first, probabilities order as similarities do, and nothing may fit."""
+"""Queries in free text: the best match comes first, probabilities are ordered as similarities, and there may be no match."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ def lexis_map(rng):
 
 
 def encoder_for(lexis_map, keyframe):
-    """Every text reads as the keyframe looks, "office" as nothing in particular."""
+    """An encoder that gives every text the embedding of the keyframe, and "office" an unrelated one."""
     vectors = {"what it shows": lexis_map.keyframes[keyframe].embedding, "office": np.eye(16, dtype=np.float32)[0]}
     return ReadingEncoder(vectors, ENCODER)
 
@@ -64,7 +64,7 @@ def test_probabilities_order_rooms_as_similarities_do_and_say_when_nothing_fits(
 
 
 class OneVector(ReadingEncoder):
-    """Reads every text as one vector."""
+    """Encodes every text as the same vector."""
 
     def __init__(self, vector):
         super().__init__({}, ENCODER)
@@ -119,7 +119,7 @@ def test_another_encoder_and_a_blank_question_are_refused(lexis_map):
 
 @pytest.mark.slow
 def test_everyday_questions_to_a_rendered_home_are_answered():
-    """Where the books are is not among them: the shipped encoder does not see books, as its card says."""
+    """Questions about books are left out: the shipped encoder does not recognise books, as its model card says."""
     finished = run(RunConfig(preset="home", seed=601))
     encoder = load_encoder("mini")
     rooms = true_rooms(finished.house, finished.map, finished.true_poses)

@@ -1,4 +1,4 @@
-"""Questions: how they are asked makes no difference, and what they say does."""
+"""Questions: the wording makes no difference, the content does."""
 
 import string
 
@@ -110,7 +110,7 @@ def test_any_text_is_read_or_refused(text):
 
 @given(st.lists(PLAIN_WORDS, min_size=1, max_size=4).map(" ".join))
 def test_reading_what_was_read_changes_nothing(words):
-    """Its first caption is the content: asked for again, it is the same content."""
+    """The first caption of a question is its content: parsing that again gives the same content."""
     text = f"where can I find the {words}"
     try:
         content = read_question(text).readings[0][0]

@@ -1,4 +1,4 @@
-"""ORB bag-of-words: nearest words by brute force, and images that find themselves again."""
+"""ORB bag-of-words: nearest words agree with brute force, and images are found again."""
 
 from types import SimpleNamespace
 

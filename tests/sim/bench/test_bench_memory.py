@@ -1,4 +1,4 @@
-"""The memory that is reported is that of the program measured."""
+"""The reported memory is that of the measured program."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Runs that encoders are measured on: keyframes, looks, questions that truly have one answer, and files."""
+"""The runs on which encoders are measured: keyframes, image variants, questions with exactly one answer, and files."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""`lexis-sim house`: every option reaches the house, every problem is named, and bad files cost a line and nothing else."""
+"""`lexis-sim house`: every option takes effect, every problem is named, and bad files give one line and nothing else."""
 
 import json
 import os
@@ -217,7 +217,7 @@ def test_a_failure_and_a_difference_are_told(changed, why, monkeypatch):
 
 
 class InTurn:
-    """An executor that works here and now."""
+    """An executor that runs everything at once in this process."""
 
     def __init__(self, *_):
         pass

@@ -1,4 +1,4 @@
-"""Faults of the stream: what they change is what they say, and the truth records it."""
+"""Faults of the stream: each changes what its name says, and the truth records it."""
 
 from dataclasses import fields, replace
 
@@ -37,7 +37,7 @@ def ids(faults):
 
 
 def images(n, size=(24, 32)):
-    """Smooth, textured, no two alike."""
+    """Smooth, textured images, no two of which are alike."""
     rng = np.random.default_rng(1)
     blobs = [cv2.GaussianBlur(rng.random((*size, 3), dtype=np.float32), (0, 0), 1.5) for _ in range(n)]
     return [np.clip(255 * (0.5 + 4.0 * (blob - 0.5)), 1, 254).astype(np.uint8) for blob in blobs]

@@ -1,4 +1,4 @@
-"""Loops without key points: confirmed at the fitted rates, by what two views truly share."""
+"""Loops without key points: they are confirmed at the fitted rates, from the surfaces that two views truly share."""
 
 from dataclasses import replace
 
@@ -84,7 +84,7 @@ def graph_of(count):
 
 
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
-    """Edges between equal views, by query."""
+    """Loop edges between equal views, by query."""
     here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32))
     verifier = CovisibilityVerifier(chosen, lambda index: here, RayGrid(*np.float32([[-0.5, 0.5]] * 2)), seed)
     graph = graph_of(matches + queries)

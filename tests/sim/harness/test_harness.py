@@ -1,4 +1,4 @@
-"""The whole chain on real renders of a small house, checked against its truth."""
+"""The whole chain on real renders of a small house, compared with its truth."""
 
 import json
 from contextlib import closing
@@ -23,7 +23,7 @@ from worlds.spec import HouseSpec
 
 CONFIG = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
 BRIEF = replace(CONFIG, length_m=24.0, rig=make_rig("stereo", 160, 120))
-"""Too little to be good at, but a run like others."""
+"""A run too short for good results, but otherwise like a full one."""
 CONTRACT = {
     "house": {"rooms", "floors", "area_m2", "openness", "spec"},
     "run": {"path_m", "duration_s", "frames", "keyframes"},

@@ -1,4 +1,4 @@
-"""The choice of the GL back end: the user's word counts, a crash of a driver does not."""
+"""The choice of the OpenGL back end: the user's setting takes precedence, and a crashing driver does no harm."""
 
 import os
 import subprocess
@@ -102,7 +102,7 @@ def test_failures_of_opengl_say_what_to_do_in_one_line(failure, advice):
 
 
 def test_a_missing_library_is_found_while_mujoco_is_imported():
-    """In a process of its own, whose loader knows no EGL."""
+    """This runs in a separate process, whose dynamic loader finds no EGL."""
     hide = (
         "import ctypes, sys; load = ctypes.CDLL.__init__\n"
         "def refuse(self, name, *rest, **options):\n"

@@ -1,4 +1,4 @@
-"""Figures of result.json: each has a definition, and what is absent is a dash, never a zero."""
+"""The figures of result.json: each has a definition, and a missing one is shown as a dash, never as zero."""
 
 import io
 

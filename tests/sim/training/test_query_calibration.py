@@ -1,4 +1,4 @@
-"""The fit of answers' probabilities: questions know their answers, known parameters are found again, figures are right."""
+"""The fit of answer probabilities: questions have known answers, known parameters are recovered, figures are correct."""
 
 import zlib
 
@@ -33,7 +33,7 @@ from worlds.labels import ROOM_LABELS
 
 
 class HashingEncoder:
-    """Every text is a vector of its own."""
+    """Encodes every text as a vector of its own."""
 
     name, fingerprint = ENCODER.name, ENCODER.fingerprint
 
@@ -50,7 +50,7 @@ class HashingEncoder:
 
 @pytest.fixture
 def views():
-    """Two kitchens and a bedroom, five frames each; a bed is seen well in the bedroom and from afar in a kitchen."""
+    """Two kitchens and a bedroom with five frames each; a bed is seen well in the bedroom and from afar in a kitchen."""
     shares = np.zeros((15, len(THINGS)), np.float32)
     shares[12, THINGS.index("double bed")], shares[2, THINGS.index("double bed")] = 0.3, 0.002
     labels = np.repeat([ROOM_LABELS.index(name) for name in ("kitchen", "kitchen", "bedroom")], 5)
@@ -82,7 +82,7 @@ def test_nothing_is_fitted_in_words_that_are_held_out(views, rng):
 
 
 def drawn(rng, calibration, questions=6_000):
-    """Questions to houses of one room whose truth has the probabilities of the calibration."""
+    """Questions about houses of one room, with the truth drawn from the probabilities of the calibration."""
     texts = tuple(f"text {i % 50}" for i in range(questions))
     embeddings = HashingEncoder().encode_texts(texts)
     similarities = rng.normal(0.3, 0.2, (1, questions))

@@ -1,4 +1,4 @@
-"""The image tower's training: frames tell the truth, houses stay apart, both stages learn, resume and ship."""
+"""Training of the image tower: frames agree with the truth, houses stay separate, both stages learn, resume and export."""
 
 import json
 import pickle
@@ -89,7 +89,7 @@ def test_what_is_in_view_adds_up(frames):
 
 def test_frames_are_the_same_each_time_and_are_kept(tmp_path):
     frames = frames_of_house(HOUSE)
-    for again in (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2)):  # rendered, then loaded
+    for again in (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2)):  # first rendered, then loaded
         assert np.array_equal(frames.images, again.images) and np.array_equal(frames.things, again.things)
     (file,) = tmp_path.iterdir()
     for workers in (1, 2):
@@ -106,7 +106,7 @@ def test_a_house_that_is_never_entered_has_no_frames():
 
 
 def test_patches_move_with_the_image():
-    """A thing whose patch is also painted in the image is found where the image shows it, mirrored and zoomed alike."""
+    """An object whose patch is also painted in the image is found where the image shows it, after mirroring and zooming."""
     n, things = 32, np.zeros((32, 3, 4, len(THINGS)), np.uint8)
     images = np.zeros((n, 96, 128, 3), np.uint8)
     rng = np.random.default_rng(0)
@@ -208,7 +208,7 @@ def test_what_is_damaged_in_the_work_folder_is_named_on_one_line(name, content, 
 
 def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_path):
     path = tmp_path / "text-tower.safetensors"
-    path.write_bytes(b"damaged")  # what comes after the settings
+    path.write_bytes(b"damaged")  # the part after the settings
     run = TrainingRun(1, 1, work=tmp_path)
     for same in ({}, {"workers": 1}, {"teacher": tmp_path}, {"out": tmp_path / "b.safetensors"}):
         with pytest.raises(SimError, match="no text tower"):

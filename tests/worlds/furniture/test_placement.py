@@ -25,12 +25,12 @@ BODY_M = 0.319
 
 
 def _seeded(seed):
-    """A generator for every room."""
+    """A function that gives every room a generator."""
     return lambda room: np.random.default_rng([seed, crc32(room.id.encode())])
 
 
 def _pair(label, corners, door=((0.0, 0.6), (0.0, 1.5)), kind="door"):
-    """A room and a corridor west of it."""
+    """A room, and a corridor to the west of it."""
     room = RoomSpec(id="room", label=label, polygon_m=corners)
     corridor = RoomSpec(id="hall", label="corridor", polygon_m=((-1.5, 0.0), (0.0, 0.0), (0.0, 4.0), (-1.5, 4.0)))
     return StoreySpec(
@@ -48,14 +48,14 @@ BENT_CORRIDOR = ((0.0, 0.0), (7.0, 0.0), (7.0, 1.6), (1.6, 1.6), (1.6, 6.0), (0.
 
 
 def _leaf(hinge, into, angle):
-    """A room and a corridor with a door whose leaf hangs so."""
+    """A room and a corridor, with a door whose leaf has the given hinge, side and angle."""
     storey = _pair("bedroom", _rectangle(4.2, 4.0))
     leaf = LeafSpec(hinge=hinge, into=into, angle_rad=angle)
     return storey.model_copy(update={"openings": (storey.openings[0].model_copy(update={"leaf": leaf}),)})
 
 
 def _bent_corridor():
-    """An L-shaped corridor with rooms at both ends."""
+    """An L-shaped corridor with a room at each end."""
     rooms = (
         RoomSpec(id="bent", label="corridor", polygon_m=BENT_CORRIDOR),
         RoomSpec(id="east", label="office", polygon_m=((7.0, 0.0), (10.0, 0.0), (10.0, 4.0), (7.0, 4.0))),
@@ -93,7 +93,7 @@ HOARDED = ("living room 4.2 x 4.0", "kitchen 4.2 x 4.0", "L-shaped bedroom", "be
 
 @pytest.fixture(params=[*((name, 1.5) for name in STOREYS), *((name, 4.0) for name in HOARDED)], scope="module", ids=str)
 def case(request):
-    """Name of a storey, clutter."""
+    """The name of a storey and a clutter."""
     return request.param
 
 

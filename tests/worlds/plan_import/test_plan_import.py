@@ -1,4 +1,4 @@
-"""Plans drawn elsewhere: our own come back as they were, sloppy ones are put right, and what cannot be meant is refused."""
+"""Imported plans: our own exports come back unchanged, imprecise plans are corrected, and invalid ones are refused."""
 
 import json
 import math
@@ -55,7 +55,7 @@ def gaps(spec):
 
 
 def corners_of(spec):
-    """Every room's corners, wherever its polygon starts."""
+    """The corners of every room, independent of where its polygon starts."""
     return {name: (level, label, frozenset(polygon)) for name, (level, label, polygon) in rooms(spec).items()}
 
 
