@@ -1,6 +1,6 @@
 """The code blocks of a README, in the order in which a reader meets them.
 
-Blocks of `sh` contain commands of this project and its set-up. Blocks of `bash` contain those of other systems and are not run.
+Blocks of `sh` contain commands of this project and its set-up. Blocks of `bash` are for other systems and are not run.
 """
 
 import re

@@ -122,7 +122,7 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
     assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
 
 
-def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
+def test_a_note_says_which_map_will_be_replaced(mapped, capsys):
     assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
     assert f"note: {mapped} holds an earlier one" in capsys.readouterr().err
 

@@ -15,7 +15,7 @@ from lexis.map.room_names import instance_names
 from lexis.planner import adjacency, innermost, plan
 
 
-def test_a_plan_goes_from_room_to_room_over_ways_of_the_graph(rng):
+def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
     lexis_map = corridor_with_offices(rng)
     result = plan(lexis_map, "office 1", "office 2")
     graph = adjacency(lexis_map, PlannerConfig())
@@ -25,7 +25,7 @@ def test_a_plan_goes_from_room_to_room_over_ways_of_the_graph(rng):
     assert min(steps) > 0 and sum(steps) == pytest.approx(result.length_m)
 
 
-def test_no_path_is_shorter(rng):
+def test_paths_are_shortest(rng):
     """Compares with another implementation of Dijkstra, on a graph built by comparing all pairs of keyframes."""
     lexis_map = corridor_with_offices(rng, loops=[(12, 17), (39, 0), (25, 8)], weights=[1.0, 1.0, 0.1])
     positions = lexis_map.T_W_B[:, :3, 3]
@@ -40,7 +40,7 @@ def test_no_path_is_shorter(rng):
     assert result.length_m == pytest.approx(nx.dijkstra_path_length(graph, result.keyframes[0], result.keyframes[-1]))
 
 
-def test_back_is_as_long_as_there(rng):
+def test_a_path_and_its_reverse_are_equally_long(rng):
     lexis_map = corridor_with_offices(rng)
     there, back = plan(lexis_map, "office 1", "corridor"), plan(lexis_map, "corridor", "office 1")
     assert back.length_m == pytest.approx(there.length_m) and back.keyframes == there.keyframes[::-1]
@@ -73,7 +73,7 @@ def test_a_path_ends_deep_in_the_room(rng):
 
 
 def open_boundary(rng, and_back=False):
-    """A walk along x through an office into a kitchen, optionally there and back. The rooms meet at x = 0 with no wall between.
+    """A walk along x through an office into a kitchen, optionally there and back. The rooms meet at x = 0 without a wall.
 
     The camera looks ahead. Its image shows the room that lies 1.5 m ahead: best from a viewpoint in front of the room, and
     only little from deep inside, where the camera faces a wall. As in LEXIS, a keyframe has the label that its image
@@ -172,7 +172,7 @@ def test_where_a_path_ends_does_not_depend_on_the_frame_of_the_map(rng):
         assert innermost(moved, room).keyframe == innermost(lexis_map, room).keyframe
 
 
-def test_of_keyframes_that_are_equally_inside_a_path_ends_at_the_first(rng):
+def test_a_path_ends_at_the_first_of_keyframes_equally_far_inside(rng):
     """Two keyframes are at the same position: one on the way out, one on the way back."""
     lexis_map = open_boundary(rng, and_back=True)
     for room in lexis_map.rooms:
@@ -239,7 +239,7 @@ def test_rooms_go_by_label_or_number(rng):
     assert len(same.keyframes) == 1 and same.length_m == 0.0
 
 
-def test_unknown_rooms_and_missing_ways_are_named(rng):
+def test_unknown_rooms_and_missing_paths_are_named(rng):
     lexis_map = corridor_with_offices(rng)
     with pytest.raises(PlanError, match=r"no room 'garage'.*corridor, office 1, office 2"):
         plan(lexis_map, "garage", "office")

@@ -97,7 +97,7 @@ def test_loop_edges_are_true(result, true):
         assert weight < 0.5 or (np.linalg.norm(error[3:]) < 0.5 and np.linalg.norm(error[:3]) < 0.2)
 
 
-def test_everything_is_said_of_every_keyframe(result, observations):
+def test_every_keyframe_has_all_results(result, observations):
     n = len(result.keyframes)
     assert [k.id for k in result.keyframes] == list(range(n))
     np.testing.assert_allclose(result.T_W_B[0], observations[0].T_O_B, atol=1e-5)

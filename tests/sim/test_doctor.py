@@ -38,7 +38,7 @@ def test_too_little_memory_is_found(monkeypatch):
     assert finding("memory").fine
 
 
-def test_the_container_counts_too(monkeypatch, tmp_path):
+def test_the_memory_limit_of_a_container_counts(monkeypatch, tmp_path):
     for name, text in (("meminfo", "MemTotal: 9 kB\nMemAvailable: 4000 kB\n"), ("max", "3000000\n"), ("used", "1000000\n")):
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(doctor, "_MEMINFO", tmp_path / "meminfo")

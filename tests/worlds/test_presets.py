@@ -118,7 +118,7 @@ def test_impossible_room_lists_are_refused(asked, message):
         ({"clutter": float("nan")}, "clutter is nan"),
     ],
 )
-def test_what_cannot_be_is_refused(options, message):
+def test_impossible_options_are_refused(options, message):
     with pytest.raises(WorldsError, match=message):
         sample_house("home", 0, **options)
 

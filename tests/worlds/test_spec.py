@@ -41,7 +41,7 @@ def test_a_handwritten_house_needs_nothing_but_rooms():
         (json.dumps(json.loads(spec_json()) | {"schema_version": 1}), "no field 'schema_version'"),
     ],
 )
-def test_houses_that_no_one_means_are_refused(bad, message):
+def test_invalid_houses_are_refused(bad, message):
     with pytest.raises(SpecError) as error:
         HouseSpec.from_json(bad, source="my.json")
     assert message in str(error.value)

@@ -75,7 +75,7 @@ def test_furnished_houses_are_valid_too(spec):
 
 
 @given(room_pairs(kinds=("half wall", "counter")))
-def test_beside_what_one_only_looks_over_there_is_a_door(spec):
+def test_rooms_joined_by_a_half_wall_or_counter_also_have_a_door(spec):
     assert sum(len(storey.rooms) for storey in spec.storeys) == 2
     assert "door" in {opening.kind for opening in spec.storeys[0].openings}
 

@@ -47,7 +47,7 @@ def test_the_house_itself_stands():
     validate(build_house(two_rooms()))
 
 
-def test_no_door_no_way():
+def test_a_room_without_a_door_is_not_reachable():
     assert "not reachable on foot" in refusal(two_rooms(openings=[]))
 
 
@@ -197,7 +197,7 @@ DOOR = {"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.9
 
 
 @pytest.mark.parametrize(("angle", "told_of"), [(1.57, 2), (0.0, 1), (0.3, 1)])
-def test_what_a_leaf_would_hit(angle, told_of):
+def test_furniture_in_the_swing_area_of_a_leaf_is_refused(angle, told_of):
     """Whatever its angle, a leaf has to be able to open to a right angle."""
     leaf = {"hinge": "start", "into": "b", "angle_rad": angle}
     found = told(furnished(piece("p", 4.6, 1.24, size=[0.5, 0.5, 0.5]), openings=[DOOR | {"leaf": leaf}]))
@@ -219,7 +219,7 @@ def test_leaves_that_hit_each_other_or_a_wall():
     assert any(problem.startswith("the wall between") for problem in told(two_rooms(openings=[in_corner])))
 
 
-def test_a_shut_door_is_a_way():
+def test_a_closed_door_is_passable():
     shut = DOOR | {"leaf": {"into": "b", "angle_rad": 0.0}}
     assert told(two_rooms(openings=[shut])) == []
 

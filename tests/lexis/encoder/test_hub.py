@@ -68,7 +68,7 @@ def test_a_file_is_fetched_once_and_then_needs_no_network(asked):
     assert fetch("a/whole", NAMES) == path and not asked
 
 
-def test_of_a_broken_download_nothing_is_left(asked, cache, monkeypatch):
+def test_a_broken_download_leaves_nothing(asked, cache, monkeypatch):
     monkeypatch.setattr("huggingface_hub.file_download.time.sleep", lambda seconds: None)
     with pytest.raises(EncoderError, match="cannot be had"):
         fetch("a/broken", NAMES)

@@ -61,7 +61,7 @@ def test_room_figures_do_not_depend_on_ids_and_swapping_sides_swaps_the_figures(
 
 
 @given(arrays(np.int64, st.integers(2, 30), elements=st.integers(0, 5)))
-def test_the_truth_itself_is_perfect(truth):
+def test_the_truth_as_an_estimate_has_perfect_figures(truth):
     scores = score_rooms(truth, truth)
     perfect = (
         scores.pq,
@@ -139,7 +139,7 @@ def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_
 
 
 @given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
-def test_no_more_queries_are_right_than_can_be(x, n):
+def test_no_more_queries_are_right_than_possible(x, n):
     truth, earlier = np.stack([pose(at) for at in x]), np.tri(12, k=-2, dtype=bool)
     candidates = [(query, tuple(range(max(query - 1, 0)))) for query in range(12)]
     counts = count_matches(candidates, earlier, truth, n)

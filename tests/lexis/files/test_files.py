@@ -214,7 +214,7 @@ def test_writers_of_one_folder_replace_each_other(tmp_path, way):
 
 
 @pytest.mark.parametrize("intruder", ["thesis", "a file"])
-def test_who_finds_the_place_taken_keeps_the_work_beside(tmp_path, way, intruder):
+def test_a_writer_whose_place_is_taken_keeps_its_work_beside_it(tmp_path, way, intruder):
     place = tmp_path / "map"
     with (
         pytest.raises(LexisError, match=r"map: (exists and holds no|is a file).* is kept as .*map-1$"),
@@ -231,7 +231,7 @@ def test_who_finds_the_place_taken_keeps_the_work_beside(tmp_path, way, intruder
     assert sorted(os.listdir(tmp_path)) == ["map", "map-1"]
 
 
-def test_what_takes_the_place_at_the_last_moment_is_given_it_back(tmp_path, way, monkeypatch):
+def test_a_folder_that_turns_foreign_during_the_swap_is_put_back(tmp_path, way, monkeypatch):
     place, plain = tmp_path / "map", files.swap
     write(place, "old")
 

@@ -71,7 +71,7 @@ def test_a_saved_map_plans_as_the_live_one_does(rng, tmp_path):
     assert plans(loaded) == plans(live)
 
 
-def test_of_ways_that_are_equally_long_the_same_is_taken_whatever_the_last_bits(rng):
+def test_the_choice_of_equally_long_paths_does_not_depend_on_the_last_bits(rng):
     """Around a square block, both paths are equally long."""
     side = np.arange(0.0, 3.0, 0.5)
     zero, end = np.zeros(6), np.full(6, 3.0)

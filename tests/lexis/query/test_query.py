@@ -74,7 +74,7 @@ class OneVector(ReadingEncoder):
         return np.tile(self.vector, (len(texts), 1))
 
 
-def test_what_is_not_wanted_ranks_the_other_way_round_with_the_probability_of_the_contrary(lexis_map):
+def test_a_negated_query_ranks_in_reverse_with_complementary_probabilities(lexis_map):
     encoder = OneVector(lexis_map.keyframes[34].embedding)
     wanted, unwanted = (ask(lexis_map, text, encoder, calibration(0.2)) for text in ("a kitchen", "not a kitchen"))
     assert [fit.room.id for fit in unwanted.rooms] == [fit.room.id for fit in wanted.rooms][::-1]
@@ -85,7 +85,7 @@ def test_what_is_not_wanted_ranks_the_other_way_round_with_the_probability_of_th
     assert [fit.keyframe for fit in unwanted.keyframes] == [fit.keyframe for fit in wanted.keyframes][::-1]
 
 
-def test_of_two_readings_the_one_that_fits_a_room_counts(lexis_map, rng):
+def test_the_better_of_two_readings_counts(lexis_map, rng):
     class Bathroom(OneVector):
         def encode_texts(self, texts):
             seen = lexis_map.keyframes[34].embedding

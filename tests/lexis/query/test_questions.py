@@ -87,7 +87,7 @@ def test_a_relative_clause_is_no_negation():
     assert not question.negated and question.readings[0][0] == "keep things that are not needed"
 
 
-def test_what_serves_a_need_is_asked_for_too_unless_it_is_said():
+def test_a_need_also_asks_for_things_that_serve_it_unless_they_are_named():
     assert [reading[0] for reading in read_question("I need the toilet").readings] == ["toilet", "bathroom"]
     assert len(read_question("a bathroom with a toilet").readings) == 1
     assert len(read_question("not a toilet").readings) == 1

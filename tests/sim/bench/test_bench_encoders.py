@@ -73,7 +73,7 @@ def test_what_an_encoder_knows_counts_and_what_it_does_not_know_is_chance():
         assert row.recall is not None and row.recall < 1.0  # the room can be recognised, but not the place within it
 
 
-def test_doubt_of_what_is_right_is_a_calibration_error_and_encoders_do_not_mix():
+def test_low_confidence_in_correct_labels_is_a_calibration_error():
     sure, doubting = measured(Knowing(0.1), Knowing(10.0))
     assert [house.row.accuracy for house in doubting] == [1.0, 1.0]
     assert overall_calibration_error(doubting) > 0.6 > 1e-3 > overall_calibration_error(sure)

@@ -46,7 +46,7 @@ def test_agrees_with_the_definition(seed):
     assert share(found_at_1(descriptors, T_W_B, STAMPS, groups)) == pytest.approx(by_definition(descriptors, T_W_B, groups))
 
 
-def test_who_knows_the_place_finds_it_and_who_knows_only_the_moment_does_not():
+def test_place_embeddings_find_revisits_and_time_embeddings_do_not():
     place = np.tile(np.arange(20), 2)
     T_W_B = poses(2.0 * place, 0.0 * place, 0.0 * place)
     where, when = unit(np.eye(20)[place] + 0.1), unit(np.column_stack([np.cos(STAMPS / 40), np.sin(STAMPS / 40)]))

@@ -256,7 +256,7 @@ def test_nan_for_single_frames(clean):
     assert lost.mean() == pytest.approx(0.1, abs=0.06) and is_rigid(T[~lost]).all()
 
 
-def test_kidnapped_body_is_elsewhere_and_nobody_notices(clean):
+def test_a_kidnapped_body_is_elsewhere_and_the_odometry_does_not_show_it(clean):
     pairs = run(clean, Kidnap(10.0, skip_s=5.0))
     np.testing.assert_array_equal(indices(pairs), [*range(100), *range(150, FRAMES)])
     np.testing.assert_allclose(np.diff(stamps(pairs)), FRAME_S)
@@ -308,7 +308,7 @@ def test_bad_faults_say_what_is_valid(text, message):
         parse_fault(text)
 
 
-def test_a_bare_value_is_the_first_field():
+def test_a_fault_given_as_a_bare_value_sets_its_first_field():
     assert parse_fault("dropped:0.3,burst=2") == Dropped(0.3, burst=2)
     assert parse_fault("kidnap:30") == Kidnap(30.0)
     assert parse_fault("person:12") == FAULTS["person"](at_s=12.0)

@@ -57,7 +57,7 @@ def test_rooms_fill_the_share_of_the_image_that_they_fill_when_rendered(views, r
     assert np.median(off) < 0.02 and off.mean() < 0.04
 
 
-def test_things_do_too_as_far_as_they_are_boxes(views, rendered):
+def test_box_shaped_objects_fill_the_share_of_the_image_that_they_fill_when_rendered(views, rendered):
     off = np.abs(views.shares - rendered[0]).sum(axis=1) / 2
     assert np.median(off) < 0.1
     kinds = replace(views, shares=rendered[0]).of_kinds()
@@ -133,7 +133,7 @@ def replace_turn(leaf):
     return replace(leaf, turn=0.0, position=position)
 
 
-def test_shares_are_shares(views):
+def test_shares_are_between_zero_and_one_and_add_up(views):
     assert (views.shares >= 0.0).all() and (views.shares.sum(axis=1) <= 1.0 + 1e-5).all()
     np.testing.assert_allclose(views.of_kinds().sum(axis=1), views.shares.sum(axis=1), atol=1e-5)
     np.testing.assert_allclose(views.of_rooms().sum(axis=1), views.shares.sum(axis=1), atol=1e-5)

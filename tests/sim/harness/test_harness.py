@@ -135,5 +135,5 @@ def test_faults_are_counted_and_what_lexis_refuses_is_left_out():
     json.dumps(result, allow_nan=False)
 
 
-def test_without_faults_nothing_is_said_of_them(result):
+def test_without_faults_the_result_does_not_mention_them(result):
     assert "faults" not in result

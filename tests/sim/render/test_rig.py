@@ -57,7 +57,7 @@ def test_corners_are_seen_where_they_project_to(box_room, name):
                     if points[:, 2].min() < 0.1 or (low < 2).any() or (high > np.array([k.width, k.height]) - 3).any():
                         continue
                     v, u = np.nonzero(frames[camera].geom_ids == scene.object_of_geom.index(thing))
-                    # A pixel shows the object if its centre does: all of these lie inside, the outermost within a pixel of the edge.
+                    # A pixel shows the object if its centre does, so the outermost are less than a pixel inside its edges.
                     seen_low, seen_high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
                     assert ((seen_low > low - 0.05) & (seen_low < low + 1.3)).all()
                     assert ((seen_high < high + 0.05) & (seen_high > high - 1.3)).all()

@@ -101,7 +101,7 @@ def test_every_limit_is_kept_at_every_time(points, limits):
     np.testing.assert_allclose(motion.position(np.array([0.0, motion.duration_s])), [points[0], points[-1]], atol=1e-9)
 
 
-def test_a_straight_way_is_walked_nearly_as_fast_as_can_be():
+def test_a_straight_path_is_walked_nearly_as_fast_as_possible():
     """Smoothing may cost half a second at each end, and the speed changes at 70 % of the allowed acceleration."""
     motion = walked([[0, 0, 0], [7, 0, 0]])
     fastest = 7.0 / LIMITS.speed_m_s + LIMITS.speed_m_s / LIMITS.acceleration_m_s2

@@ -64,7 +64,7 @@ def test_the_mean_acceleration_changes_from_frame_to_frame(rate_hz, share, motio
     assert (norm(np.diff(means, axis=0)) >= 0.5).mean() > share
 
 
-def test_it_turns_and_moves_the_body_but_little(motion, walk):
+def test_the_manoeuvre_turns_and_moves_the_body_only_a_little(motion, walk):
     t = np.arange(0.0, lead(motion, walk), 0.005)
     away = norm(motion.position(t) - motion.position(np.zeros(1)))
     assert 0.02 < away.max() < 0.04

@@ -93,7 +93,7 @@ def drawn(rng, calibration, questions=6_000):
     return QuestionBatch(texts, (NAME,) * questions, embeddings, similarities, np.where(rng.random(p.shape) < p, YES, NO))
 
 
-def test_what_truth_was_drawn_with_is_found_again(rng):
+def test_the_parameters_that_truth_was_drawn_with_are_recovered(rng):
     true = Calibration(ENCODER.fingerprint, ROOM_LABELS, base=0.2, slope=0.3, temperature=0.08)
     fitted = fit_calibration(HashingEncoder(), [drawn(rng, true)])
     assert (fitted.base, fitted.slope) == pytest.approx((0.2, 0.3), abs=0.05)
@@ -128,7 +128,7 @@ def test_houses_to_fit_to_are_kept_for_tuning_and_the_first_ones_stay():
     assert tuning_houses(5, 0) == draws[:5] != tuning_houses(5, 1)
 
 
-def test_it_is_written_beside_the_weights_once_for_these(views, tmp_path, monkeypatch):
+def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, monkeypatch):
     walked = []
     monkeypatch.setattr(query_calibration, "room_views", lambda draw: walked.append(draw) or views)
     for _ in range(2):

@@ -22,11 +22,11 @@ from sim.training.command import TrainingRun, train_encoder
 from sim.training.dense import DenseLearner, told_right
 from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
-from sim.training.frames import BARE, THINGS, Frames, Views, frames_at, frames_in, frames_of_house, rendered
+from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
-from sim.training.viewpoints import IMAGE_SIZE
+from sim.training.viewpoints import IMAGE_SIZE, ViewpointConfig
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
@@ -37,7 +37,7 @@ HOUSE = HouseDraw("uh2-apt", TRAINING_SEEDS[0])
 
 @pytest.fixture(scope="module")
 def frames():
-    return frames_of_house(HOUSE, Views(spacing_m=1.5))
+    return frames_of_house(HOUSE, ViewpointConfig(spacing_m=1.5))
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +224,7 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
             train_encoder(replace(run, **{name: value}), Console(quiet=True))
 
 
-def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):
+def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, text):
     align = AlignLearner(DenseLearner(frames).module, text, frames, wordings=(2, 1))
     align.module.eval()
     dense = {name: value.clone() for name, value in align.module.dense.state_dict().items()}
@@ -263,7 +263,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     untrained = AlignLearner(DenseLearner(seen).module.eval(), text, seen, wordings=(2, 1)).accuracy(seen)
     embedded = np.array([encoder.encode_image(image) for image in seen.images])
     assert told_right(embedded @ encoder.encode_rooms(ROOM_LABELS).T, seen.rooms) > untrained + 0.1
-    dense = DenseLearner(frames_of_house(HOUSE, Views(most=2))).module
+    dense = DenseLearner(frames_of_house(HOUSE, ViewpointConfig(most=2))).module
     start_trunk_from(run.out, dense)
     torch.testing.assert_close(dense.trunk.state_dict()["stem.conv.weight"], weights["visual.trunk.stem.conv.weight"])
     with pytest.raises(SimError, match="no image tower"):

@@ -164,7 +164,7 @@ def test_a_body_gets_from_opening_to_opening_and_about_the_room(case, furnished)
         )
 
 
-def test_what_a_leaf_sweeps_is_empty(furnished):
+def test_the_swing_area_of_a_leaf_is_empty(furnished):
     storey, pieces = furnished
     for opening in storey.openings:
         if opening.leaf is None:
@@ -185,7 +185,7 @@ def _sector(storey, opening):
     return next(p for arc in arcs if (p := Polygon([hinge, *arc])).representative_point().within(into))
 
 
-def test_what_is_higher_than_a_sill_is_not_before_it():
+def test_nothing_higher_than_a_sill_stands_in_front_of_it():
     low = 0
     for kind, seed in [(kind, seed) for kind in ("window", "half wall", "counter") for seed in range(6)]:
         storey = _pair("kitchen", _rectangle(4.2, 4.0))
@@ -264,7 +264,7 @@ def test_twins_are_furnished_alike(label, corners):
 
 
 @pytest.mark.parametrize("name", ["kitchen 4.2 x 4.0", "L-shaped office", "children's room 4.2 x 4.0", "bent corridor"])
-def test_what_stands_at_some_clutter_stands_at_any_higher(name):
+def test_pieces_present_at_some_clutter_are_present_at_any_higher(name):
     sparse_to_full = [set(furnish(STOREYS[name], _seeded(8), clutter)) for clutter in (0.3, 0.8, 1.0, 1.7, 2.5, 4.0)]
     for fewer, more in pairwise(sparse_to_full):
         assert fewer < more
@@ -289,7 +289,7 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     assert len(before & after) > 0.9 * len(before)
 
 
-def test_clutter_scales_what_lies_about():
+def test_clutter_scales_the_number_of_loose_pieces():
     storeys = [STOREYS[f"{label} 4.2 x 4.0"] for label in ("kitchen", "garage", "children's room")]
 
     def count(clutter):
@@ -310,7 +310,7 @@ def test_clutter_scales_what_lies_about():
         ("garage", {"workbench"}),
     ],
 )
-def test_rooms_nearly_always_hold_what_makes_them(label, kinds):
+def test_rooms_nearly_always_hold_their_typical_furniture(label, kinds):
     rooms = [
         {piece.kind for piece in furnish(_pair(label, _rectangle(4.2, 4.0)), _seeded(s)) if piece.room == "room"}
         for s in range(12)
@@ -319,7 +319,7 @@ def test_rooms_nearly_always_hold_what_makes_them(label, kinds):
         assert sum(kind in room for room in rooms) >= 9, kind
 
 
-def test_a_piece_that_cannot_be_is_named():
+def test_an_invalid_piece_is_named():
     def house(**changes):
         piece = {"id": "0.1.0 plant", "kind": "plant", "room": "hall", "size_m": (0.3, 0.3, 0.3), "yaw_rad": 0.0, "seed": 0}
         given = FurnitureSpec(position_m=(-1.0, 1.0, 0.0), **piece | changes)

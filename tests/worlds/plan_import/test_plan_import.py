@@ -61,7 +61,7 @@ def corners_of(spec):
 
 @pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt", "random"])
 @pytest.mark.parametrize("seed", [1, 2])
-def test_what_we_export_comes_back(tmp_path, preset, seed):
+def test_exported_plans_are_imported_unchanged(tmp_path, preset, seed):
     house = sample_house(preset, seed)
     path = tmp_path / "plan.geojson"
     path.write_text(to_geojson(house))
@@ -104,7 +104,7 @@ HALL = room("corridor", [[0, 3], [8, 3], [8, 5], [0, 5]])
 IN_HALL = {**DOOR, "geometry": {"type": "Point", "coordinates": [2, 3]}}
 
 
-def test_rooms_that_the_drawn_doors_do_not_reach_get_made_up_ones(tmp_path):
+def test_rooms_that_the_drawn_doors_do_not_reach_get_added_ones(tmp_path):
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, IN_HALL))
     drawn, added = plan.spec.storeys[0].openings
     assert set(drawn.rooms) == {"kitchen", "corridor"} and (drawn.start_m, drawn.end_m) == ((1.55, 3.0), (2.45, 3.0))
@@ -115,13 +115,13 @@ def test_rooms_that_the_drawn_doors_do_not_reach_get_made_up_ones(tmp_path):
     )
 
 
-def test_no_door_is_made_up_where_the_drawn_ones_suffice(tmp_path):
+def test_no_door_is_added_where_the_drawn_ones_suffice(tmp_path):
     doors = [IN_HALL, {**DOOR, "geometry": {"type": "Point", "coordinates": [6, 3]}}]
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, *doors))
     assert len(plan.spec.storeys[0].openings) == 2 and plan.notes == ()
 
 
-def test_one_looks_but_does_not_walk_over_a_counter(tmp_path):
+def test_a_counter_is_not_a_passage(tmp_path):
     counter = {**DOOR, "properties": {"kind": "counter"}}
     added = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), counter)).spec.storeys[0].openings
     assert [opening.kind for opening in added] == ["counter", "door"]
@@ -168,7 +168,7 @@ def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_pa
     assert {x for r in storey.rooms for x, _ in r.polygon_m} == {0.0, 4.06, 8.12}
 
 
-def test_rooms_as_far_apart_as_what_snaps_meet(tmp_path):
+def test_rooms_that_are_exactly_snap_m_apart_meet(tmp_path):
     upper = room("corridor", [[0, 3.1], [8, 3.1], [8, 5], [0, 5]])  # 3.1 - 3 is more than 0.1
     (storey,) = import_plan(
         written(tmp_path, room("kitchen", [[0, 0], [8, 0], [8, 3], [0, 3]]), upper), snap_m=0.1
@@ -267,7 +267,7 @@ def test_pages_and_lengths_have_units(tmp_path, head, unit):
     assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3)) and np.max(gym.polygon_m) == pytest.approx(8)
 
 
-def test_a_plan_on_a_sheet_of_paper_wants_a_scale(tmp_path):
+def test_a_plan_at_the_size_of_paper_needs_a_scale(tmp_path):
     body = '<rect id="kitchen" width="40" height="30"/><rect id="gym" x="40" width="40" height="30"/>'
     message = refusal(svg(tmp_path, body, INKSCAPE))
     assert "is 0.08 x 0.03 m on its page" in message and "give --metres-per-unit" in message
@@ -276,7 +276,7 @@ def test_a_plan_on_a_sheet_of_paper_wants_a_scale(tmp_path):
     assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3))
 
 
-def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tmp_path):
+def test_svg_words_that_resemble_a_known_one_are_named_once_with_their_place(tmp_path):
     body = """
       <rect id="kitchen" width="400" height="300"/><rect class="gym" x="400" width="400" height="300"/>
       <rect class="wall Kitchn" x="900" width="9" height="9"/><rect class="kitchn" x="950" width="9" height="9"/>
@@ -306,7 +306,7 @@ def test_misspelt_properties_of_geojson_are_named(tmp_path):
     )
 
 
-def test_what_was_passed_over_is_said_where_the_rest_is_no_house(tmp_path):
+def test_ignored_shapes_are_named_where_the_plan_is_invalid(tmp_path):
     lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
     assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' is unknown (did you mean" in lost
     far = '<rect id="gym" width="400" height="300"/><rect id="office" x="900" width="400" height="300"/>'
@@ -351,7 +351,7 @@ def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
         ([room("gym", [p for k in range(40) for p in ([k, k % 2], [k + 1, k % 2])] + [[40, 9], [0, 9]])], "4 to 64"),
     ],
 )
-def test_drawings_that_cannot_be_meant_are_refused_with_their_place(tmp_path, features, message):
+def test_invalid_drawings_are_refused_with_their_place(tmp_path, features, message):
     assert message in refusal(written(tmp_path, *features))
 
 
@@ -435,7 +435,7 @@ def test_a_use_that_refers_to_nothing_draws_nothing(tmp_path):
     assert all(plan == plans[0] for plan in plans)
 
 
-def test_every_malformed_field_of_a_drawn_door_is_told(tmp_path):
+def test_every_malformed_field_of_a_drawn_door_is_reported(tmp_path):
     house = to_geojson(sample_from_rooms(("kitchen", "bedroom"), seed=3))
     drawing = json.loads(house)
     door = next(feature for feature in drawing["features"] if "kind" in feature["properties"])

@@ -74,7 +74,7 @@ def test_faces_part_solid_from_free(house, faces, rng):
     assert not is_solid(house, places + 1e-5 * normals).any()
 
 
-def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
+def test_the_first_face_on_a_ray_is_where_the_solid_begins(house, faces, rng):
     """Rays from anywhere in a room in any direction show that no face is missing and that none floats."""
     rooms = [room for room in house.rooms if not room.outdoor]
     starts, ways = [], rng.normal(size=(100, 3))
