@@ -1,6 +1,7 @@
-"""What every test relies on: quiet threads, fixed examples, a generator with a fixed seed.
+"""Settings and fixtures of all tests: single-threaded libraries, fixed Hypothesis examples, a generator with a fixed seed.
 
-Nothing of the project is imported at the top: jaxtyping's hook, which checks shapes at run time, is installed later.
+This file must not import the project at module level: jaxtyping's import hook, which checks shapes at run time, is
+installed later.
 """
 
 import os
@@ -12,9 +13,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-cv2.setNumThreads(1)  # torch goes by OMP_NUM_THREADS
+cv2.setNumThreads(1)  # torch follows OMP_NUM_THREADS
 
-# Stated here because Hypothesis otherwise picks a profile by whether it believes to run in CI.
+# Registered here because Hypothesis otherwise picks a profile by whether it detects a CI environment.
 _COMMON = {"deadline": None, "database": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("tests", derandomize=True, max_examples=50, **_COMMON)
 settings.register_profile("nightly", derandomize=False, max_examples=1000, **_COMMON)
@@ -23,5 +24,5 @@ settings.load_profile("tests")
 
 @pytest.fixture
 def rng() -> np.random.Generator:
-    """A generator of its own for every test, with the same seed."""
+    """A fresh generator for every test, always with the same seed."""
     return np.random.default_rng(20_240_731)

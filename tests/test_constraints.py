@@ -1,4 +1,4 @@
-"""The tested versions: one for every package that the environment needs, on every Python, from any registry."""
+"""The tested versions: one for every package that the environment needs, for every Python version and any registry."""
 
 import re
 import tomllib
@@ -19,7 +19,7 @@ PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 
 
 def pinned(python):
-    """Version by package, for Linux."""
+    """Versions by package, for Linux."""
     system = {"python_version": python, "python_full_version": f"{python}.1", "sys_platform": "linux"}
     pins = [Requirement(line) for line in PINS]
     chosen = [pin for pin in pins if pin.marker is None or pin.marker.evaluate(system | {"platform_machine": "x86_64"})]
@@ -28,7 +28,7 @@ def pinned(python):
 
 
 def test_a_line_is_a_name_and_a_version():
-    """No address, no hash, no extra: those differ between registries, or pip refuses them in constraints."""
+    """A line has no address, hash or extra: those differ between registries, or pip refuses them in constraints."""
     odd = [line for line in PINS if not re.fullmatch(r"[a-z0-9-]+==[0-9a-z.]+( ; [^@/]+)?", line)]
     assert PINS and odd == []
 

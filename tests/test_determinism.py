@@ -1,8 +1,11 @@
-"""The same seed gives the same, to the last bit, in another process; on another processor the same house and way.
+"""The same seed gives the same results bit by bit in another process, and the same house and tour on another processor.
 
-Houses: bit by bit, because specs are rounded and what is built of them takes little more than sums and products. Ways and
-odometry: whatever LAPACK, BLAS or trigonometry give is rounded before anything is decided by it, so what is left are last
-bits. Images and maps: nothing is promised, since rasters and networks are free to round as they like.
+Between processors:
+
+- Houses are equal bit by bit, because specs are rounded and building takes little more than sums and products.
+- Tours and odometry differ in the last bits only, because results of LAPACK, BLAS and trigonometry are rounded before any
+  decision depends on them.
+- Images and maps may differ, since rasterisers and networks may round in any way.
 """
 
 import hashlib
@@ -27,16 +30,16 @@ OTHER_PROCESSOR = {
     "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F",
     "PYTHONWARNINGS": "ignore",
 }
-"""Of 2008: numpy, BLAS and libm take other ways there than on one of today."""
+"""A processor of 2008, on which numpy, BLAS and libm use other code than on a current one."""
 CONFIG = RunConfig(
     house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
 )
 LONG = RunConfig(preset="random", seed=602)
-"""A walk of 850 m, on which rounding has the time to grow."""
+"""A walk of 850 m, which is long enough for rounding errors to accumulate."""
 
 
 def digest(*parts):
-    """Of arrays or text, to the last bit."""
+    """A fingerprint of arrays or text that depends on every bit."""
     sha = hashlib.sha256()
     for part in parts:
         sha.update(part.encode() if isinstance(part, str) else np.ascontiguousarray(part).tobytes())
@@ -44,7 +47,7 @@ def digest(*parts):
 
 
 def everything():
-    """Of a run: digests, and result.json without times."""
+    """All results of a run: fingerprints, and result.json without times."""
     done = run(CONFIG)
     tour, odometry = done.session.tour, done.session.odometry
     result = evaluate(done, ())
@@ -60,7 +63,7 @@ def everything():
 
 
 def house(walked):
-    """The spec and what is built of it."""
+    """A fingerprint of the spec and of the house built from it."""
     rooms = [np.array(room.polygon.exterior.coords) for room in walked.house.rooms]
     walls = [np.array([wall.start, wall.end]) for wall in walked.house.walls]
     furniture = [np.array([*item.position, item.yaw, *item.size]) for item in walked.house.furniture]
@@ -68,14 +71,14 @@ def house(walked):
 
 
 def way():
-    """The house's digest, and every 50th true and odometric pose of the long walk."""
+    """The fingerprint of the house, and every 50th true and odometric pose of the long walk."""
     walked = walk(LONG)
     return [house(walked), walked.tour.T_W_B[::50].tolist(), walked.odometry.T_O_B[::50].tolist()]
 
 
 @pytest.fixture(scope="module")
 def elsewhere():
-    """What other processes find, by what they are asked; both work while this one does."""
+    """The results of other processes by what they are asked for; both processes work while this one does."""
     environments = {"everything": {"PYTHONHASHSEED": "12345"}, "way": OTHER_PROCESSOR}
     running = {
         name: subprocess.Popen([sys.executable, __file__, name], env=os.environ | changed, stdout=subprocess.PIPE, text=True)

@@ -1,6 +1,6 @@
-"""Whatever is wrong with a file, the answer is one of the package's errors: soon, and within bounds of memory.
+"""Every damaged file leads to one of the package's own errors, within limits on time and memory.
 
-Damage is drawn with fixed seeds. A few inputs of every kind are tried in the normal suite, thousands in the nightly one.
+Damage is drawn with fixed seeds. The normal suite tries a few inputs of every kind, the nightly suite thousands.
 """
 
 import contextlib
@@ -30,19 +30,19 @@ ERRORS = (LexisError, SimError, WorldsError)
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    """Whole inputs of every kind, each by the name of its file or folder."""
+    """Undamaged inputs of every kind, by the name of their file or folder."""
     folder = tmp_path_factory.mktemp("whole")
     small_inputs.write_all(folder)
     return folder
 
 
 def many(smoke, nightly):
-    """Numbers of inputs: of the normal suite, and of the nightly one."""
+    """Numbers of inputs in the normal suite and in the nightly one."""
     return pytest.mark.parametrize("cases", [smoke, pytest.param(nightly, marks=pytest.mark.slow)])
 
 
 def hold(found):
-    """Nothing foreign, nothing long, nothing large; and the damage was such that most of it is noticed."""
+    """Assert that no foreign exception occurred and limits were kept, and that most of the damage was noticed."""
     print(found)
     assert not found.foreign, "\n".join([str(found), *found.examples[:20]])
     assert found.longest_s <= PROCESSOR_S and found.peak_bytes <= MEMORY_BYTES
@@ -77,7 +77,7 @@ def test_damaged_maps(cases, inputs, tmp_path):
         else:
             damage.damaged_file(rng, folder / "map" / str(rng.choice(["map.json", "map.json", "arrays.npz"])))
         lexis_map = load_map(folder / "map")
-        for form in FORMATS:  # what is let in is good for everything
+        for form in FORMATS:  # an accepted file must be usable for everything
             export_map(lexis_map, form, folder / "out")
         plan(lexis_map, "kitchen", "office")
 
@@ -156,7 +156,7 @@ ODD = ("", " ", "-", "--", "--nonsense", "-o", *NUMBERS, "x" * 100_000, "a\nb", 
 
 
 class TinyEncoder:
-    """Two dimensions for two rooms."""
+    """An encoder with two dimensions, one for each of two rooms."""
 
     name = fingerprint = "tiny"
 
@@ -171,7 +171,7 @@ class TinyEncoder:
 
 @many(30, 400)
 def test_bad_command_lines(cases, inputs, tmp_path, monkeypatch):
-    """All work after reading the input is left out: nothing is rendered, and no encoder is loaded."""
+    """All work after reading the input is replaced: nothing is rendered, and no encoder is loaded."""
 
     def work(*_, **__):
         raise SimError("the work would begin here")
@@ -218,7 +218,7 @@ def _damage_line(rng, line):
 
 
 def _outcome(main, argv, folder):
-    """Exit status and what was said on stderr, by libraries in C too. The process is a child, and ends soon."""
+    """The exit status, and all output on stderr including that of C libraries. The process is a child that ends soon."""
     with (
         (folder / "err").open("w+", errors="backslashreplace") as err,
         (folder / "out.txt").open("w", encoding="utf-8") as out,

@@ -1,4 +1,4 @@
-"""Rendering and torch share a process whatever comes first, although each brings an LLVM of its own."""
+"""Rendering and torch work in one process in any order of imports, although each brings its own LLVM."""
 
 import importlib.util
 import itertools
@@ -14,7 +14,7 @@ STEPS = {
     "encoder": "from lexis.encoder.open_clip_encoder import load_encoder; load_encoder('mini')",
 }
 QUICK = [("render", "triton"), ("triton", "render"), ("render", "encoder", "render")]
-"""The first is the one that used to crash; the last is a notebook that renders first."""
+"""The first order is the one that used to crash; the last is that of a notebook that renders first."""
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("triton") is None, reason="torch has no triton on this system")
 

@@ -1,4 +1,4 @@
-"""The direction of imports: `sim` knows both others, which know neither it nor each other (read from the source)."""
+"""The direction of imports: `sim` may import `lexis` and `worlds`, which import neither `sim` nor each other."""
 
 import ast
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ FORBIDDEN = {
 
 
 def imported(source: str) -> Iterator[str]:
-    """Top-level names of the packages that a module imports, inside functions and by name too."""
+    """Names of the top-level packages that a module imports, including imports inside functions and by name."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name.partition(".")[0] for alias in node.names)
@@ -38,7 +38,7 @@ def test_a_package_imports_only_what_lies_before_it(package):
 
 
 def test_mujoco_comes_from_sim_gl_alone():
-    """Else it could be imported before its GL back end is chosen."""
+    """Otherwise MuJoCo could be imported before its OpenGL back end is chosen."""
     importers = [path.name for path in (ROOT / "sim").rglob("*.py") if "mujoco" in set(imported(path.read_text()))]
     assert importers == ["gl.py"]
 

@@ -1,6 +1,6 @@
-"""The same run decides the same on every processor and with every number of threads; poses agree within a nanometre.
+"""A run makes the same decisions on every processor and with every number of threads; poses agree within a nanometre.
 
-OPENBLAS_CORETYPE lets the numerical library take the code of another processor, which sums in another order.
+OPENBLAS_CORETYPE makes the numerical library use the code for another processor, which sums in another order.
 """
 
 import json
@@ -38,7 +38,7 @@ CLOSE_M = 1e-9
 
 
 def decided(names, environment):
-    """What runs decide in a process of its own with environment variables of its own, by their names."""
+    """Decisions of runs by name, computed in a separate process with the given environment variables."""
     command = [sys.executable, __file__, *names]
     inherited = {name: value for name, value in os.environ.items() if name not in REFERENCE}
     found = subprocess.run(command, env=inherited | environment, stdout=subprocess.PIPE, text=True, check=True).stdout

@@ -1,6 +1,6 @@
-"""README.md and sim/README.md, done word by word: their commands run and their programs are executed, in order.
+"""README.md and sim/README.md are executed word by word: their commands and programs run in order.
 
-worlds/README.md has a test of its own, which runs every time.
+worlds/README.md has a separate test, which is part of every test run.
 """
 
 import ast
@@ -14,7 +14,7 @@ from sim.cli import parser as sim_parser
 READMES = ("README.md", "sim/README.md")
 PARSERS = {"lexis": lexis_parser, "lexis-sim": sim_parser}
 NEEDS_WEIGHTS = ("ViT-", "hf-hub:", "local-dir:")
-"""Words of commands that need weights which cannot be had here; only their arguments are checked."""
+"""Words of commands that need weights which are not available here; only the arguments of these commands are checked."""
 SHELL = [
     (readme, words) for readme in READMES for block in blocks(readme) if block.language == "sh" for words in block.commands
 ]
@@ -44,7 +44,7 @@ def test_everything_in_the_documentation_works(readme, tmp_path):
     for number, block in enumerate(blocks(readme)):
         if block.language == "sh":
             if "nox -s demo" in block.content:
-                run_command(["lexis-sim", "demo"], tmp_path)  # what that session runs
+                run_command(["lexis-sim", "demo"], tmp_path)  # the command that this session runs
             for words in block.commands:
                 if not any(word.startswith(NEEDS_WEIGHTS) for word in words):
                     run_command(words, tmp_path)

@@ -1,4 +1,4 @@
-"""worlds/README.md, done word by word: its files are saved, its commands run, its programs executed."""
+"""worlds/README.md, executed word by word: its files are saved, and its commands and programs run."""
 
 import subprocess
 import sys
@@ -19,7 +19,7 @@ def test_everything_in_the_documentation_works(tmp_path, monkeypatch, capsys):
                 assert program == "lexis-sim" and main(arguments) == 0, (arguments, capsys.readouterr())
         else:
             (tmp_path / block.file_name).write_text(block.content)
-    # They share one process of their own, because they add furniture to the catalogue.
+    # They share one separate process, because they add furniture to the catalogue.
     done = subprocess.run([sys.executable, "-c", "\n".join(programs)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert len(programs) == 3 and all(path.stat().st_size for path in tmp_path.iterdir())

@@ -16,7 +16,8 @@ from sim.errors import GraphicsError
 from sim.render.gl_probe import PROBES
 from sim.render.llvm_order import load_triton_library
 
-_PROBE_TIMEOUT_S = 20.0
+PROBE_TIMEOUT_S = 20.0
+"""Longest time to wait for a back end that is tried in a child process [s]."""
 
 DISABLED = "disabled"
 """Value of ``MUJOCO_GL`` where no back end works. Physics and geometry still work then."""
@@ -71,7 +72,7 @@ def _works(backend: str) -> bool:
     """Try a back end in a child process, because a broken driver may crash or hang it."""
     command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("gl_probe.py")), backend]
     try:
-        return subprocess.run(command, capture_output=True, timeout=_PROBE_TIMEOUT_S).returncode == 0
+        return subprocess.run(command, capture_output=True, timeout=PROBE_TIMEOUT_S).returncode == 0
     except subprocess.TimeoutExpired:
         return False
 

@@ -1,4 +1,4 @@
-"""A textured box room seen from inside, drawn by ray casting: exact geometry for tests, with no simulator."""
+"""A textured box-shaped room, rendered from inside by ray casting: exact geometry for tests without the simulator."""
 
 import cv2
 import numpy as np
@@ -14,11 +14,11 @@ FORWARD_CAMERA = Camera(
     Intrinsics(320, 240, 140.0, 140.0, 159.5, 119.5),
     np.array([[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0]]),
 )
-"""About 98° wide, looking forward, a little ahead of and above the body's origin."""
+"""A camera with a field of view of about 98°; it looks forward and sits slightly ahead of and above the body's origin."""
 
 
 class BoxRoom:
-    """The box from the origin to `size` [m]; every face carries a texture of its own."""
+    """The box from the origin to `size` [m]; every face has a texture of its own."""
 
     def __init__(self, size: tuple[float, float, float], rng: np.random.Generator) -> None:
         self.size = np.array(size)
@@ -27,7 +27,7 @@ class BoxRoom:
         }
 
     def render(self, T_W_B: Float64[np.ndarray, "4 4"], camera: Camera = FORWARD_CAMERA) -> Image:
-        """The image from a body pose inside the box."""
+        """The image seen from a body pose inside the box."""
         axis, hit = self._cast(T_W_B @ camera.T_B_C, camera.intrinsics)
         image = np.zeros((*axis.shape, 3), np.uint8)
         for (face, side), texture in self._faces.items():
@@ -40,7 +40,7 @@ class BoxRoom:
     def points(
         self, T_W_B: Float64[np.ndarray, "4 4"], pixels: Float64[np.ndarray, "n 2"], camera: Camera = FORWARD_CAMERA
     ) -> Float64[np.ndarray, "n 3"]:
-        """Where the rays through pixels meet the walls, in W [m]."""
+        """The points at which the rays through pixels hit the walls, in W [m]."""
         T_W_C = T_W_B @ camera.T_B_C
         return self._meet(T_W_C[:3, 3], rays(pixels, camera.intrinsics) @ T_W_C[:3, :3].T)[1]
 
@@ -52,7 +52,7 @@ class BoxRoom:
         return self._meet(T_W_C[:3, 3], directions)
 
     def _meet(self, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The axis whose wall is met first, and the point."""
+        """The axis normal to the wall that each ray hits first, and the point where it hits."""
         with np.errstate(divide="ignore"):
             reach = np.where(directions > 0, self.size - origin, -origin) / directions
         reach = np.where(directions == 0, np.inf, reach)
@@ -61,7 +61,7 @@ class BoxRoom:
 
 
 def walk(waypoints: np.ndarray, step_m: float, height_m: float = 1.0) -> Float64[np.ndarray, "n 4 4"]:
-    """Body poses along a polyline in the plane, looking along a smoothed direction of travel."""
+    """Body poses along a polyline in the plane at `height_m`, facing a smoothed direction of travel."""
     lengths = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.arange(0.0, along[-1], step_m)
@@ -76,7 +76,7 @@ def walk(waypoints: np.ndarray, step_m: float, height_m: float = 1.0) -> Float64
 
 
 def _texture(size_m: np.ndarray, rng: np.random.Generator) -> Image:
-    """Blobs of several scales: rich in corners, and nowhere twice the same."""
+    """A texture of blobs at several scales: rich in corners and without repetition."""
     shape = tuple(np.ceil(size_m * _PIXELS_PER_M).astype(int))
     image = np.zeros((*shape, 3), np.float32)
     for cell in (4, 8, 24, 64):

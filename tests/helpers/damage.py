@@ -1,4 +1,4 @@
-"""Operators that damage files as hardware, editors and hostile people do. Every draw comes from the generator handed in."""
+"""Operators that damage files as failing hardware, editors and attackers do. All draws come from the generator passed in."""
 
 import io
 import json
@@ -71,7 +71,7 @@ NESTED, DIGITS = "nested marker", "digits marker"
 
 
 def damaged_bytes(rng, content):
-    """Flipped bits, a cut, or a stretch that is lost, doubled, zeroed, moved or foreign."""
+    """Damage bytes: flip bits, truncate, or delete, duplicate, zero, move or insert a stretch."""
     data = bytearray(content)
     for _ in range(rng.integers(1, 4)):
         a, b = sorted(int(i) for i in rng.integers(0, len(data) + 1, 2))
@@ -100,7 +100,7 @@ def damaged_bytes(rng, content):
 
 
 def damaged_json(rng, data):
-    """JSON of nearly these data: values of another type or size, swapped, lost, doubled, or nested deeply."""
+    """JSON text with damage: values replaced by another type or size, swapped, deleted, duplicated, or nested deeply."""
     data = json.loads(json.dumps(data))
     for _ in range(rng.integers(1, 3)):
         places = list(_places(data))
@@ -146,7 +146,7 @@ def _damage_place(rng, data, parent, key, places):
 
 
 def _nudged(rng, value):
-    """A number near it, so that what is read is wrong in its meaning alone; another place for an item of a list."""
+    """A value near the given one (a list is permuted), so that the file parses and only its meaning is wrong."""
     if isinstance(value, bool) or not isinstance(value, int | float | list):
         return value
     if isinstance(value, list):
@@ -156,7 +156,7 @@ def _nudged(rng, value):
 
 
 def damaged_text(rng, text):
-    """Lines and words that are lost, doubled, swapped, or replaced by what no number or name is."""
+    """Text with damage: lines and words deleted, duplicated, swapped, or replaced by invalid numbers and names."""
     lines = text.split("\n")
     for _ in range(rng.integers(1, 4)):
         i, j = (int(k) for k in rng.integers(0, len(lines), 2))
@@ -177,7 +177,7 @@ def damaged_text(rng, text):
 
 
 def damaged_arrays(rng, arrays):
-    """Arrays by name of which one or two are lost, of another type or shape, or hold what they must not."""
+    """Arrays with damage: one or two deleted, of another type or shape, or with invalid values."""
     arrays = dict(arrays)
     for _ in range(rng.integers(1, 3)):
         name = str(rng.choice(list(arrays)))
@@ -226,14 +226,14 @@ def _with_extreme(rng, array):
 
 
 def damaged_npz(rng, arrays):
-    """An archive of arrays: wrong in what it holds, in the headers of its members, or in its bytes."""
+    """An .npz archive with damage in its arrays, in the headers of its members, or in its bytes."""
     way = int(rng.integers(4))
     content = packed(rng, damaged_arrays(rng, arrays) if way in (0, 1) else arrays, header=way == 2)
     return damaged_bytes(rng, content) if way == 3 else content
 
 
 def packed(rng, arrays, header=False):
-    """Arrays as an archive; with `header`, the first bytes of one member are damaged before it is stored."""
+    """Arrays packed as an .npz archive; with `header`, the first bytes of one member are damaged before it is stored."""
     method = int(
         rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
     )
@@ -252,14 +252,14 @@ def packed(rng, arrays, header=False):
 
 
 def bomb(arrays, name, shape):
-    """An archive of which one array unpacks to a hundred times what the file has."""
+    """An .npz archive in which one array unpacks to about a hundred times the size of the file."""
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **(dict(arrays) | {name: np.zeros(shape, arrays[name].dtype)}))
     return buffer.getvalue()
 
 
 def displaced(rng, path):
-    """Put something else where a file is: nothing, a folder, a pipe, a device, a loop, an empty or an endless file."""
+    """Replace a file by something else: nothing, a folder, a pipe, a device, a link loop, an empty or an endless file."""
     path.unlink()
     match int(rng.integers(7)):
         case 0:
@@ -278,7 +278,7 @@ def displaced(rng, path):
 
 
 def damaged_file(rng, path):
-    """Damage a file of a folder in the way of its kind, or any."""
+    """Damage a file according to its type, or in a way that is possible for any file."""
     if rng.random() < 0.08:
         displaced(rng, path)
         return

@@ -1,4 +1,4 @@
-"""What a run decides, as plain data that two processes or two machines can compare."""
+"""The decisions of a run as plain data, for comparison between two processes or two machines."""
 
 from itertools import permutations
 
@@ -9,9 +9,9 @@ from sim.harness import try_plans
 
 
 def decisions(finished, folder):
-    """Labels, rooms, floors, candidates, loop edges, plans and drives of a run, and the poses they rest on.
+    """Labels, rooms, floors, candidates, loop edges, plans and drives of a run, and the poses that they depend on.
 
-    The map is saved to `folder` and loaded again: the loaded one must plan as the live one does.
+    The map is saved to `folder` and loaded again, because the loaded map must give the same plans as the live one.
     """
     live = finished.map
     save_map(live, folder)
@@ -32,7 +32,7 @@ def decisions(finished, folder):
 
 
 def plans(lexis_map):
-    """The keyframes of a plan between every two labels of the map; the reason where there is none."""
+    """The keyframes of the plan between every two labels of the map, or the error message where there is no plan."""
     labels = sorted({room.label for room in lexis_map.rooms})
     return {f"{start} -> {goal}": _plan(lexis_map, start, goal) for start, goal in permutations(labels, 2)}
 

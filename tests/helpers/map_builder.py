@@ -1,4 +1,4 @@
-"""A small map to test with: rooms along a walk, as LEXIS would hand it over."""
+"""Small maps for tests, with the contents that LEXIS gives them: keyframes along a walk through rooms."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ ENCODER = EncoderId("test", "0" * 64)
 
 
 def random_pose(rng, position):
-    """A pose at a position, turned at random about z."""
+    """A pose at a position, with a random rotation about z."""
     yaw = rng.uniform(-np.pi, np.pi)
     pose = np.eye(4)
     pose[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
@@ -19,13 +19,13 @@ def random_pose(rng, position):
 
 
 def covariance(rng):
-    """Some symmetric positive definite 6 x 6."""
+    """A random symmetric positive definite 6 x 6 matrix."""
     root = rng.normal(0.0, 0.01, (6, 6))
     return root @ root.T + 1e-4 * np.eye(6)
 
 
 def keyframe(rng, i, pose):
-    """A keyframe with a few features, two thirds of them landmarks; every fifth has none."""
+    """A keyframe with a few features, of which every other one is a landmark. Every fifth keyframe has no features."""
     n = 0 if i % 5 == 4 else int(rng.integers(1, 8))
     features = Features(rng.uniform(0, 360, (n, 2)).astype(np.float32), rng.integers(0, 256, (n, 61), dtype=np.uint8))
     ids = np.arange(0, n, 2)
@@ -64,7 +64,7 @@ def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=()):
 
 
 def corridor_with_offices(rng, **changes):
-    """A corridor along x with two offices off it; 40 keyframes, half a metre apart."""
+    """A map of a corridor along x with two offices beside it; 40 keyframes, half a metre apart."""
     x = np.concatenate([np.arange(0, 5, 0.5), np.full(5, 5.0), np.full(5, 5.2), np.arange(5.2, 10, 0.5), np.full(10, 10.0)])
     y = np.concatenate(
         [np.zeros(10), np.arange(0.5, 3, 0.5), np.arange(2.5, 0, -0.5), np.zeros(10), np.arange(0.5, 5.5, 0.5)]

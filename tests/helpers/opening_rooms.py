@@ -1,4 +1,4 @@
-"""A house with an opening of every kind: a kitchen and a living room side by side, a garden before both."""
+"""A house with an opening of every kind: a kitchen and a living room side by side, and a garden in front of both."""
 
 import math
 
@@ -18,19 +18,19 @@ _SPANS = {
 
 
 def opening(kind: str, **more) -> OpeningSpec:
-    """The opening of a kind in the wall between kitchen and living room."""
+    """The opening of a kind in the wall between the kitchen and the living room."""
     low, high = _SPANS[kind]
     return OpeningSpec(rooms=ROOMS, kind=kind, start_m=(WALL_X, low), end_m=(WALL_X, high), **more)
 
 
 def every_kind() -> HouseSpec:
-    """The house, without furniture."""
+    """The specification of the house, without furniture."""
     rooms = (
         RoomSpec(id="kitchen", label="kitchen", polygon_m=((0.0, 0.0), (WALL_X, 0.0), (WALL_X, LENGTH_M), (0.0, LENGTH_M))),
         RoomSpec(
             id="living room",
             label="living room",
-            # L-shaped: around a corner that looks into the room.
+            # L-shaped, with a reflex corner that juts into the room.
             polygon_m=((WALL_X, 0.0), (10.0, 0.0), (10.0, 9.0), (8.0, 9.0), (8.0, LENGTH_M), (WALL_X, LENGTH_M)),
         ),
         RoomSpec(id="garden", label="garden", polygon_m=((0.0, -4.0), (10.0, -4.0), (10.0, 0.0), (0.0, 0.0))),

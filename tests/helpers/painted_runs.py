@@ -1,4 +1,4 @@
-"""Runs whose walk is real and whose images are not: every pixel names the camera's room."""
+"""Runs with a real trajectory and artificial images: the value of every pixel is the index of the room's label."""
 
 from functools import cache
 
@@ -14,7 +14,7 @@ from worlds.truth import room_at
 
 
 def painted(rooms, rng, T_W_B=None):
-    """Frames whose pixels name the room, where each room has a thing of its own."""
+    """Frames whose pixels are the indices `rooms`; the frames of each room show a kind of object of their own."""
     n = len(rooms)
     T_W_B = np.tile(np.eye(4), (n, 1, 1)) if T_W_B is None else T_W_B
     things = rng.integers(0, 3, (n, *PATCHES, len(THINGS))).astype(np.uint8)
@@ -25,7 +25,7 @@ def painted(rooms, rng, T_W_B=None):
 
 @cache
 def painted_run(seed):
-    """Through a small flat."""
+    """A run through a small flat with painted frames."""
     walked = walk(RunConfig(preset="uh2-apt", seed=seed))
     kept = keyframes_along(walked.tour.T_W_B[:, :3, 3])
     T_W_B = walked.tour.T_W_B[kept]

@@ -1,10 +1,10 @@
-"""An encoder for tests of what has nothing to do with images: it knows a few texts by heart."""
+"""An encoder for tests in which images do not matter: it knows the vectors of a few texts."""
 
 import numpy as np
 
 
 class ReadingEncoder:
-    """Reads the texts of a dictionary, with the name and the fingerprint of an `EncoderId`."""
+    """Looks up the vectors of texts in a dictionary; it has the name and the fingerprint of an `EncoderId`."""
 
     def __init__(self, vectors, identity):
         self.vectors = vectors

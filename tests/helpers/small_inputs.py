@@ -1,4 +1,4 @@
-"""The smallest of all that is read from files: houses, a map, a feature model, and a recording in every form."""
+"""Minimal examples of every kind of input file: houses, a map, a feature model, and a recording in every format."""
 
 import json
 
@@ -30,7 +30,7 @@ _SQUARE, _NEXT = [[0, 0], [4, 0], [4, 3], [0, 3]], [[4, 0], [7, 0], [7, 3], [4, 
 
 
 def houses():
-    """Data of house files: one by hand with a bit of everything, and a sampled one of two rooms."""
+    """Contents of house files: a handwritten house with a bit of everything, and a sampled one of two rooms."""
     door = {"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.9], "leaf": {"into": "a", "hinge": "end"}}
     sofa = {
         "id": "f",
@@ -55,7 +55,7 @@ def houses():
 
 
 def observations():
-    """A few frames along a bend."""
+    """A few frames along a curve."""
     rng, pose = np.random.default_rng(5), np.eye(4)
     for i in range(FRAMES):
         yield Observation(i, 100.0 + 0.1 * i, rng.integers(0, 256, (24, 32, 3), dtype=np.uint8), pose, 1e-4 * np.eye(6))
@@ -63,7 +63,7 @@ def observations():
 
 
 def write_map(folder):
-    """A map of six keyframes in two rooms, with a loop."""
+    """Write a map of six keyframes in two rooms, with one loop edge."""
     rng = np.random.default_rng(4)
     positions = [[0.5 * i, 0.1 * i * i, 0.0] for i in range(6)]
     rooms = [("kitchen", (0, 1, 2)), ("office", (3, 4, 5))]
@@ -72,7 +72,7 @@ def write_map(folder):
 
 
 def write_features(path):
-    """A feature model of two dimensions."""
+    """Write a feature model with two-dimensional embeddings."""
     edges = MeasuredEdges(np.full((2, 6), 0.005), np.repeat(np.eye(6)[None] * 1e-4, 2, axis=0), np.array([20, 30]))
     loops = LoopModel(np.array([-3.0, 12.0, 0.0, -1.0, -1.0]), 0.5, 0.0, edges, edges)
     weights, errors, kernels = (
@@ -85,12 +85,12 @@ def write_features(path):
 
 
 def write_tum_run(folder):
-    """The frames as a TUM dataset."""
+    """Write the frames as a TUM dataset."""
     write_dataset(folder, CAMERA, observations())
 
 
 def write_euroc_run(folder):
-    """The frames as a EuRoC dataset, with distortion."""
+    """Write the frames as a EuRoC dataset with lens distortion."""
     sensor, odometry = folder / "mav0" / "cam0", folder / "mav0" / "odom0"
     (sensor / "data").mkdir(parents=True)
     odometry.mkdir()
@@ -114,7 +114,7 @@ def write_euroc_run(folder):
 
 
 def write_bag_run(folder, storage="SQLITE3"):
-    """The frames as a ROS 2 bag, images as PNG."""
+    """Write the frames as a ROS 2 bag with PNG images."""
     from rosbags.rosbag2 import StoragePlugin, Writer
 
     messages, places, connections = Messages.load(), {"cam0": CAMERA}, {}
@@ -138,7 +138,7 @@ def write_bag_run(folder, storage="SQLITE3"):
 
 
 def write_all(folder):
-    """One of each, in a folder."""
+    """Write one example of each kind of input to a folder."""
     write_map(folder / "map")
     write_features(folder / "features.npz")
     write_tum_run(folder / "tum")

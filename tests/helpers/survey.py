@@ -1,4 +1,4 @@
-"""Many bad inputs, tried in a child process that may take neither long nor much memory."""
+"""Tries many bad inputs in a child process with limits on time and memory."""
 
 import contextlib
 import multiprocessing
@@ -15,21 +15,21 @@ import numpy as np
 
 MEMORY_BYTES = 1_000_000_000
 PROCESSOR_S, WALL_S = 5.0, 60.0
-"""Longest that one input may take: of the processor's time, and on the clock of a busy machine."""
+"""Longest time that one input may take: processor time, and wall-clock time on a busy machine [s]."""
 
 
 @dataclass
 class Survey:
-    """The outcome of all inputs."""
+    """The combined outcome of all inputs."""
 
     tried: int = 0
     refused: int = 0
     longest_s: float = 0.0
-    """Time of the processor [s]."""
+    """Longest processor time that one input took [s]."""
     peak_bytes: int = 0
-    """Memory beyond what the process had before."""
+    """Largest amount of memory beyond that in use before [bytes]."""
     foreign: Counter = field(default_factory=Counter)
-    """How often an exception that is none of the package's came, by its class, and processes that had to be ended."""
+    """Number of unexpected exceptions by class, and of processes that had to be ended."""
     examples: list = field(default_factory=list)
 
     def __str__(self):
@@ -40,7 +40,7 @@ class Survey:
 
 
 def survey(attempt, cases, seed, expected, folder):
-    """Call `attempt(rng, folder)` once for each of `cases`, which may raise `expected` and nothing else."""
+    """Call `attempt(rng, folder)` once for each of `cases` inputs; it may raise `expected` and nothing else."""
     found, context, start = Survey(), multiprocessing.get_context("fork"), 0
     while start < cases:
         receiver, sender = context.Pipe(duplex=False)
@@ -58,7 +58,7 @@ def survey(attempt, cases, seed, expected, folder):
                     _note(found, last, said)
         child.join()
         start = last + 1
-        if start < cases:  # the child did not come to the end of its cases
+        if start < cases:  # the child process ended before all of its cases
             _note(found, start, f"ended by {signal.Signals(-child.exitcode).name if child.exitcode < 0 else child.exitcode}")
             found.tried += 1
             start += 1
@@ -78,7 +78,7 @@ def _work(attempt, cases, seed, expected, folder, sender):
     for case in cases:
         place = folder / f"case{case}"
         place.mkdir()
-        # Their default action ends the process, so that nothing can swallow them.
+        # The default action of these signals ends the process, so that no handler can swallow them.
         signal.setitimer(signal.ITIMER_PROF, PROCESSOR_S)
         signal.setitimer(signal.ITIMER_REAL, WALL_S)
         start = time.process_time()

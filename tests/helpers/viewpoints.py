@@ -1,4 +1,4 @@
-"""Where cameras stand in tests of rendering: in the rooms, clear of walls and furniture, looking anywhere."""
+"""Camera viewpoints for tests of rendering: inside the rooms, clear of walls and furniture, with random headings."""
 
 import numpy as np
 from shapely.geometry import Point
@@ -15,7 +15,7 @@ def turned(yaw, pitch=0.0, roll=0.0):
 
 
 def viewpoints(house, count, seed=0, tilt=0.0):
-    """Poses of the body, in each room in turn (stairs left out), tilted by up to `tilt` [rad]."""
+    """Poses of the body, in each room in turn (except stairs), with pitch and roll up to `tilt` [rad]."""
     rng = np.random.default_rng(seed)
     rooms = [room for room in house.rooms if room.label != "stairs"]
     free = []

@@ -1,4 +1,4 @@
-"""`lexis`: every command end to end on a small recording; exit 2 with one line for bad input, never a traceback."""
+"""`lexis`: every command end to end on a small recording. Bad input gives exit status 2 and one line, never a traceback."""
 
 import json
 import os
@@ -15,11 +15,11 @@ from lexis.datasets.dataset import write_dataset
 from lexis.errors import EncoderError
 from lexis.map.folder import load_map, save_map
 from lexis.query.calibration import Calibration, save_calibration
-from lexis.types import Camera, EncoderId, Intrinsics, Observation
+from lexis.types import Camera, EncoderId, Intrinsics, LoopEdge, Observation
 
 
 class ColourEncoder:
-    """Sees the mean colour; rooms are colours of their own."""
+    """Encodes an image by its mean colour; each room name is a colour of its own."""
 
     name = fingerprint = "colour"
 
@@ -37,7 +37,7 @@ class ColourEncoder:
 
 @pytest.fixture(autouse=True)
 def encoders(monkeypatch):
-    """One encoder whatever is asked for; the names that were."""
+    """Replaces all encoders by one; the fixture's value is the list of the names that were asked for."""
     asked = []
 
     def load(model, options=None):
@@ -46,13 +46,13 @@ def encoders(monkeypatch):
             raise EncoderError("encoder 'gone': no model 'gone'")
         return ColourEncoder()
 
-    monkeypatch.setattr(cli, "_encoder", load)
+    monkeypatch.setattr("lexis.encoder.open_clip_encoder.load_encoder", load)
     return asked
 
 
 @pytest.fixture
 def dataset(rng, tmp_path):
-    """Eight metres forward: red at first, then green."""
+    """A recording of eight metres forward, with red images at first and then green ones."""
     poses = np.tile(np.eye(4), (81, 1, 1))
     poses[:, 0, 3] = 0.1 * np.arange(81)
     images = rng.integers(0, 60, (81, 48, 64, 3), dtype=np.uint8)
@@ -67,7 +67,7 @@ def dataset(rng, tmp_path):
 
 @pytest.fixture
 def mapped(dataset, tmp_path, capsys):
-    """The map of the recording."""
+    """The map made from the recording."""
     assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "-o", str(tmp_path / "map")]) == 0
     capsys.readouterr()
     return tmp_path / "map"
@@ -122,7 +122,7 @@ def test_other_names_need_no_recording(mapped, tmp_path, capsys):
     assert "rooms: hall, shop\nno room: depot\n" in capsys.readouterr().out
 
 
-def test_a_map_that_will_be_replaced_is_told_of(mapped, capsys):
+def test_a_note_says_which_map_will_be_replaced(mapped, capsys):
     assert cli.main(["relabel", str(mapped), "--rooms", "kitchen,hall", "-o", str(mapped)]) == 0
     assert f"note: {mapped} holds an earlier result" in capsys.readouterr().err
 
@@ -261,7 +261,7 @@ def test_a_message_is_one_line_of_bounded_length(start, tmp_path, rng, capsys):
 
 
 def test_names_of_files_need_not_be_text(tmp_path, rng):
-    """In a process of its own, whose stdout is as strict as a terminal's."""
+    """This runs in a separate process, whose standard output is as strict about encoding as a terminal."""
     save_map(corridor_with_offices(rng), tmp_path / "map")
     out = os.fsencode(tmp_path) + b"/\xff.tum"
     line = [sys.executable, "-m", "lexis.cli", "export", tmp_path / "map", "--format", "tum", "-o", out]
@@ -292,6 +292,11 @@ def test_the_help_of_all_has_an_example(capsys):
     assert "\n  lexis run " in capsys.readouterr().out.split("example:")[1]
 
 
-@pytest.mark.parametrize(("number", "says"), [(0, "0 keyframes"), (1, "1 keyframe"), (2, "2 keyframes")])
-def test_one_is_no_plural(number, says):
-    assert cli._count(number, "keyframe") == says
+@pytest.mark.parametrize(("loops", "says"), [(0, "0 loop edges"), (1, "1 loop edge"), (2, "2 loop edges")])
+def test_a_count_of_one_is_singular(mapped, tmp_path, capsys, loops, says):
+    edges = tuple(LoopEdge(8 + i, i, np.eye(4), np.eye(6), 20) for i in range(loops))
+    candidates = tuple((edge.query, (edge.match,)) for edge in edges)
+    looped = replace(load_map(mapped), loops=edges, loop_weights=np.ones(loops), candidates=candidates)
+    save_map(looped, tmp_path / "looped")
+    assert cli.main(["relabel", str(tmp_path / "looped"), "--rooms", "kitchen,hall", "-o", str(tmp_path / "other")]) == 0
+    assert f"keyframes, {says}, rooms: " in capsys.readouterr().out

@@ -36,7 +36,7 @@ def test_matches_of_a_warped_image_follow_the_warp(image):
     errors = second.keypoints[pairs[:, 1]] - (first.keypoints[pairs[:, 0]] @ turn[:, :2].T + turn[:, 2])
     assert len(pairs) > 100
     assert np.median(np.linalg.norm(errors, axis=1)) < 0.5
-    assert np.abs(np.median(errors, axis=0)).max() < 0.1  # the pixel origin is the same everywhere
+    assert np.abs(np.median(errors, axis=0)).max() < 0.1  # the origin of pixel coordinates is the same for both
 
 
 def test_no_more_key_points_than_asked_for(image):
@@ -52,7 +52,7 @@ def test_a_bare_wall_has_no_features():
 @pytest.mark.parametrize(("n", "m"), [(40, 30), (5, 1), (1, 5), (0, 3), (3, 0)])
 def test_matching_agrees_with_brute_force(n, m, rng):
     first, second = rng.integers(0, 256, (n, 61), np.uint8), rng.integers(0, 256, (m, 61), np.uint8)
-    for i in range(0, min(n, m), 2):  # half of them are true pairs, a few bits apart
+    for i in range(0, min(n, m), 2):  # half of the descriptors are true pairs that differ by a few bits
         second[i] = first[i] ^ (rng.random(61) < 0.2).astype(np.uint8)
     allowed = rng.random((n, m)) < 0.5
     everything = np.ones((n, m), bool)

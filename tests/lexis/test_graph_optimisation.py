@@ -13,7 +13,7 @@ LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
 
 
 def circle(count):
-    """Two laps of a circle, looking along it."""
+    """Poses on two laps of a circle, facing along it."""
     step = se3.exp(np.array([0.0, 0.0, 4 * np.pi / count, 0.5, 0.0, 0.0]))
     T = [np.eye(4)]
     for _ in range(count - 1):
@@ -28,7 +28,7 @@ def true():
 
 @pytest.fixture
 def drifting(true, rng):
-    """Noisy steps and the poses that they chain to."""
+    """Noisy odometry steps, and the poses that result from chaining them."""
     noise = se3.exp(rng.multivariate_normal(np.zeros(6), STEP_COVARIANCE, len(true) - 1))
     steps = se3.between(true[:-1], true[1:]) @ noise
     T = [true[0]]

@@ -15,7 +15,7 @@ LEANING = np.eye(4) + 0.01
 
 
 def at(x):
-    """A place on the x axis [m]."""
+    """A pose at a position on the x axis [m]."""
     T = np.eye(4)
     T[0, 3] = x
     return T
@@ -98,7 +98,7 @@ NONE = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 
 
 def percept(embedding=UNIT, keypoints=NONE.keypoints, descriptors=NONE.descriptors):
-    """A percept of anything at all: the annotations, which are enforced in tests, would refuse it earlier."""
+    """A percept without type checks: the annotations, which are enforced in tests, would refuse a bad one earlier."""
     features, made = Features(**vars(NONE)), Percept(UNIT, NONE)
     object.__setattr__(features, "keypoints", keypoints)
     object.__setattr__(features, "descriptors", descriptors)
@@ -133,7 +133,7 @@ def test_a_percept_of_the_encoders_size_passes():
     ],
 )
 def test_a_percept_that_would_cost_the_map_is_refused(image, complaint):
-    """A percept of other dimensions would be stored, and the map of all earlier ones would be lost at the end."""
+    """A percept with an embedding of another size must not be stored: optimising at the end would fail and lose the map."""
     wrong = replace(GOOD)
     object.__setattr__(wrong, "image", image)
     with pytest.raises(ObservationError, match=f"observation 3: .*{complaint}"):

@@ -16,7 +16,7 @@ IMAGE = np.zeros((240, 320, 3), np.uint8)
 
 @pytest.fixture
 def frames(rng):
-    """Nine frames 0.25 m apart that see the same points; every other one is a keyframe."""
+    """Nine frames, 0.25 m apart, that see the same points; every other frame is a keyframe."""
     points = rng.uniform([3.0, -1.5, -1.0], [8.0, 3.5, 1.5], (60, 3))
     descriptors = rng.integers(0, 256, (60, 61), np.uint8)
     frames = []
@@ -30,7 +30,7 @@ def frames(rng):
 
 
 def feed(window, frames):
-    """The keyframes that become complete, after every frame."""
+    """For each frame, the keyframes that it completes."""
     embedding = np.ones(1, np.float32)
     return [window.add(frame, features, embedding if frame.is_keyframe else None) for frame, features in frames]
 
@@ -53,7 +53,7 @@ def test_every_keyframe_comes_once_in_order_and_is_numbered(frames, supports):
 
 
 def test_landmarks_come_from_frames_on_both_sides(frames):
-    """Three views must agree: with one frame on either side, the first and the last keyframe have too few."""
+    """Three views must agree. With one frame on either side, the first and the last keyframe have too few."""
     window = KeyframeWindow(FORWARD_CAMERA, Config(keyframes=KeyframeConfig(supports=1)))
     keyframes = [*chain.from_iterable(feed(window, frames)), *window.flush()]
     counts = [len(k.landmarks.points) for k in keyframes]

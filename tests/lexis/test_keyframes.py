@@ -26,14 +26,14 @@ def selected(T_O_B, config=None):
 
 
 def test_keyframes_are_equally_spaced_with_a_support_frame_between():
-    frames = selected(straight(0.0625, 41))  # 2.5 m
+    frames = selected(straight(0.0625, 41))  # a path of 2.5 m
     assert [f.observation.T_O_B[0, 3] for f in frames if f.is_keyframe] == [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]
     assert [f.observation.T_O_B[0, 3] for f in frames if not f.is_keyframe] == [0.25, 0.75, 1.25, 1.75, 2.25]
 
 
 def test_spacing_counts_path_not_displacement():
     there = straight(0.0625, 5)
-    to_and_fro = np.concatenate([there, there[-2::-1], there[1:]])  # 0.75 m of path within 0.25 m
+    to_and_fro = np.concatenate([there, there[-2::-1], there[1:]])  # a path of 0.75 m within 0.25 m
     assert sum(f.is_keyframe for f in selected(to_and_fro)) == 2
 
 
@@ -58,4 +58,4 @@ def test_step_covariance_gathers_every_increment_since_the_last_keyframe():
     for _ in range(8):
         expected = se3.compose_covariance(expected, straight(0.0625, 2)[1], COVARIANCE)
     np.testing.assert_allclose(second.step_covariance, expected)
-    assert second.step_covariance[4, 4] > 8 * COVARIANCE[4, 4]  # early rotation swings the later path sideways
+    assert second.step_covariance[4, 4] > 8 * COVARIANCE[4, 4]  # a rotation early on moves the later path sideways

@@ -7,16 +7,16 @@ from scipy.spatial.transform import Rotation
 
 from lexis.config import LandmarkConfig
 from lexis.features import FeatureExtractor
-from lexis.landmarks import View, _fit, _Tracks, triangulate
+from lexis.landmarks import View, triangulate
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.types import Features, Intrinsics
+from lexis.types import Camera, Features, Intrinsics
 
 CONFIG = LandmarkConfig()
 
 
 def views_of(points, T_O_B, camera=FORWARD_CAMERA):
-    """Perfect images of points, each of which has a descriptor of its own."""
+    """Noise-free images of points, each with a descriptor of its own."""
     descriptors = np.random.default_rng(0).integers(0, 256, (len(points), 61), np.uint8)
     views = []
     for T in T_O_B:
@@ -27,7 +27,7 @@ def views_of(points, T_O_B, camera=FORWARD_CAMERA):
 
 @pytest.fixture
 def sideways():
-    """Five poses 0.25 m apart; the third is the keyframe."""
+    """Five poses 0.25 m apart along y; the third is the keyframe."""
     T = np.tile(np.eye(4), (5, 1, 1))
     T[:, 1, 3] = 0.25 * np.arange(5)
     return T
@@ -58,7 +58,7 @@ def test_landmarks_do_not_depend_on_where_odometry_starts(sideways, points, rng)
 def test_a_view_that_disagrees_is_dropped_and_the_point_kept(sideways, points):
     reference, *supports = _split_list(views_of(points, sideways))
     spoilt = supports[1].features.keypoints.copy()
-    spoilt[:10, 0] += 12.0  # along the epipolar lines, where guidance cannot see it
+    spoilt[:10, 0] += 12.0  # moved along the epipolar lines, where the epipolar constraint cannot detect it
     supports[1] = replace(supports[1], features=replace(supports[1].features, keypoints=spoilt))
     landmarks = triangulate(reference, supports, FORWARD_CAMERA, CONFIG)
     truth = se3.transform(se3.inverse(reference.T_O_B), points[landmarks.feature_ids])
@@ -112,12 +112,17 @@ def _split(views):
 
 
 def test_a_false_match_whose_depth_is_that_of_a_camera_stops_nothing(rng):
-    """The linear depth of such a match lies in the plane of a camera that saw it, where projections explode."""
+    """The linear estimate puts such a match into the plane of a camera that saw it, where the projection is singular."""
     turn = Rotation.from_rotvec(np.radians([[0.0, 0.0, 0.0], [0.0, 18.51, 0.0], [0.0, -55.12, 0.0]]))
     T_V_R = np.tile(np.eye(4), (3, 1, 1))
     T_V_R[:, :3, :3] = turn.as_matrix()
     T_V_R[1:, :3, 3] = [[-0.048343, 0.000139, 0.234008], [0.152942, -0.014453, -0.179848]]
     pixels = np.array([[369.25036621, 141.45582581], [170.92623901, 184.57714844], [164.18553162, 141.71463013]])
     intrinsics = Intrinsics(480, 360, 201.3839, 201.3839, 239.5, 179.5)
-    many = pixels + rng.normal(0.0, 0.5, (2000, 3, 2))
-    _fit(_Tracks(many, np.ones((2000, 3), bool), T_V_R, intrinsics))
+    camera = Camera(intrinsics, np.eye(4))
+    many = (pixels + rng.normal(0.0, 0.5, (2000, 3, 2))).astype(np.float32)
+    descriptors = rng.integers(0, 256, (2000, 61), np.uint8)
+    views = [View(se3.inverse(T), Features(many[:, i], descriptors)) for i, T in enumerate(T_V_R)]
+    everything = replace(CONFIG, epipolar_px=1000.0, max_reprojection_px=1e9, min_parallax_rad=1e-9)
+    landmarks = triangulate(views[0], views[1:], camera, everything)
+    assert landmarks.points.shape == (len(landmarks.feature_ids), 3)

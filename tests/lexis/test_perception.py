@@ -1,4 +1,4 @@
-"""Observations may bring what was seen instead of an image: LEXIS then makes the same map of it."""
+"""Observations may carry percepts instead of an image; LEXIS then makes the same map."""
 
 from dataclasses import replace
 

@@ -23,7 +23,7 @@ def room(i, label, ids, graph):
 
 @pytest.fixture
 def graph(rng):
-    """One second and one metre between keyframes: 0-9 go out, 10-19 come back, 20 stands at the start."""
+    """Keyframes one second and one metre apart: 0-9 go out, 10-19 come back, 20 is at the start."""
     graph = PoseGraph(PoseGraphConfig())
     for i, x in enumerate([*range(10), *range(9, -1, -1), 0]):
         graph.add_keyframe(keyframe(i, float(x), rng.normal(size=8)))

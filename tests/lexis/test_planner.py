@@ -1,4 +1,4 @@
-"""Plans: truly shortest, over ways that a robot may take, ending inside the room."""
+"""Plans: truly shortest, over edges that a robot can follow, and ending inside the room."""
 
 from dataclasses import replace
 from itertools import product
@@ -15,7 +15,7 @@ from lexis.map.room_names import instance_names
 from lexis.planner import adjacency, innermost, plan
 
 
-def test_a_plan_goes_from_room_to_room_over_ways_of_the_graph(rng):
+def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
     lexis_map = corridor_with_offices(rng)
     result = plan(lexis_map, "office 1", "office 2")
     graph = adjacency(lexis_map, PlannerConfig())
@@ -25,8 +25,8 @@ def test_a_plan_goes_from_room_to_room_over_ways_of_the_graph(rng):
     assert min(steps) > 0 and sum(steps) == pytest.approx(result.length_m)
 
 
-def test_no_path_is_shorter(rng):
-    """Dijkstra by another implementation, over ways found by comparing all pairs."""
+def test_paths_are_shortest(rng):
+    """Compares with another implementation of Dijkstra, on a graph built by comparing all pairs of keyframes."""
     lexis_map = corridor_with_offices(rng, loops=[(12, 17), (39, 0), (25, 8)], weights=[1.0, 1.0, 0.1])
     positions = lexis_map.T_W_B[:, :3, 3]
     graph = nx.Graph()
@@ -40,14 +40,14 @@ def test_no_path_is_shorter(rng):
     assert result.length_m == pytest.approx(nx.dijkstra_path_length(graph, result.keyframes[0], result.keyframes[-1]))
 
 
-def test_back_is_as_long_as_there(rng):
+def test_a_path_and_its_reverse_are_equally_long(rng):
     lexis_map = corridor_with_offices(rng)
     there, back = plan(lexis_map, "office 1", "corridor"), plan(lexis_map, "corridor", "office 1")
     assert back.length_m == pytest.approx(there.length_m) and back.keyframes == there.keyframes[::-1]
 
 
 def test_rooms_are_joined_where_the_robot_walked_and_not_through_a_wall(rng):
-    """Two rooms' paths run 0.4 m apart; the door is at the far end."""
+    """The paths in two rooms run 0.4 m apart, with a wall between them; the door is at the far end."""
     x = np.arange(0, 5, 0.5)
     positions = np.concatenate([np.stack([x, 0 * x, 0 * x], 1), np.stack([x[::-1], 0 * x + 0.4, 0 * x], 1)])
     rooms = [("office", range(10)), ("kitchen", range(10, 20))]
@@ -65,7 +65,7 @@ def test_only_trusted_loops_join_rooms(rng, weight, joined):
 def test_a_path_ends_deep_in_the_room(rng):
     lexis_map = corridor_with_offices(rng)
     similarities = lexis_map.similarities.copy()
-    similarities[30, 1] = 0.99  # looks most like an office, on the office's doorstep
+    similarities[30, 1] = 0.99  # looks most like an office, but lies at the door of the office
     similarities[34:38, 1] = 0.95
     lexis_map = replace(lexis_map, similarities=similarities)
     assert innermost(lexis_map, lexis_map.rooms[2]).keyframe in range(34, 38)
@@ -73,11 +73,11 @@ def test_a_path_ends_deep_in_the_room(rng):
 
 
 def open_boundary(rng, and_back=False):
-    """A walk along x through an office into a kitchen, and back if wished; they meet at x = 0, with nothing between them.
+    """A walk along x through an office into a kitchen, optionally there and back. The rooms meet at x = 0 without a wall.
 
-    The camera looks where the walk goes. Its image shows whichever room lies 1.5 m ahead: best of all from in front of it,
-    and little of it from deep inside, with a wall before the lens. As in LEXIS, a keyframe has the label that its image
-    resembles.
+    The camera looks ahead. Its image shows the room that lies 1.5 m ahead: best from a viewpoint in front of the room, and
+    only little from deep inside, where the camera faces a wall. As in LEXIS, a keyframe has the label that its image
+    resembles most.
     """
     x = np.arange(-4.0, 4.1, 0.2)
     forward = np.ones(len(x))
@@ -93,9 +93,9 @@ def open_boundary(rng, and_back=False):
 
 
 def looking_ahead(lexis_map, forward):
-    """The map with a camera that looks along x, or against it where `forward` (n,) is -1."""
+    """A map with a camera that looks along x, or in the opposite direction where `forward` (n,) is -1."""
     T_B_C, poses = np.eye(4), np.tile(np.eye(4), (len(forward), 1, 1))
-    T_B_C[:3, :3] = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]  # the optical axis along the body's x
+    T_B_C[:3, :3] = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]  # the optical axis along the x axis of the body
     poses[:, 0, 0] = poses[:, 1, 1] = forward
     poses[:, :3, 3] = lexis_map.T_W_B[:, :3, 3]
     return replace(lexis_map, camera=replace(CAMERA, T_B_C=T_B_C), T_W_B=poses)
@@ -110,14 +110,14 @@ def test_a_path_ends_behind_an_open_boundary_and_not_where_the_room_comes_into_v
 
 
 def test_a_path_ends_inside_a_room_that_is_recognised_from_in_front_of_it_alone(rng):
-    """A bathroom at x > 0 fills the image on the way in, until the lens is at its wall; on the way out it is behind."""
+    """A bathroom at x > 0 fills the image on the way in until the camera faces its wall; on the way out it is behind."""
     there = np.arange(-3.0, 1.6, 0.2)
     x, forward = np.concatenate([there, there[::-1]]), np.repeat([1.0, -1.0], len(there))
     seen = (forward > 0.0) & (x > -1.5) & (x < 0.0)
     rooms = [("corridor", np.flatnonzero(~seen).tolist()), ("bathroom", np.flatnonzero(seen).tolist())]
     lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], seen.astype(int), rooms, ("corridor", "bathroom"), rng)
     similarities = np.where(seen[:, None], [0.0, 0.5], [0.5, 0.0])
-    similarities[(forward > 0.0) & (x >= 0.0)] = 0.1  # a wall
+    similarities[(forward > 0.0) & (x >= 0.0)] = 0.1  # at the wall
     lexis_map = looking_ahead(replace(lexis_map, similarities=similarities), forward)
     end = innermost(lexis_map, lexis_map.rooms[1])
     assert end.evidence > 0.0
@@ -125,7 +125,7 @@ def test_a_path_ends_inside_a_room_that_is_recognised_from_in_front_of_it_alone(
 
 
 def walk_along_x(rng, x, room_of, similarities):
-    """A walk along x (n,), the camera ahead, through rooms 0 and 1; `similarities` (n, 2) are with their names."""
+    """A walk along x (n,) with the camera ahead, through rooms 0 and 1; `similarities` (n, 2) are those with their names."""
     names = ("corridor", "kitchen")
     rooms = [(name, np.flatnonzero(room_of == i).tolist()) for i, name in enumerate(names)]
     lexis_map = build_map(x[:, None] * [1.0, 0.0, 0.0], room_of, rooms, names, rng)
@@ -133,7 +133,7 @@ def walk_along_x(rng, x, room_of, similarities):
 
 
 def test_a_path_ends_a_metre_inside_a_room_that_shows_best_from_its_door(rng):
-    """The kitchen is at x > 0, fills the image from 2.2 m in front of it on, and less and less so from 1.2 m on."""
+    """The kitchen at x > 0 fills the image from 2.2 m in front of it, and less and less so from 1.2 m on."""
     x = np.arange(-5.0, 4.1, 0.25)
     kitchen = np.where(x > -1.2, 0.3, 1.0) * (x > -2.2)
     similarities = np.stack([np.where(kitchen > 0.0, 0.0, 0.6), kitchen], axis=1)
@@ -143,7 +143,7 @@ def test_a_path_ends_a_metre_inside_a_room_that_shows_best_from_its_door(rng):
 
 
 def test_a_path_ends_a_metre_away_from_stairs(rng):
-    """The corridor, at x < 0, shows best beside the stairs, and on them too, since a climb alone tells stairs."""
+    """The corridor at x < 0 shows best beside the stairs, and also on them: only the climb identifies stairs."""
     x = np.arange(-5.0, 3.1, 0.25)
     climbs = x >= 0.0
     similarities = np.stack([0.6 - 0.02 * np.abs(x + 1.5), np.zeros(len(x))], axis=1)
@@ -172,8 +172,8 @@ def test_where_a_path_ends_does_not_depend_on_the_frame_of_the_map(rng):
         assert innermost(moved, room).keyframe == innermost(lexis_map, room).keyframe
 
 
-def test_of_keyframes_that_are_equally_inside_a_path_ends_at_the_first(rng):
-    """Two stand at the same place: there and back."""
+def test_a_path_ends_at_the_first_of_keyframes_equally_far_inside(rng):
+    """Two keyframes are at the same position: one on the way out, one on the way back."""
     lexis_map = open_boundary(rng, and_back=True)
     for room in lexis_map.rooms:
         end = innermost(lexis_map, room).keyframe
@@ -191,7 +191,7 @@ def test_of_keyframes_that_are_equally_inside_a_path_ends_at_the_first(rng):
     ],
 )
 def test_a_label_alone_means_the_nearest_of_its_rooms(rng, start, goal, chosen):
-    """Along one line; the office that is near the kitchen is the smaller one. Agrees with all pairs one by one."""
+    """All rooms lie along one line, and the office near the kitchen is the smaller one. Agrees with comparing all pairs."""
     members = [("kitchen", range(5)), ("office", range(5, 9)), ("corridor", range(9, 30)), ("office", range(30, 50))]
     members.append(("library", range(50, 55)))
     names = ("kitchen", "office", "corridor", "library")
@@ -239,7 +239,7 @@ def test_rooms_go_by_label_or_number(rng):
     assert len(same.keyframes) == 1 and same.length_m == 0.0
 
 
-def test_unknown_rooms_and_missing_ways_are_named(rng):
+def test_unknown_rooms_and_missing_paths_are_named(rng):
     lexis_map = corridor_with_offices(rng)
     with pytest.raises(PlanError, match=r"no room 'garage'.*corridor, office 1, office 2"):
         plan(lexis_map, "garage", "office")
@@ -250,7 +250,7 @@ def test_unknown_rooms_and_missing_ways_are_named(rng):
 
 
 def test_rooms_of_one_label_side_by_side_have_ends_of_their_own(rng):
-    """Images of one look into the other, and the evidence is the same for both."""
+    """Images taken in one room look into the other, and the evidence is the same for both."""
     lexis_map = open_boundary(rng, and_back=True)
     x = lexis_map.T_W_B[:, 0, 3]
     halves = [np.flatnonzero(x < 0.0).tolist(), np.flatnonzero(x >= 0.0).tolist()]

@@ -13,7 +13,7 @@ NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 
 @pytest.fixture
 def odometry(rng):
-    """A walk of 30 poses that starts anywhere."""
+    """Odometry of 30 poses that starts at an arbitrary pose."""
     steps = se3.exp(rng.normal([0, 0, 0.2, 0.5, 0, 0], [0.02, 0.02, 0.1, 0.05, 0.02, 0.02], (30, 6)))
     T = [se3.exp(rng.normal(size=6))]
     for step in steps[1:]:
@@ -61,7 +61,7 @@ def test_optimisation_waits_for_enough_keyframes_unless_it_is_the_last(odometry)
     graph.add_loops([loop(1, 18, odometry)])
     assert not graph.optimise_if_due()
     assert graph.optimise_if_due(final=True)
-    assert not graph.optimise_if_due(final=True)  # nothing is new
+    assert not graph.optimise_if_due(final=True)  # nothing has been added since
 
 
 def test_weights_are_one_per_loop_and_low_for_what_does_not_fit(odometry):

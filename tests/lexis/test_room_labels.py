@@ -1,4 +1,4 @@
-"""Labels: Eq. 1, votes against a plain rewrite of the paper's words, invariances."""
+"""Labels: Eq. 1 of the paper, votes compared with a literal implementation of the paper's text, and invariances."""
 
 from collections import Counter
 
@@ -34,7 +34,7 @@ def test_an_image_by_itself_has_the_label_that_it_has_among_others(rng):
 
 
 def slow_pass(labels, scores, positions, neighbours):
-    """One pass, node by node, in the paper's words."""
+    """One voting pass, node by node, as the paper describes it."""
     result = []
     for i, label in enumerate(labels):
         by_distance = sorted(
@@ -95,7 +95,7 @@ def test_labels_do_not_depend_on_where_the_world_frame_is_or_how_rooms_are_order
 
 
 def test_climbing_alone_decides_on_stairs(rng):
-    """Level, 12 steps of climb, level: images say stairs at the foot, where there are none, and never on the climb."""
+    """A level walk, a climb of 12 steps, a level walk. Images suggest stairs only at the foot, where there are none."""
     names = (*NAMES, "stairs")
     positions = np.zeros((52, 3))
     positions[:, 0] = 0.4 * np.arange(52)

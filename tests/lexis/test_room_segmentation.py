@@ -1,4 +1,4 @@
-"""Room instances: partitions that ignore names and frames, no room across floors, merging only with nothing between."""
+"""Room instances: names and frames do not matter, no room spans floors, and rooms merge only with nothing between them."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def line(start, stop, spacing=0.5):
 
 
 def walk(*legs):
-    """Labels and positions of legs (label, start, stop)."""
+    """Labels and positions along legs (label, start, stop)."""
     parts = [(label, line(start, stop)) for label, start, stop in legs]
     return np.concatenate([np.full(len(p), label) for label, p in parts]), np.concatenate([p for _, p in parts])
 
@@ -50,7 +50,7 @@ def test_a_long_room_is_one_although_its_clusters_are_several():
 
 
 def test_two_visits_merge_only_with_nothing_in_between():
-    """Two offices' paths run 1.2 m apart; with a corridor's path between them they stay two."""
+    """The paths in two offices run 1.2 m apart; with the path of a corridor between them they stay two rooms."""
     far = 40.0
     apart = [(OFFICE, (0, 0, 0), (16, 0, 0)), (CORRIDOR, (16, far, 0), (0, far, 0)), (OFFICE, (0, 1.2, 0), (16, 1.2, 0))]
     config = SegmentationConfig(adjacency_m=1.5)

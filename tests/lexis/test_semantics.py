@@ -11,10 +11,10 @@ TEXT = np.eye(3, dtype=np.float32)
 
 @pytest.fixture
 def walk(rng):
-    """Ten keyframes in a kitchen, then ten in an office, some half a metre apart; every image is a little unsure."""
+    """Ten keyframes in a kitchen, then ten in an office, about half a metre apart; every image is slightly ambiguous."""
     T = np.tile(np.eye(4), (20, 1, 1))
     steps = np.arange(20) - 9.5
-    T[:, 0, 3] = 0.5 * steps - 1e-4 * steps**3  # closer together away from the door: no two neighbours are equally near
+    T[:, 0, 3] = 0.5 * steps - 1e-4 * steps**3  # closer away from the door: no two neighbours are equally near
     embeddings = np.repeat(TEXT[:2], 10, axis=0) + rng.uniform(0.0, 0.3, (20, 3)).astype(np.float32)
     return embeddings / np.linalg.norm(embeddings, axis=1, keepdims=True), T
 

@@ -1,4 +1,4 @@
-"""The whole of LEXIS on a lap and a half through a textured room: real pixels, features and loops, no simulator."""
+"""LEXIS as a whole on one and a half laps of a textured room: real pixels, features and loops, without the simulator."""
 
 from dataclasses import replace
 
@@ -19,11 +19,11 @@ ROOMS = ("office", "kitchen")
 COVARIANCE = np.diag([1e-8, 1e-8, 1e-5, 3e-5, 3e-5, 1e-6])
 
 
-CONFIG = Config(landmarks=LandmarkConfig(max_features=300))  # of the texture's many more; saves time
+CONFIG = Config(landmarks=LandmarkConfig(max_features=300))  # the texture has many more; fewer save time
 
 
 class ThumbnailEncoder:
-    """Every image is an office; beyond that its embedding is what it looks like from afar."""
+    """Labels every image as an office; the rest of the embedding is a thumbnail of the image."""
 
     name = fingerprint = "thumbnail"
 
@@ -44,7 +44,7 @@ def true():
 
 @pytest.fixture(scope="module")
 def observations(true):
-    """Odometry turns 0.7 °/m too far and is noisy."""
+    """Observations whose odometry is noisy and turns 0.7 °/m too far."""
     rng = np.random.default_rng(5)
     room = BoxRoom((7.0, 6.0, 2.8), rng)
     drift = rng.multivariate_normal([0, 0, np.radians(0.7) * 0.25, 0, 0, 0], COVARIANCE, len(true) - 1)
@@ -55,7 +55,7 @@ def observations(true):
 
 
 class MistakenEncoder(ThumbnailEncoder):
-    """Takes every fifth office for a kitchen."""
+    """Labels every fifth office as a kitchen."""
 
     def __init__(self):
         self._images = 0
@@ -97,7 +97,7 @@ def test_loop_edges_are_true(result, true):
         assert weight < 0.5 or (np.linalg.norm(error[3:]) < 0.5 and np.linalg.norm(error[:3]) < 0.2)
 
 
-def test_everything_is_said_of_every_keyframe(result, observations):
+def test_every_keyframe_has_all_results(result, observations):
     n = len(result.keyframes)
     assert [k.id for k in result.keyframes] == list(range(n))
     np.testing.assert_allclose(result.T_W_B[0], observations[0].T_O_B, atol=1e-5)
@@ -140,7 +140,7 @@ def test_the_same_observations_give_the_same_map(observations, result):
 
 
 def reusing_buffers(observations):
-    """The same observations from a driver that writes each one over the one before."""
+    """The same observations from a driver that writes each one into the same buffers."""
     buffers = None
     for observation in observations:
         arrays = _arrays(observation)
@@ -170,7 +170,7 @@ def _observation(observation, buffers):
 
 
 def percepts(observations):
-    """The percepts that LEXIS would get from the images."""
+    """The percepts that LEXIS would compute from the images."""
     encoder, extractor = ThumbnailEncoder(), FeatureExtractor(CONFIG.landmarks)
     for observation in observations:
         image = observation.image
@@ -178,7 +178,7 @@ def percepts(observations):
 
 
 class ReusingEncoder(ThumbnailEncoder):
-    """Writes every embedding over the one before."""
+    """Writes every embedding into the same buffer."""
 
     def __init__(self):
         self._buffer = np.zeros(146, np.float32)

@@ -1,4 +1,4 @@
-"""Stairs from height alone: U-shaped flights with a landing, drift, bobbing, floors on the way."""
+"""Stairs recognised from height alone: U-shaped flights with a landing, drift, bobbing, floors on the way."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from lexis.stairs import on_stairs
 
 
 def profile(*legs, spacing=0.5):
-    """Positions every `spacing` [m] along legs of (horizontal length, climb) [m], and each position's leg."""
+    """Positions every `spacing` [m] along legs of (horizontal length, climb) [m], and the leg of each position."""
     ends = np.cumsum([(0.0, 0.0), *legs], axis=0)
     path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
     at = np.arange(0.0, path[-1], spacing)
@@ -31,7 +31,7 @@ def test_flights_and_their_landing_are_stairs_and_nothing_else(pitch, spacing, l
 
 
 def test_a_floor_between_two_flights_stays_a_floor():
-    """Its height is that of a long level stretch elsewhere, so it is no landing."""
+    """A long level stretch elsewhere has the same height, so this one is a floor and not a landing."""
     upstairs = ((5, 0), (4.2, 2.9), (2.5, 0), (4.2, 2.9), (5, 0), (4.2, -2.9), (6, 0))
     positions, leg = profile(*upstairs)
     stairs = on_stairs(positions, LabelConfig())

@@ -17,7 +17,7 @@ STEP = np.diag(np.repeat([0.01, 0.02], 3) ** 2)
 
 
 def keyframe(i, T_O_B, points, descriptors, landmarks=True, T_true=None, noise_px=0.0):
-    """A keyframe that sees world points from `T_true` while the odometry says `T_O_B`."""
+    """A keyframe that sees world points from `T_true`, while the odometry estimates `T_O_B`."""
     T_true = T_O_B if T_true is None else T_true
     in_body = se3.transform(se3.inverse(T_true), points)
     pixels = project(se3.transform(se3.inverse(FORWARD_CAMERA.T_B_C), in_body), FORWARD_CAMERA.intrinsics)
@@ -35,7 +35,7 @@ def world(rng):
 
 @pytest.fixture
 def true():
-    """Where the query truly is, and where its candidate is (the origin)."""
+    """The true poses of the query and of its candidate (the origin)."""
     return se3.exp(np.array([0.02, -0.03, 0.2, 0.4, -0.3, 0.1]))
 
 
@@ -72,7 +72,7 @@ def test_the_covariance_is_that_of_repeated_measurements(world, true):
         (edge,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
         error = se3.log(se3.between(edge.T_match_query, true))
         squared.append(error @ np.linalg.solve(edge.covariance, error))
-    assert 5.0 < np.mean(squared) < 7.5  # chi² of 6 degrees of freedom
+    assert 5.0 < np.mean(squared) < 7.5  # chi² with 6 degrees of freedom
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_inliers_in_one_corner_of_the_image_are_not_enough(world, true):
 
 
 def test_two_sightings_of_a_landmark_count_once(world, true, rng):
-    """Ten landmarks, seen from two keyframes, agree; the other key points match but do not fit together."""
+    """Ten landmarks, seen from two keyframes, agree. The other key points match but are geometrically inconsistent."""
     points, descriptors = world
     shuffled = np.concatenate([points[:10], rng.permutation(points[10:])])
     first, second = keyframe(0, np.eye(4), points, descriptors), keyframe(1, se3.exp(np.full(6, 0.01)), points, descriptors)
@@ -151,7 +151,7 @@ def test_a_keyframe_without_landmarks_is_refused(world, true):
 
 
 def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng):
-    """Processors sum in other orders, and RANSAC can turn their last digits into another pose."""
+    """Processors sum in different orders, and RANSAC can turn a difference in the last digits into another pose."""
     points, descriptors = world
     match = keyframe(0, np.eye(4), points, descriptors)
     query = keyframe(1, true, points, descriptors, landmarks=False, noise_px=2.0)

@@ -1,4 +1,4 @@
-"""The doctor finds what is missing, and says what to change; probes that crash or hang do not take it with them."""
+"""The doctor finds what is missing and says what to change; it survives probes that crash or hang."""
 
 import os
 import platform
@@ -38,7 +38,7 @@ def test_too_little_memory_is_found(monkeypatch):
     assert finding("memory").fine
 
 
-def test_the_container_counts_too(monkeypatch, tmp_path):
+def test_the_memory_limit_of_a_container_counts(monkeypatch, tmp_path):
     for name, text in (("meminfo", "MemTotal: 9 kB\nMemAvailable: 4000 kB\n"), ("max", "3000000\n"), ("used", "1000000\n")):
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(doctor, "_MEMINFO", tmp_path / "meminfo")
@@ -96,7 +96,7 @@ def test_a_probe_that_fails_says_why_in_one_line(probing, code, detail):
 
 @pytest.mark.parametrize(("fine", "steps"), [(True, "draw encode"), (False, "encode")])
 def test_the_encoder_is_tried_after_rendering_where_that_works(probing, fine, steps):
-    """Rendering before torch is imported has crashed; where nothing renders, the encoder is tried alone."""
+    """Rendering before torch is imported has crashed in the past. Where nothing renders, the encoder is tried alone."""
     probing(f"import sys; print(*sys.argv[1:]); sys.exit({int(not fine)} if sys.argv[1:] == ['draw'] else 0)")
     assert finding("off-screen OpenGL").fine is fine
     assert finding("encoder mini").detail == steps
@@ -117,7 +117,7 @@ def test_versions_name_what_shapes_a_result():
 
 @pytest.mark.parametrize("folder", ["numpy.libs", "numpy/.dylibs", "../lib"])
 def test_the_openblas_of_numpy_is_told_from_those_of_other_packages(monkeypatch, folder):
-    """Its file is called libscipy_openblas, whichever package it comes with."""
+    """Its file is called libscipy_openblas in numpy too, so the path has to tell whose it is."""
     folders = {"/env/site-packages/opencv_python_headless.libs": "Zen", "/env/site-packages/scipy.libs": "Nehalem"}
     libraries = [
         {"internal_api": "openblas", "filepath": f"{place}/libscipy_openblas.so", "architecture": name}

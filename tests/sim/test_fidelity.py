@@ -1,4 +1,4 @@
-"""Whether features predict renders: slow, a smaller form of `lexis-sim bench fidelity`."""
+"""Whether features predict the results of rendered runs: a smaller form of `lexis-sim bench fidelity`, marked slow."""
 
 import numpy as np
 import pytest
@@ -37,6 +37,6 @@ def test_the_summary_is_of_usual_looks_first_then_by_group():
 def test_features_predict_the_label_accuracy_of_renders():
     pairs = list(compare(mixed_houses(14, 200)[:14], load_encoder("mini")))
     found = agreement([pair.accuracy for pair in pairs])
-    assert found.rho >= 0.5  # of 30 houses 0.7; with 14 the coefficient itself is uncertain by 0.2
+    assert found.rho >= 0.5  # with 30 houses it is 0.7; with 14 the coefficient itself is uncertain by 0.2
     assert abs(found.rendered - found.features) < 0.1
     assert np.ptp([pair.accuracy[0] for pair in pairs]) > 0.1

@@ -1,4 +1,4 @@
-"""Items are made ahead by one thread, which ends whatever becomes of those who want them."""
+"""Items are made in advance by one thread, which ends in every case, whatever happens to its consumers."""
 
 import gc
 import subprocess
@@ -15,7 +15,7 @@ GUARD_S = 20.0
 
 
 class Source:
-    """Yields numbers and remembers which threads worked on it."""
+    """Yields numbers and records which threads worked on them."""
 
     def __init__(self, count, error=None):
         self.count, self.error, self.made = count, error, 0
@@ -64,7 +64,7 @@ def test_closing_early_closes_the_source_in_its_own_thread():
 
 
 def test_garbage_is_collected_without_waiting_whoever_collects():
-    """Also by the thread that makes the items, which could not wait for itself."""
+    """Garbage may also be collected by the thread that makes the items, which could not wait for itself."""
 
     class Collecting(Source):
         def __call__(self):

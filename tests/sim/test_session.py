@@ -1,4 +1,4 @@
-"""A session yields what a robot sees, in order, and keeps the truth out of it."""
+"""A session yields what a robot would sense, in order, and keeps the truth out of it."""
 
 import gc
 import threading
@@ -68,7 +68,7 @@ def test_leaving_early_ends_the_thread_that_renders(session):
 
 
 def test_an_iterator_in_garbage_is_collected_without_waiting(session):
-    """As after an exception, whose traceback holds the frames that iterate: the cycle goes all at once."""
+    """This happens after an exception, whose traceback keeps the iterating frames: the whole cycle is collected at once."""
 
     def abandon():
         cycle = [iter(session)]

@@ -35,7 +35,7 @@ def test_same_spec_same_house(house):
 
 
 def test_boundaries_have_the_length_of_the_room_perimeters(house):
-    """A shared boundary is on two perimeters, an outer one on one."""
+    """A shared boundary belongs to two perimeters, an outer one to one."""
     for level, storey in enumerate(house.spec.storeys):
         perimeters = sum(shapely.Polygon(room.polygon_m).length for room in storey.rooms)
         sides = sum(b.length * sum(room is not None for room in b.rooms) for b, _ in house.boundaries[level])

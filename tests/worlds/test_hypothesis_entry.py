@@ -1,4 +1,4 @@
-"""Hypothesis learns of `HouseSpec` through an entry point, whichever of the two a user imports first."""
+"""Hypothesis finds the strategy of `HouseSpec` through an entry point, in whichever order a user imports the two."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ print(len(build_house(spec).rooms))
 
 @pytest.fixture
 def installed(tmp_path):
-    """The environment of a process in which this tree is installed: its metadata come before all others of its name."""
+    """The environment of a process in which this tree is installed, with metadata that precede any other installation."""
     metadata = tmp_path / "lexis_sim-0.1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.4\nName: lexis-sim\nVersion: 0.1.0\n")
@@ -47,5 +47,5 @@ def test_hypothesis_alone_does_not_load_the_strategies(installed):
 
 
 def test_what_is_installed_is_what_is_declared():
-    """Where this fails, install the tree anew: pip install --no-deps --editable ."""
+    """If this fails, reinstall the tree: pip install --no-deps --editable ."""
     assert {entry.name: entry.value for entry in entry_points(group="hypothesis", name="lexis-sim")} == ENTRIES

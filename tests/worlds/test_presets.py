@@ -1,4 +1,4 @@
-"""Families of houses: every seed gives a house, the same one each time, of the kind that its name promises."""
+"""Presets: every seed gives a house of the kind that the preset's name promises, and the same house each time."""
 
 from collections import Counter
 
@@ -18,7 +18,7 @@ def labels(spec, level=None):
 
 
 def rooms(spec):
-    """Besides circulation; stairs are one room on every storey's plan."""
+    """Rooms without corridors and halls; stairs are one room on the plan of every storey."""
     return sum(n for label, n in labels(spec).items() if label not in CIRCULATION)
 
 
@@ -55,7 +55,7 @@ def test_rooms_and_storeys_are_as_many_as_asked_for(preset, count, storeys):
     for seed in range(2):
         spec = sample_house(preset, seed, rooms=count, storeys=storeys)
         assert len(spec.storeys) == storeys
-        spines = (labels(spec)["lobby"] > 0) * 2  # a lobby may be the hall, and one of the rooms asked for
+        spines = (labels(spec)["lobby"] > 0) * 2  # a lobby may be the hall as well as one of the requested rooms
         assert count <= rooms(spec) <= count + spines
 
 
@@ -118,7 +118,7 @@ def test_impossible_room_lists_are_refused(asked, message):
         ({"clutter": float("nan")}, "clutter is nan"),
     ],
 )
-def test_what_cannot_be_is_refused(options, message):
+def test_impossible_options_are_refused(options, message):
     with pytest.raises(WorldsError, match=message):
         sample_house("home", 0, **options)
 

@@ -1,4 +1,4 @@
-"""House specs: JSON is an exact copy, and bad JSON names the place."""
+"""House specs: a JSON round trip is exact, and errors in JSON name the place."""
 
 import json
 import os
@@ -41,7 +41,7 @@ def test_a_handwritten_house_needs_nothing_but_rooms():
         (json.dumps(json.loads(spec_json()) | {"schema_version": 1}), "no field 'schema_version'"),
     ],
 )
-def test_houses_that_no_one_means_are_refused(bad, message):
+def test_invalid_houses_are_refused(bad, message):
     with pytest.raises(SpecError) as error:
         HouseSpec.from_json(bad, source="my.json")
     assert message in str(error.value)
@@ -87,7 +87,7 @@ def test_the_published_schema_is_the_one_in_use():
 
 
 def leaves(node, schema, path="", description=""):
-    """All numbers of a schema: where, and all that is said on the way from the last field down."""
+    """All numbers in a schema: the path, and all descriptions between the field and the number."""
     node = {**node, **schema["$defs"].get(node.get("$ref", "").rpartition("/")[2], {})}
     description += " " + node.get("description", "")
     if node.get("type") in ("number", "integer"):

@@ -1,4 +1,4 @@
-"""What a person is told about a house that is wrong: one line, the place, what would be valid; and soon, however large."""
+"""Messages about invalid houses: one line, the place, the valid values; and in bounded time, however large the file."""
 
 import json
 
@@ -117,7 +117,7 @@ def test_all_references_to_rooms_that_are_not_there_are_told():
     ]
 
 
-def test_of_very_many_malformed_fields_the_number_is_told():
+def test_the_number_of_further_malformed_fields_is_reported():
     lines = told(json.dumps({"storeys": [{"rooms": [ROOM | {"id": f"a{i}", "seed": -1} for i in range(32)]}]}))
     assert len(lines) == MAX_MISTAKES + 1 == 21 and lines[-1] == "and 12 more malformed fields"
 

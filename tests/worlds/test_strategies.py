@@ -1,4 +1,4 @@
-"""Drawn houses are valid whatever is drawn, and planted failures shrink to the house a person would have drawn."""
+"""Every drawn house is valid, and failures shrink to the minimal house that a person would have drawn."""
 
 import math
 
@@ -15,7 +15,7 @@ from worlds.strategies import KINDS, houses, open_plans, room_pairs
 from worlds.validation import validate
 from worlds.walls import boundaries
 
-# beartype picks at random which items of a list it checks, also of what strategies handle.
+# beartype picks at random which items of a list it checks, including lists inside strategies.
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 
 SHRINKING = settings(
@@ -28,7 +28,7 @@ SHRINKING = settings(
 
 
 def inner_boundaries(spec):
-    """(storey, boundary) of all that two rooms share."""
+    """(storey, boundary) for every boundary between two rooms."""
     return [(storey, line) for storey in spec.storeys for line in boundaries(storey) if None not in line.rooms]
 
 
@@ -37,7 +37,7 @@ def labels(spec):
 
 
 def open_share(storey, line):
-    """Length share of a boundary that is open for good, from floor to ceiling."""
+    """Share of the length of a boundary that is permanently open from floor to ceiling."""
     return sum(o.width_m for o in storey.openings if o.kind == "open" and set(o.rooms) == set(line.rooms)) / line.length
 
 
@@ -75,7 +75,7 @@ def test_furnished_houses_are_valid_too(spec):
 
 
 @given(room_pairs(kinds=("half wall", "counter")))
-def test_beside_what_one_only_looks_over_there_is_a_door(spec):
+def test_rooms_joined_by_a_half_wall_or_counter_also_have_a_door(spec):
     assert sum(len(storey.rooms) for storey in spec.storeys) == 2
     assert "door" in {opening.kind for opening in spec.storeys[0].openings}
 

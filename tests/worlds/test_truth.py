@@ -1,4 +1,4 @@
-"""The truth about who is where, what is open and what leads where, checked against the polygons and against walking."""
+"""The truth about room membership, openings and connections, compared with the polygons and with walkable paths."""
 
 import json
 
@@ -45,7 +45,7 @@ def test_both_labels_count_near_gaps_that_nothing_closes_and_only_there(kind, wi
 
 
 def test_boundary_lines_cover_every_rooms_outline(house):
-    """Exactly once: lengths add up, and the union is the union of the outlines."""
+    """Every outline is covered exactly once: the lengths add up, and the union is that of the outlines."""
     for level, storey in enumerate(house.spec.storeys):
         outlines = shapely.union_all([shapely.Polygon(room.polygon_m).exterior for room in storey.rooms])
         lines = [piece.line for piece in boundary_lines(house) if piece.storey == level]
@@ -60,7 +60,7 @@ def test_passages_lie_between_their_two_rooms(house):
 
 
 def test_the_room_graph_joins_what_can_be_walked(house):
-    """The graph hangs together exactly as the bare house does on foot."""
+    """The graph is connected exactly as the unfurnished house is for a walker."""
     graph, walkable = room_graph(house), Walkable(build_house(house.spec.model_copy(update={"clutter": 0.0})))
     reached, new = set(), {graph.rooms[0]}
     while new:

@@ -1,4 +1,4 @@
-"""Houses that cannot be: each is refused with the room and the rule."""
+"""Impossible houses: each is refused with the room and the violated rule."""
 
 import json
 from dataclasses import replace
@@ -47,7 +47,7 @@ def test_the_house_itself_stands():
     validate(build_house(two_rooms()))
 
 
-def test_no_door_no_way():
+def test_a_room_without_a_door_is_not_reachable():
     assert "not reachable on foot" in refusal(two_rooms(openings=[]))
 
 
@@ -170,7 +170,7 @@ def test_pieces_that_run_into_each_other_are_both_named(yaw):
 
 @pytest.mark.parametrize(("apart", "meet"), [(0.21, False), (0.2, False), (0.19, True)])
 def test_boxes_turned_alike_are_as_far_apart_as_they_are(apart, meet):
-    """The rectangles around them overlap in any case."""
+    """Their bounding boxes overlap in any case."""
     turned, off = {"yaw": np.pi / 4, "size": [1, 0.2, 1]}, apart / np.sqrt(2)
     found = told(furnished(piece("one", 5.5, 1.5, **turned), piece("other", 5.5 + off, 1.5 - off, **turned)))
     assert ["run into each other" in problem for problem in found] == [True] * meet
@@ -197,8 +197,8 @@ DOOR = {"rooms": ["a", "b"], "kind": "door", "start_m": [4, 1], "end_m": [4, 1.9
 
 
 @pytest.mark.parametrize(("angle", "told_of"), [(1.57, 2), (0.0, 1), (0.3, 1)])
-def test_what_a_leaf_would_hit(angle, told_of):
-    """However the leaf stands, it has to open square to the wall."""
+def test_furniture_in_the_swing_area_of_a_leaf_is_refused(angle, told_of):
+    """Whatever its angle, a leaf has to be able to open to a right angle."""
     leaf = {"hinge": "start", "into": "b", "angle_rad": angle}
     found = told(furnished(piece("p", 4.6, 1.24, size=[0.5, 0.5, 0.5]), openings=[DOOR | {"leaf": leaf}]))
     assert len(found) == told_of
@@ -219,7 +219,7 @@ def test_leaves_that_hit_each_other_or_a_wall():
     assert any(problem.startswith("the wall between") for problem in told(two_rooms(openings=[in_corner])))
 
 
-def test_a_shut_door_is_a_way():
+def test_a_closed_door_is_passable():
     shut = DOOR | {"leaf": {"into": "b", "angle_rad": 0.0}}
     assert told(two_rooms(openings=[shut])) == []
 

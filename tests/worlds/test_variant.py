@@ -1,4 +1,4 @@
-"""Houses in pairs: one thing differs and nothing else; symmetries are a group and commute with the truth."""
+"""Variants of houses: one property differs and nothing else; symmetries form a group and commute with the truth."""
 
 import math
 
@@ -26,7 +26,7 @@ def spec(request):
 
 
 def assert_same(a, b):
-    """Equal but for the last digits of yaws."""
+    """Assert that two houses are equal, except for the last digits of yaws."""
     assert bare(a) == bare(b)
     for x, y in zip(pieces(a), pieces(b), strict=True):
         assert math.remainder(x.yaw_rad - y.yaw_rad, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
@@ -118,7 +118,7 @@ def test_repainting_leaves_all_geometry_alone(preset):
 
 
 @pytest.mark.parametrize("preset", PRESETS)
-def test_more_clutter_keeps_what_stood_there(preset):
+def test_more_clutter_keeps_the_existing_furniture(preset):
     spec = sample_house(preset, 6)
     few, many = (pieces(explicit(variant(spec, clutter=amount))) for amount in (0.6, 1.8))
     places = {(p.kind, p.position_m, p.size_m) for p in many}
@@ -149,6 +149,6 @@ def test_what_cannot_be_varied_is_refused():
             variant(spec, **change)
 
 
-def test_nothing_asked_for_nothing_changed():
+def test_a_variant_without_changes_is_the_same_house():
     spec = sample_house("home", 1)
     assert variant(spec) is spec

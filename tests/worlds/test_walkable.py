@@ -50,7 +50,7 @@ def walkable(house):
 
 
 def obstacles_at(house, floor_m):
-    """Footprints between ankle and head height: computed here anew, from the house alone."""
+    """Footprints of everything between ankle and head height, computed independently from the house alone."""
     solids = [(w.footprint, w.bottom_m, w.top_m) for w in house.walls]
     objects = [*(piece for piece in house.furniture if piece.solid), *house.leaves]
     solids += [(o.footprint, o.position[2], o.position[2] + o.size[2]) for o in objects]

@@ -1,4 +1,4 @@
-"""Walls: what openings leave of the boundaries, corner to corner; arches are half ellipses."""
+"""Walls: the parts of boundaries without openings, from corner to corner; arches are half ellipses."""
 
 import itertools
 
@@ -47,7 +47,7 @@ def test_the_pieces_of_a_boundary_make_up_the_boundary(house):
 
 
 def test_walls_leave_no_gap_at_corners_and_none_inside_a_room(house):
-    """Under the ceiling every room is closed by a ring of wall, but for what is open up to there."""
+    """Under the ceiling every room is enclosed by a ring of wall, except for openings that reach up to there."""
     half = WALL_THICKNESS_M / 2
     for level, storey in enumerate(house.spec.storeys):
         heights = house.storeys[level]

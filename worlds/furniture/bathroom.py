@@ -1,4 +1,4 @@
-"""Bathrooms and toilets."""
+"""Furniture of bathrooms and toilets."""
 
 from numpy.random import Generator
 
@@ -20,7 +20,7 @@ _WATER = (0.6, 0.8, 0.88)
     clearance=0.5,
 )
 def bathtub(s: Size, rng: Generator) -> Parts:
-    """A rim round the water, and a tap."""
+    """A bathtub: a rim around the water, and a tap."""
     rim, white = 0.56, pick(rng, WHITES)
     x, y = s.x, s.y
     return (
@@ -44,7 +44,7 @@ def bathtub(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def shower(s: Size, rng: Generator) -> Parts:
-    """A tray between framed glass, with a shower head."""
+    """A shower: a tray between framed glass walls, with a shower head."""
     frame = pick(rng, (CHROME, BLACK))
     posts = [
         box(x, y, s.z, frame, "metal")
@@ -72,7 +72,7 @@ def shower(s: Size, rng: Generator) -> Parts:
     clearance=0.45,
 )
 def toilet_bowl(s: Size, rng: Generator) -> Parts:
-    """Cistern, bowl, seat and raised or closed lid."""
+    """A toilet: cistern, bowl, seat, and a raised or closed lid."""
     lid = pick(rng, (WHITE, WHITE, BLACK, WOODS[0]))
     seat = (
         (box(inset(s.x, 0.02), (s.back + 0.2, s.back + 0.25), (0.44, s.height - 0.02), lid),) if rng.random() < 0.4 else ()
@@ -97,7 +97,7 @@ def toilet_bowl(s: Size, rng: Generator) -> Parts:
     clearance=0.55,
 )
 def washbasin(s: Size, rng: Generator) -> Parts:
-    """A basin on a cabinet, with tap and soap."""
+    """A washbasin on a cabinet, with a tap and soap."""
     front, top = pick(rng, FRONTS), 0.85
     return (
         box(inset(s.x, 0.03), (s.back, s.front - 0.06), (0.0, 0.7), front),
@@ -151,7 +151,7 @@ def bathroom_mirror(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.75, 0.95)),
 )
 def towel_rail(s: Size, rng: Generator) -> Parts:
-    """Towels on a warm rail."""
+    """A heated rail with towels."""
     rails = [
         box(s.x, (s.back, s.back + 0.04), (z, z + 0.03), CHROME, "metal") for z in (0.0, 0.45 * s.height, s.height - 0.03)
     ]
@@ -172,7 +172,7 @@ def towel_rail(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def bath_mat(s: Size, rng: Generator) -> Parts:
-    """Shaggy."""
+    """A shaggy bath mat."""
     return (
         box(s.x, s.y, (0.0, 0.014), pick(rng, (*LINEN, *BRIGHT)), "carpet"),
         box(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, s.height), pick(rng, LINEN), "carpet"),
@@ -189,7 +189,7 @@ def bath_mat(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def bathroom_cabinet(s: Size, rng: Generator) -> Parts:
-    """Towels on open shelves over a door."""
+    """A cabinet with towels on open shelves above a door."""
     front = pick(rng, FRONTS)
     return (
         *shelf_unit(s, 4, front),
@@ -207,7 +207,7 @@ def bathroom_cabinet(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.7, 0.8)),
 )
 def toilet_paper(s: Size, rng: Generator) -> Parts:
-    """A roll under a lid."""
+    """A roll of toilet paper under a lid."""
     return (
         box(s.x, s.y, (s.height - 0.02, s.height), CHROME, "metal"),
         box(inset(s.x, 0.01), inset(s.y, 0.005), (0.0, s.height - 0.03), WHITE, "fabric"),
@@ -224,7 +224,7 @@ def toilet_paper(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def toilet_brush(s: Size, rng: Generator) -> Parts:
-    """In its holder."""
+    """A toilet brush in its holder."""
     return (
         cylinder(s.x, s.y, (0.0, 0.18), pick(rng, (WHITE, STEEL, BLACK)), "ceramic"),
         cylinder(about(0.0, 0.02), about(0.0, 0.02), (0.18, s.height), CHROME),
@@ -240,7 +240,7 @@ def toilet_brush(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.35, 1.5)),
 )
 def wall_cabinet(s: Size, rng: Generator) -> Parts:
-    """Two doors over bottles on a ledge."""
+    """A wall cabinet: two doors above a ledge with bottles."""
     front = pick(rng, (WHITE, *FRONTS))
     bottles = [
         cylinder(inset(x, 0.02), about(0.0, 0.06), (0.02, 0.02 + rng.uniform(0.1, 0.16)), pick(rng, BRIGHT), "label")
@@ -263,7 +263,7 @@ def wall_cabinet(s: Size, rng: Generator) -> Parts:
     place=OnTop(("laundry basket", "bathroom stool")),
 )
 def rubber_duck(s: Size, rng: Generator) -> Parts:
-    """Yellow, of course."""
+    """A yellow rubber duck."""
     h = s.height
     return (
         ball(s.x, s.y, (0.0, 0.6 * h), BRIGHT[1]),
@@ -274,7 +274,7 @@ def rubber_duck(s: Size, rng: Generator) -> Parts:
 
 @furniture("bathroom stool", width=(0.32, 0.38), depth=(0.3, 0.34), height=(0.4, 0.45), rooms={"bathroom": 0.4})
 def bathroom_stool(s: Size, rng: Generator) -> Parts:
-    """With a folded towel."""
+    """A stool with a folded towel."""
     wood = pick(rng, WOODS)
     return (
         *legs(s, s.height - 0.08, 0.04, wood),

@@ -1,4 +1,4 @@
-"""Bedrooms and children's rooms."""
+"""Furniture of bedrooms and children's rooms."""
 
 from numpy.random import Generator
 
@@ -24,7 +24,7 @@ def _bedding(s: Size, rng: Generator, low: float, pillows: int) -> Parts:
 
 @furniture("double bed", width=(1.5, 1.8), depth=(2.05, 2.15), height=(0.95, 1.15), rooms={"bedroom": (1, 1)}, clearance=0.4)
 def double_bed(s: Size, rng: Generator) -> Parts:
-    """Head board, mattress, duvet, two pillows."""
+    """A double bed: head board, mattress, duvet and two pillows."""
     wood = pick(rng, WOODS)
     head = (wood, "wood") if rng.random() < 0.5 else (pick(rng, UPHOLSTERY), "fabric")
     return (
@@ -45,7 +45,7 @@ def double_bed(s: Size, rng: Generator) -> Parts:
     clearance=0.3,
 )
 def single_bed(s: Size, rng: Generator) -> Parts:
-    """A painted frame with a coloured cover."""
+    """A single bed: a painted frame with a coloured cover."""
     frame = pick(rng, (WHITE, *BRIGHT, *WOODS))
     return (
         box(s.x, (s.back + 0.05, s.front), (0.12, 0.28), frame, "wood"),
@@ -65,7 +65,7 @@ def single_bed(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def bunk_bed(s: Size, rng: Generator) -> Parts:
-    """Two berths and a ladder."""
+    """A bunk bed: two berths and a ladder."""
     frame = pick(rng, (WHITE, *BRIGHT, *WOODS))
     rungs = [box(about(0.0, 0.36), (s.front - 0.03, s.front), about(z, 0.03), frame, "wood") for z in (0.3, 0.6, 0.9, 1.2)]
     berths: list[Part] = []
@@ -89,7 +89,7 @@ def bunk_bed(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(beside=("double bed", "single bed")),
 )
 def nightstand(s: Size, rng: Generator) -> Parts:
-    """Two drawers."""
+    """A nightstand with two drawers."""
     wood = pick(rng, (*WOODS, WHITE))
     return (box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"), *fronts(s.x, s.z, s.front - 0.005, 1, 2, wood, BLACK))
 
@@ -104,7 +104,7 @@ def nightstand(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def wardrobe(s: Size, rng: Generator) -> Parts:
-    """Two to four doors; sometimes one is a mirror."""
+    """A wardrobe with two to four doors; sometimes one is a mirror."""
     wood = pick(rng, (*WOODS, WHITE, *FRONTS[1:4]))
     columns = max(2, round(s.width / 0.5))
     doors = fronts(s.x, (0.08, s.height - 0.04), s.front - 0.005, columns, 1, wood, STEEL)
@@ -168,7 +168,7 @@ def vanity(s: Size, rng: Generator) -> Parts:
     place=Around(("double bed",), "front", gap_m=0.05),
 )
 def bed_bench(s: Size, rng: Generator) -> Parts:
-    """Upholstered, at the foot of the bed."""
+    """An upholstered bench for the foot of the bed."""
     return (
         box(s.x, s.y, (s.height - 0.14, s.height), pick(rng, UPHOLSTERY), "fabric"),
         *legs(s, s.height - 0.14, 0.05, pick(rng, WOODS)),
@@ -184,7 +184,7 @@ def bed_bench(s: Size, rng: Generator) -> Parts:
     place=OnTop(("nightstand",), "front"),
 )
 def alarm_clock(s: Size, rng: Generator) -> Parts:
-    """With a lit face."""
+    """An alarm clock with a lit face."""
     return (
         box(s.x, (s.back, s.front - 0.01), s.z, pick(rng, (BLACK, *BRIGHT))),
         box(inset(s.x, 0.015), (s.front - 0.01, s.front), inset(s.z, 0.02), (0.5, 0.5, 0.5), "screen"),
@@ -201,7 +201,7 @@ def alarm_clock(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def cot(s: Size, rng: Generator) -> Parts:
-    """Bars round a small mattress."""
+    """A cot: bars around a small mattress."""
     frame = pick(rng, (WHITE, *WOODS))
     bars = [
         box(x, about(y, 0.025), (0.35, s.height - 0.04), frame, "wood")
@@ -234,7 +234,7 @@ def _steps(low: float, high: float, count: int) -> list[float]:
     clearance=0.5,
 )
 def toy_shelf(s: Size, rng: Generator) -> Parts:
-    """Open compartments with bright bins."""
+    """A shelf with open compartments and bright bins."""
     rows, columns = 2, 3
     step = (s.height - 0.03) / rows
     bins = [
@@ -261,7 +261,7 @@ def toy_shelf(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def teddy_bear(s: Size, rng: Generator) -> Parts:
-    """Sitting: body, head, ears, paws."""
+    """A sitting teddy bear: body, head, ears and paws."""
     fur: Colour = pick(rng, ((0.62, 0.42, 0.24), (0.8, 0.7, 0.55), (0.9, 0.6, 0.7)))
     h = s.height
     return (
@@ -286,7 +286,7 @@ def teddy_bear(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def toy_blocks(s: Size, rng: Generator) -> Parts:
-    """A tower and blocks round it."""
+    """Building blocks: a tower, with loose blocks around it."""
     side = s.height / 3
     tower = [box(about(0.0, side), about(0.0, side), (i * side, (i + 1) * side), pick(rng, BRIGHT)) for i in range(3)]
     loose = [
@@ -308,7 +308,7 @@ def toy_blocks(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def toy_ball(s: Size, rng: Generator) -> Parts:
-    """Two-coloured."""
+    """A two-coloured ball."""
     d = min(s)
     first, second = pick(rng, BRIGHT), pick(rng, (WHITE, *BRIGHT))
     return (
@@ -356,7 +356,7 @@ def small_desk(s: Size, rng: Generator) -> Parts:
     place=Around(("small desk",), "front"),
 )
 def small_chair(s: Size, rng: Generator) -> Parts:
-    """Bright and low."""
+    """A bright, low chair."""
     paint = pick(rng, BRIGHT)
     return (
         *legs(s, 0.32, 0.04, paint, margin=0.0),
@@ -391,7 +391,7 @@ def letters(s: Size, rng: Generator) -> Parts:
     place=OnTop(("small desk", "toy shelf", "school desk")),
 )
 def crayons(s: Size, rng: Generator) -> Parts:
-    """Pencils in a cup."""
+    """Crayons in a cup."""
     pencils = [
         box(about(x, 0.012), about(0.0, 0.012), (0.05, s.height), pick(rng, BRIGHT)) for x in (-0.03, -0.01, 0.01, 0.03)
     ]

@@ -1,4 +1,4 @@
-"""`CATALOGUE`: every kind of furniture by name."""
+"""`CATALOGUE`: every kind of furniture by name. Importing this module imports all modules that declare kinds."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -20,7 +20,7 @@ CATALOGUE: Mapping[str, Kind] = MappingProxyType(KINDS)
 
 
 def kind_of(name: str) -> Kind:
-    """The kind called `name`. Raises `WorldsError` with the nearest valid names."""
+    """The kind called `name`. Raises `WorldsError`, which lists the valid names, if there is none."""
     if name not in CATALOGUE:
         raise WorldsError(f"unknown furniture kind {name!r}; valid: {', '.join(sorted(CATALOGUE))}")
     return CATALOGUE[name]

@@ -1,4 +1,4 @@
-"""What piles up where nobody throws anything away; a usual home has none of it."""
+"""Things that pile up in cluttered rooms. They appear only at a `clutter` above 1, the value of a usual home."""
 
 from numpy.random import Generator
 
@@ -36,7 +36,7 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, Hoarded]:
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
 )
 def box_pile(s: Size, rng: Generator) -> Parts:
-    """Removal boxes that nobody unpacked, each set down askew."""
+    """Removal boxes that were never unpacked, each a little askew."""
     boxes: list[Part] = []
     for z in split(s.z, max(2, round(s.height / 0.33)), 0.004):
         left, right, back, front = rng.uniform(0.0, 0.07, 4)
@@ -92,7 +92,7 @@ def newspapers(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(),
 )
 def carrier_bags(s: Size, rng: Generator) -> Parts:
-    """Full bags leaning on each other."""
+    """Full bags that lean on each other."""
     bags: list[Part] = []
     for x in split(s.x, 2, 0.01):
         colour, top = pick(rng, (*BRIGHT, WHITE)), s.height * rng.uniform(0.6, 0.85)
@@ -113,7 +113,7 @@ def carrier_bags(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def heap_of_clothes(s: Size, rng: Generator) -> Parts:
-    """Clothes where they fell."""
+    """A heap of clothes on the floor."""
     heap = [ball(inset(s.x, 0.04), inset(s.y, 0.04), (0.0, 0.8 * s.height), pick(rng, UPHOLSTERY), "fabric")]
     for x in split(s.x, 3):
         y, top = rng.uniform(-0.1, 0.1), rng.uniform(0.75, 1.0) * s.height
@@ -137,7 +137,7 @@ def heap_of_clothes(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def scattered_toys(s: Size, rng: Generator) -> Parts:
-    """Cars, blocks and balls all over the floor."""
+    """Cars, blocks and balls scattered over the floor."""
     toys: list[Part] = []
     for i, x in enumerate(split(s.x, 4)):
         for j, y in enumerate(split(s.y, 3)):
@@ -159,7 +159,7 @@ def scattered_toys(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def empty_bottles(s: Size, rng: Generator) -> Parts:
-    """Standing close together on the floor."""
+    """Empty bottles that stand close together on the floor."""
     glass = (GREEN, (0.4, 0.26, 0.12), (0.7, 0.8, 0.78))
     bottles: list[Part] = []
     for x in split(s.x, max(3, round(s.width / 0.09))):
@@ -182,7 +182,7 @@ def empty_bottles(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def shoes(s: Size, rng: Generator) -> Parts:
-    """Pairs along the wall, toes to the room."""
+    """Pairs of shoes along the wall, with their toes to the room."""
     pairs: list[Part] = []
     for x in split(s.x, max(3, round(s.width / 0.22)), 0.03):
         leather = pick(rng, (*UPHOLSTERY, *BRIGHT, WHITE))
@@ -235,7 +235,7 @@ def flower_pots(s: Size, rng: Generator) -> Parts:
     ),
 )
 def stowed_boxes(s: Size, rng: Generator) -> Parts:
-    """A box with a lid, on top of something high."""
+    """A box with a lid, stowed on top of a high piece."""
     paint = pick(rng, (CARDBOARD, *BRIGHT, *LINEN))
     return (
         box(inset(s.x, 0.01), inset(s.y, 0.01), (0.0, s.height - 0.05), paint, "label"),
@@ -253,7 +253,7 @@ def stowed_boxes(s: Size, rng: Generator) -> Parts:
     place=OnTop(_TOPS),
 )
 def odds_and_ends(s: Size, rng: Generator) -> Parts:
-    """Letters, tins, a book, a cup: what lies on every free spot."""
+    """Letters, tins, a book and a cup, as they collect on any free surface."""
     things: list[Part] = [box(inset(s.x, 0.03), inset(s.y, 0.02), (0.0, 0.02), PAPER, "scribble")]
     for x in split(s.x, 3, 0.01):
         for y in split(s.y, 2, 0.01):

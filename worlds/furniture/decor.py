@@ -1,4 +1,4 @@
-"""Things found in many rooms: pictures, windows, curtains, plants, lamps, clocks."""
+"""Things found in many kinds of rooms: pictures, windows, curtains, plants, lamps, clocks."""
 
 from numpy.random import Generator
 
@@ -43,7 +43,7 @@ _TABLES = (
 
 
 def window(s: Size, rng: Generator) -> Parts:
-    """A pale sky in a frame with a mullion and a sill."""
+    """A window: a pale sky above foliage in a frame with a mullion and a sill, sometimes with curtains."""
     frame, front = pick(rng, (*WHITES, *WOODS[:2])), s.front - 0.03
     view = (0.62, 0.74, 0.6) if rng.random() < 0.3 else SKY
     return (
@@ -113,7 +113,7 @@ def picture(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.0, 1.3)),
 )
 def poster(s: Size, rng: Generator) -> Parts:
-    """Unframed."""
+    """An unframed poster."""
     return (box(s.x, s.y, s.z, pick(rng, (WHITE, *BRIGHT, *LINEN)), "picture" if rng.random() < 0.7 else "scribble"),)
 
 
@@ -138,7 +138,7 @@ def poster(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.6, 1.75)),
 )
 def wall_clock(s: Size, rng: Generator) -> Parts:
-    """Hands and marks on a pale face."""
+    """A clock with hands and marks on a pale face."""
     front, h = s.front, s.height
     marks = [
         box(about(x * s.width, 0.02), (s.back, front - 0.004), about(h / 2 + z * h, 0.02), BLACK)
@@ -221,7 +221,7 @@ def plant(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_TABLES, "kitchen counter", "bathroom stool", "bookshelf")),
 )
 def potted_plant(s: Size, rng: Generator) -> Parts:
-    """A small one, in leaf or in flower."""
+    """A small potted plant, in leaf or in flower."""
     bloom = [
         ball(about(x, 0.06), about(y, 0.06), (s.height - 0.08, s.height - 0.02), pick(rng, BRIGHT))
         for x, y in ((-0.04, 0.04), (0.05, 0.02), (0.0, -0.04))
@@ -242,7 +242,7 @@ def potted_plant(s: Size, rng: Generator) -> Parts:
     place=OnTop(_TABLES),
 )
 def vase(s: Size, rng: Generator) -> Parts:
-    """Cut flowers."""
+    """A vase of cut flowers."""
     flowers = [
         ball(about(x, 0.08), about(y, 0.08), about(z, 0.08), pick(rng, BRIGHT))
         for x, y, z in ((-0.04, 0.0, s.height - 0.04), (0.04, 0.03, s.height - 0.08), (0.0, -0.04, s.height - 0.1))
@@ -264,7 +264,7 @@ def vase(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_TABLES, "nightstand", "piano"), "back"),
 )
 def photo_frame(s: Size, rng: Generator) -> Parts:
-    """A family portrait."""
+    """A framed family portrait."""
     return (
         box(s.x, (s.back, s.front - 0.02), s.z, pick(rng, _FRAMES), "wood"),
         box(inset(s.x, 0.02), (s.front - 0.02, s.front - 0.015), inset(s.z, 0.02), WHITE, "picture"),
@@ -295,7 +295,7 @@ def photo_frame(s: Size, rng: Generator) -> Parts:
     place=OnCeiling(),
 )
 def ceiling_lamp(s: Size, rng: Generator) -> Parts:
-    """A globe, a cone or a drum."""
+    """A ceiling lamp in the shape of a globe, a cone or a drum."""
     shade = pick(rng, (LAMP, *LINEN, *BRIGHT, BLACK))
     rod = cylinder(about(0.0, 0.02), about(0.0, 0.02), (min(0.2, 0.6 * s.height), s.height), BLACK)
     low = (0.0, min(0.25, 0.8 * s.height))
@@ -317,7 +317,7 @@ def ceiling_lamp(s: Size, rng: Generator) -> Parts:
     place=OnCeiling(),
 )
 def ceiling_light_panel(s: Size, rng: Generator) -> Parts:
-    """A bright panel with a louvre."""
+    """A bright ceiling panel with a louvre."""
     return (
         box(s.x, s.y, (0.015, s.height), WHITE),
         box(inset(s.x, 0.03), inset(s.y, 0.03), (0.005, 0.02), LAMP),
@@ -335,7 +335,7 @@ def ceiling_light_panel(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.12, 0.18)),
 )
 def radiator(s: Size, rng: Generator) -> Parts:
-    """White ribs under a grille."""
+    """A radiator: white ribs under a grille."""
     white = pick(rng, WHITES)
     return (
         *(box(x, inset(s.y, 0.01), (0.0, s.height - 0.02), white) for x in split(s.x, max(6, round(s.width / 0.1)), 0.03)),
@@ -385,7 +385,7 @@ def tapestry(s: Size, rng: Generator) -> Parts:
     place=OnWall((2.0, 2.1)),
 )
 def air_vent(s: Size, rng: Generator) -> Parts:
-    """Slats in a frame."""
+    """An air vent: slats in a frame."""
     return (
         box(s.x, (s.back, s.back + 0.02), s.z, pick(rng, METALS), "metal"),
         *(box(inset(s.x, 0.02), s.y, z, STEEL) for z in split(inset(s.z, 0.02), 4, 0.025)),

@@ -1,4 +1,4 @@
-"""Dining rooms."""
+"""Furniture of dining rooms."""
 
 from numpy.random import Generator
 
@@ -17,7 +17,7 @@ from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, in
     place=OnFloor("centre"),
 )
 def dining_table(s: Size, rng: Generator) -> Parts:
-    """On legs or on a pedestal, now and then with a cloth."""
+    """A dining table on legs or a pedestal, sometimes with a cloth."""
     wood, top = pick(rng, WOODS), (s.height - 0.04, s.height)
     if rng.random() < 0.35:
         cloth = pick(rng, LINEN)
@@ -44,7 +44,7 @@ def dining_table(s: Size, rng: Generator) -> Parts:
     place=Around(("dining table", "breakfast table")),
 )
 def dining_chair(s: Size, rng: Generator) -> Parts:
-    """With a slatted or an upholstered back."""
+    """A chair with a slatted or an upholstered back."""
     wood, seat = pick(rng, WOODS), pick(rng, UPHOLSTERY)
     high_back = box(inset(s.x, 0.03), (s.back, s.back + 0.05), (0.55, s.height), seat, "fabric")
     slats = [
@@ -89,7 +89,7 @@ def breakfast_table(s: Size, rng: Generator) -> Parts:
     place=OnTop(("dining table", "breakfast table", "kitchen counter")),
 )
 def plate(s: Size, rng: Generator) -> Parts:
-    """A rim and what is on it."""
+    """A plate with food on it."""
     return (
         cylinder(s.x, s.y, (0.0, 0.02), pick(rng, (WHITE, *LINEN[:3])), "ceramic"),
         cylinder(inset(s.x, 0.05), inset(s.y, 0.05), (0.02, s.height), pick(rng, (WHITE, *BRIGHT)), "ceramic"),
@@ -105,7 +105,7 @@ def plate(s: Size, rng: Generator) -> Parts:
     place=OnTop(("dining table",)),
 )
 def wine_glass(s: Size, rng: Generator) -> Parts:
-    """A bowl on a stem."""
+    """A wine glass: a bowl on a stem."""
     return (
         cylinder(s.x, s.y, (0.0, 0.01), GLASS),
         cylinder(about(0.0, 0.012), about(0.0, 0.012), (0.01, 0.1), GLASS),
@@ -122,7 +122,7 @@ def wine_glass(s: Size, rng: Generator) -> Parts:
     place=OnTop(("dining table", "sideboard", "coffee table")),
 )
 def candlestick(s: Size, rng: Generator) -> Parts:
-    """With a lit candle."""
+    """A candlestick with a lit candle."""
     return (
         cylinder(s.x, s.y, (0.0, 0.02), (0.8, 0.65, 0.25), "metal"),
         cylinder(about(0.0, 0.03), about(0.0, 0.03), (0.02, 0.12), (0.8, 0.65, 0.25), "metal"),
@@ -140,7 +140,7 @@ def candlestick(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def sideboard(s: Size, rng: Generator) -> Parts:
-    """Doors under a long top."""
+    """A sideboard: doors under a long top."""
     wood = pick(rng, WOODS)
     return (
         *legs(s, 0.12, 0.05, wood),
@@ -158,7 +158,7 @@ def sideboard(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def china_cabinet(s: Size, rng: Generator) -> Parts:
-    """Dishes behind glass over wooden doors."""
+    """A cabinet with dishes behind glass, above wooden doors."""
     wood = pick(rng, DARK_WOODS)
     upper = Size(s.width, s.depth - 0.08, s.height - 0.8)
     shelves = (*shelf_unit(upper, 3, wood), *stocked(upper, 3, ("ceramic", "glass", "food"), WHITE, rng, fill=1.0))
@@ -174,7 +174,7 @@ def china_cabinet(s: Size, rng: Generator) -> Parts:
     "chandelier", width=(0.6, 0.8), depth=(0.6, 0.8), height=(0.55, 0.7), rooms={"dining room": (1, 1)}, place=OnCeiling()
 )
 def chandelier(s: Size, rng: Generator) -> Parts:
-    """Six candles on a ring, or three pendant shades."""
+    """A chandelier with six candles on a ring, or three pendant shades."""
     metal = pick(rng, (BLACK, STEEL, (0.8, 0.65, 0.25)))
     rod = cylinder(about(0.0, 0.03), about(0.0, 0.03), (0.12, s.height), metal, "metal")
     if rng.random() < 0.5:

@@ -1,4 +1,4 @@
-"""What the floor, walls and ceiling of a room are typically made of, by its label."""
+"""Typical materials and colours of the floor, walls and ceiling of a room, by its label."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Covering = tuple[str, Colour]
 
 @dataclass(frozen=True)
 class Finish:
-    """The coverings of a room."""
+    """The coverings of one room."""
 
     floor: Covering
     wall: Covering
@@ -24,7 +24,7 @@ class Finish:
 
 @dataclass(frozen=True)
 class _Choice:
-    """Patterns and colours to draw from."""
+    """Patterns and colours from which a covering is drawn."""
 
     patterns: tuple[str, ...]
     colours: tuple[Colour, ...]

@@ -1,4 +1,4 @@
-"""Corridors, entrance halls, lobbies."""
+"""Furniture of corridors, entrance halls and lobbies."""
 
 from numpy.random import Generator
 
@@ -13,7 +13,7 @@ from worlds.parts import Part
     "shoe rack", width=(0.7, 1.0), depth=(0.24, 0.3), height=(0.5, 0.75), rooms={"corridor": 0.1, "entrance hall": (1, 2)}
 )
 def shoe_rack(s: Size, rng: Generator) -> Parts:
-    """Pairs of shoes on three shelves."""
+    """A rack with pairs of shoes on three shelves."""
     shoes: list[Part] = []
     step = (s.height - 0.03) / 3
     for level in range(3):
@@ -36,7 +36,7 @@ def shoe_rack(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.65, 0.75)),
 )
 def coat_hooks(s: Size, rng: Generator) -> Parts:
-    """Coats, bags and hats on a board."""
+    """A board of hooks with coats, bags and hats."""
     coats = [
         box(
             inset(x, 0.02),
@@ -63,7 +63,7 @@ def coat_hooks(s: Size, rng: Generator) -> Parts:
     rooms={"corridor": 0.7, "entrance hall": (1, 1), "lobby": 0.5},
 )
 def console_table(s: Size, rng: Generator) -> Parts:
-    """Narrow, with a lower shelf."""
+    """A narrow table with a lower shelf."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.03, s.height), wood, "wood"),
@@ -86,7 +86,7 @@ def console_table(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def umbrella_stand(s: Size, rng: Generator) -> Parts:
-    """Three umbrellas."""
+    """A stand with three umbrellas."""
     canes = [
         cylinder(about(x, 0.05), about(y, 0.05), (0.02, s.height - dz), pick(rng, (BLACK, *BRIGHT)), "fabric")
         for x, y, dz in ((-0.05, 0.0, 0.0), (0.04, 0.05, 0.08), (0.03, -0.05, 0.04))
@@ -102,7 +102,7 @@ def umbrella_stand(s: Size, rng: Generator) -> Parts:
     rooms={"corridor": 0.1, "entrance hall": (1, 1), "gym": 0.7},
 )
 def hall_bench(s: Size, rng: Generator) -> Parts:
-    """A seat over baskets."""
+    """A bench: a seat above baskets."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.1, s.height - 0.06), wood, "wood"),
@@ -144,7 +144,7 @@ def runner(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def door_mat(s: Size, rng: Generator) -> Parts:
-    """Coir with a border."""
+    """A coir mat with a border."""
     return (
         box(s.x, s.y, (0.0, 0.012), BLACK, "carpet"),
         box(inset(s.x, 0.04), inset(s.y, 0.04), (0.0, s.height), (0.55, 0.42, 0.28), "carpet"),
@@ -160,7 +160,7 @@ def door_mat(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.3, 1.5)),
 )
 def key_board(s: Size, rng: Generator) -> Parts:
-    """Hooks with keys."""
+    """A board of hooks with keys."""
     keys = [
         box(inset(x, 0.015), (s.back + 0.02, s.front), (0.02, 0.6 * s.height), pick(rng, (CHROME, *BRIGHT)), "metal")
         for x in split(inset(s.x, 0.02), 5)
@@ -177,7 +177,7 @@ def key_board(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.25, 0.4)),
 )
 def standing_mirror(s: Size, rng: Generator) -> Parts:
-    """Full-length, framed."""
+    """A full-length, framed mirror."""
     return (
         box(s.x, (s.back, s.front - 0.01), s.z, pick(rng, (*WOODS, BLACK, CHROME)), "wood"),
         box(inset(s.x, 0.05), (s.front - 0.01, s.front), inset(s.z, 0.05), GLASS, "glass"),
@@ -186,7 +186,7 @@ def standing_mirror(s: Size, rng: Generator) -> Parts:
 
 @furniture("reception desk", width=(1.8, 2.4), depth=(0.7, 0.9), height=(1.05, 1.15), rooms={"lobby": (1, 1)}, clearance=0.7)
 def reception_desk(s: Size, rng: Generator) -> Parts:
-    """A high front with a company sign, a lower work top behind it."""
+    """A reception desk: a high front with a company sign, and a lower work top behind it."""
     front = pick(rng, (*DARK_WOODS, *STONES))
     return (
         box(s.x, (0.0, s.front), (0.0, s.height - 0.04), front, "wood"),
@@ -207,7 +207,7 @@ def reception_desk(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def brochure_rack(s: Size, rng: Generator) -> Parts:
-    """Rows of leaflets on steps."""
+    """A stepped rack with rows of leaflets."""
     racks: list[Part] = []
     for i, z in enumerate(split((0.35, s.height), 4, 0.05)):
         y = s.front - 0.05 - 0.05 * i
@@ -229,7 +229,7 @@ def brochure_rack(s: Size, rng: Generator) -> Parts:
     place=OnTop(("console table", "desk", "sideboard")),
 )
 def phone(s: Size, rng: Generator) -> Parts:
-    """A handset on a base."""
+    """A telephone: a handset on a base."""
     tone = pick(rng, (BLACK, WHITE, BRIGHT[0]))
     return (
         box(s.x, s.y, (0.0, 0.06), tone, "keyboard"),
@@ -258,7 +258,7 @@ def phone(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.7, 0.9)),
 )
 def fire_extinguisher(s: Size, rng: Generator) -> Parts:
-    """Red, with a label and a hose."""
+    """A red fire extinguisher with a label and a hose."""
     return (
         cylinder(s.x, s.y, (0.0, s.height - 0.1), BRIGHT[0], "metal"),
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (s.height - 0.1, s.height), BLACK),
@@ -284,7 +284,7 @@ def fire_extinguisher(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.05, 1.25)),
 )
 def notice_board(s: Size, rng: Generator) -> Parts:
-    """Cork with pinned notes."""
+    """A cork board with pinned notes."""
     notes = [
         box(
             inset(x, rng.uniform(0.01, 0.05)),
@@ -305,5 +305,5 @@ def notice_board(s: Size, rng: Generator) -> Parts:
 
 
 def _paper(rng: Generator) -> str:
-    """What is on a sheet of paper."""
+    """A random material for a sheet of paper."""
     return ("label", "scribble", "picture")[int(rng.integers(3))]

@@ -1,4 +1,4 @@
-"""`Kind`: what a piece of furniture is, where it belongs and how it is built."""
+"""`Kind`: the declaration of a kind of furniture: sizes, rooms, how it is placed and how it is built."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,23 +11,32 @@ from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
 
 Range = tuple[float, float]
+"""(lowest, highest)."""
 Parts = tuple[Part, ...]
 
 
 @dataclass(frozen=True)
 class Hoarded:
-    """What only a cluttered room has."""
+    """A count for pieces that only cluttered rooms have."""
 
     per_clutter: float
-    """Expected number for every step of clutter above 1; of what stands on the floor, in a room of 12 m²."""
+    """Expected number of pieces per unit of clutter above 1.
+
+    For pieces on the floor it applies to a room of 12 m² and grows with the area. For pieces on top of a host it applies to
+    each host.
+    """
 
 
 Count = float | tuple[int, int] | Hoarded
-"""An expected number; or an inclusive range of what the room always has; or what clutter brings."""
+"""Number of pieces in a room: an expected number, an inclusive range that the room always has, or a number that grows with
+clutter."""
 
 
 class Size(NamedTuple):
-    """A piece's extents [m] and the intervals that they span in the piece's frame."""
+    """The extents of a piece [m], and the intervals that they span in its frame.
+
+    The origin of the frame is the centre of the footprint on the underside; x points along the width, y to the front, z up.
+    """
 
     width: float
     depth: float
@@ -55,49 +64,51 @@ class Size(NamedTuple):
 
     @property
     def x(self) -> Range:
-        """The whole width [m]."""
+        """Interval in x over the whole width [m]."""
         return self.left, self.right
 
     @property
     def y(self) -> Range:
-        """The whole depth [m]."""
+        """Interval in y over the whole depth [m]."""
         return self.back, self.front
 
     @property
     def z(self) -> Range:
-        """The whole height [m]."""
+        """Interval in z over the whole height [m]."""
         return 0.0, self.height
 
 
 @dataclass(frozen=True)
 class AgainstWall:
-    """On the floor, its back to a wall."""
+    """Placed on the floor with its back to a wall."""
 
     beside: tuple[str, ...] = ()
-    """Kinds that it stands next to where it can."""
+    """Kinds next to which the piece is preferably placed."""
     corner: bool = False
-    """Whether it prefers the end of a wall."""
+    """Whether the piece is preferably placed at the end of a wall."""
 
 
 @dataclass(frozen=True)
 class OnFloor:
-    """On the floor, away from the walls."""
+    """Placed on the floor, independently of the walls."""
 
     spot: Literal["centre", "anywhere"] = "anywhere"
 
 
 @dataclass(frozen=True)
 class Around:
-    """On the floor, facing a piece of one of `hosts`; the count is per host."""
+    """Placed on the floor, facing a piece of one of the kinds in `hosts`; the count is per host."""
 
     hosts: tuple[str, ...]
     side: Literal["all", "front"] = "all"
+    """The sides of the host at which the piece can stand."""
     gap_m: float = 0.03
+    """Distance from the host [m]."""
 
 
 @dataclass(frozen=True)
 class OnTop:
-    """On the top face of a piece of one of `hosts`; the count is per host."""
+    """Placed on the top face of a piece of one of the kinds in `hosts`; the count is per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
@@ -105,16 +116,16 @@ class OnTop:
 
 @dataclass(frozen=True)
 class OnWall:
-    """On a wall, its underside at a height in `height_m` [m]."""
+    """Hung on a wall, with the underside at a height drawn from `height_m` [m]."""
 
     height_m: Range = (1.25, 1.6)
     above: tuple[str, ...] = ()
-    """Kinds that it hangs over, one to each; if none is named it hangs on any free wall."""
+    """Kinds above which the piece hangs, one per host; if empty, it hangs on a free stretch of wall."""
 
 
 @dataclass(frozen=True)
 class OnCeiling:
-    """Under the ceiling."""
+    """Hung from the ceiling near the centre of the room."""
 
 
 Place = AgainstWall | OnFloor | Around | OnTop | OnWall | OnCeiling
@@ -127,20 +138,20 @@ class Kind:
 
     name: str
     width: Range
-    """[m]"""
+    """Range of widths [m]."""
     depth: Range
-    """[m]"""
+    """Range of depths [m]."""
     height: Range
-    """[m]"""
+    """Range of heights [m]."""
     rooms: Mapping[str, Count]
-    """Room label -> how many."""
+    """Number of pieces, by room label."""
     build: Build
-    """The parts of a piece of a given size, all inside its box."""
+    """Function (size, generator) -> parts of a piece; all parts lie inside the box of that size."""
     place: Place = AgainstWall()
     solid: bool = True
-    """Whether it blocks the way."""
+    """Whether a person cannot walk through the piece."""
     clearance: float = 0.0
-    """Depth of the floor that stays free in front of it [m]."""
+    """Depth of the floor in front of the piece that stays free [m]."""
 
     def __post_init__(self) -> None:
         unknown = sorted(set(self.rooms) - set(ROOM_LABELS))
@@ -150,4 +161,4 @@ class Kind:
             )
         for axis, (low, high) in zip(("width", "depth", "height"), (self.width, self.depth, self.height), strict=True):
             if not 0.0 < low <= high:
-                raise WorldsError(f"kind {self.name!r}: {axis} {low} ... {high} m is not a range of positive lengths")
+                raise WorldsError(f"kind {self.name!r}: {axis} {low} ... {high} m is not a range; valid: 0 < low <= high")

@@ -1,4 +1,4 @@
-"""Kitchens and pantries."""
+"""Furniture of kitchens and pantries."""
 
 from numpy.random import Generator
 
@@ -45,7 +45,7 @@ def _base_cabinet(s: Size, rng: Generator, top: float, columns: int) -> Parts:
     clearance=0.7,
 )
 def kitchen_counter(s: Size, rng: Generator) -> Parts:
-    """Cabinets under a worktop."""
+    """Base cabinets under a worktop."""
     return _base_cabinet(s, rng, s.height, max(2, round(s.width / 0.5)))
 
 
@@ -83,7 +83,7 @@ def kitchen_sink(s: Size, rng: Generator) -> Parts:
     clearance=0.8,
 )
 def stove(s: Size, rng: Generator) -> Parts:
-    """An oven with a window, knobs and four rings."""
+    """A stove: an oven with a window and knobs, and four rings on top."""
     body = pick(rng, (WHITE, STEEL, BLACK))
     rings = [
         cylinder(about(x, 0.18), about(y, 0.18), (s.height - 0.015, s.height), METALS[1])
@@ -112,7 +112,7 @@ def stove(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def fridge(s: Size, rng: Generator) -> Parts:
-    """Fridge over freezer, with magnets and notes on the door."""
+    """A fridge above a freezer, with magnets and notes on the door."""
     body = pick(rng, (WHITE, WHITE, STEEL, (0.76, 0.2, 0.18), (0.6, 0.78, 0.74)))
     split_z = s.height * rng.uniform(0.3, 0.42)
     notes = [
@@ -145,7 +145,7 @@ def fridge(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def dishwasher(s: Size, rng: Generator) -> Parts:
-    """A white or steel front with a display strip."""
+    """A dishwasher with a white or steel front and a display strip."""
     body = pick(rng, (WHITE, STEEL))
     return (
         box(s.x, (s.back, s.front - 0.02), (0.0, s.height - 0.04), body, "metal"),
@@ -181,7 +181,7 @@ def upper_cabinet(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.55, 1.65), above=("stove",)),
 )
 def cooker_hood(s: Size, rng: Generator) -> Parts:
-    """A steel canopy and its flue."""
+    """A steel hood with its flue."""
     steel = pick(rng, METALS)
     return (
         box(s.x, s.y, (0.0, 0.08), steel, "metal"),
@@ -199,7 +199,7 @@ def cooker_hood(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def kitchen_island(s: Size, rng: Generator) -> Parts:
-    """A free-standing worktop with drawers."""
+    """A free-standing worktop over drawers."""
     front = pick(rng, FRONTS)
     return (
         box(inset(s.x, 0.05), inset(s.y, 0.08), (0.0, s.height - 0.05), front),
@@ -217,7 +217,7 @@ def kitchen_island(s: Size, rng: Generator) -> Parts:
     place=Around(("kitchen island",)),
 )
 def bar_stool(s: Size, rng: Generator) -> Parts:
-    """A round seat on a column."""
+    """A bar stool: a round seat on a column."""
     return (
         cylinder(s.x, s.y, (s.height - 0.07, s.height), pick(rng, BRIGHT), "fabric"),
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (0.02, s.height - 0.07), CHROME),
@@ -234,7 +234,7 @@ def bar_stool(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",), "back"),
 )
 def microwave(s: Size, rng: Generator) -> Parts:
-    """Window on the left, buttons on the right."""
+    """A microwave with its window on the left and buttons on the right."""
     return (
         box(s.x, (s.back, s.front - 0.02), s.z, pick(rng, (WHITE, BLACK, STEEL)), "metal"),
         box((s.left + 0.03, s.right - 0.14), (s.front - 0.03, s.front), inset(s.z, 0.04), BLACK, "glass"),
@@ -251,7 +251,7 @@ def microwave(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",)),
 )
 def kettle(s: Size, rng: Generator) -> Parts:
-    """A body, a knob and a handle."""
+    """A kettle with a knob and a handle."""
     body = pick(rng, (STEEL, RED, WHITE))
     return (
         cylinder((s.left, s.right - 0.04), s.y, (0.0, s.height - 0.03), body, "metal"),
@@ -269,7 +269,7 @@ def kettle(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",), "back"),
 )
 def toaster(s: Size, rng: Generator) -> Parts:
-    """Two slices of toast looking out."""
+    """A toaster from which two slices of toast stick out."""
     slots = [box(inset(s.x, 0.05), about(y, 0.02), (s.height - 0.03, s.height), (0.7, 0.5, 0.25)) for y in (-0.04, 0.04)]
     return (box(s.x, s.y, (0.0, s.height - 0.02), pick(rng, (STEEL, RED, *WHITES)), "metal"), *slots)
 
@@ -283,7 +283,7 @@ def toaster(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",), "back"),
 )
 def dish_rack(s: Size, rng: Generator) -> Parts:
-    """Plates on edge in a wire tray."""
+    """A wire tray with plates on edge."""
     plates = [
         box(
             about(x, 0.02),
@@ -298,13 +298,13 @@ def dish_rack(s: Size, rng: Generator) -> Parts:
 
 
 def _spaced(low: float, high: float, count: int) -> list[float]:
-    """`count` numbers evenly from `low` to `high`."""
+    """`count` evenly spaced numbers from `low` to `high`."""
     return [low + i * (high - low) / (count - 1) for i in range(count)]
 
 
 @furniture("pot", width=(0.24, 0.34), depth=(0.2, 0.24), height=(0.14, 0.2), rooms={"kitchen": 1.2}, place=OnTop(("stove",)))
 def pot(s: Size, rng: Generator) -> Parts:
-    """With a lid and two handles."""
+    """A cooking pot with a lid and two handles."""
     body = pick(rng, (STEEL, RED, BLACK, BRIGHT[2]))
     return (
         cylinder(inset(s.x, 0.03), s.y, (0.0, s.height - 0.04), body, "metal"),
@@ -323,7 +323,7 @@ def pot(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter", "kitchen island", "dining table", "sideboard")),
 )
 def fruit_bowl(s: Size, rng: Generator) -> Parts:
-    """Apples, oranges, lemons."""
+    """A bowl of apples, oranges and lemons."""
     fruit = [
         ball(about(x, 0.08), about(y, 0.08), (s.height - 0.1, s.height - 0.01), pick(rng, BRIGHT))
         for x, y in rng.uniform(-0.07, 0.07, (5, 2)).tolist()
@@ -340,7 +340,7 @@ def fruit_bowl(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter", "sideboard", "dining table")),
 )
 def bottles(s: Size, rng: Generator) -> Parts:
-    """Three or four in a row."""
+    """Three or four bottles in a row."""
     parts: list[Part] = []
     for x in split(s.x, int(rng.integers(3, 5)), 0.015):
         colour, middle, top = (
@@ -373,7 +373,7 @@ def spice_rack(s: Size, rng: Generator) -> Parts:
     "pan rail", width=(0.6, 0.9), depth=(0.06, 0.08), height=(0.4, 0.5), rooms={"kitchen": (1, 2)}, place=OnWall((1.3, 1.4))
 )
 def pan_rail(s: Size, rng: Generator) -> Parts:
-    """Pans and ladles that hang from a rail."""
+    """A rail from which pans and ladles hang."""
     hung = [
         box(
             inset(x, 0.01),
@@ -418,7 +418,7 @@ def crate(s: Size, rng: Generator) -> Parts:
 
 @furniture("kitchen trolley", width=(0.5, 0.7), depth=(0.38, 0.45), height=(0.8, 0.88), rooms={"kitchen": 0.25})
 def kitchen_trolley(s: Size, rng: Generator) -> Parts:
-    """Two shelves of goods under a board."""
+    """A trolley: two shelves of goods under a board."""
     wood = pick(rng, WOODS)
     return (
         *legs(s, s.height - 0.04, 0.04, wood),

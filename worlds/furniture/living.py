@@ -1,4 +1,4 @@
-"""Living rooms and libraries."""
+"""Furniture of living rooms and libraries."""
 
 from numpy.random import Generator
 
@@ -32,7 +32,7 @@ from worlds.furniture.shapes import about, box, cone, cylinder, fronts, inset, l
     clearance=0.9,
 )
 def sofa(s: Size, rng: Generator) -> Parts:
-    """Seat and back cushions between arm rests, with throw pillows."""
+    """A sofa: seat and back cushions between arm rests, with throw pillows."""
     cloth, arm = pick(rng, UPHOLSTERY), rng.uniform(0.14, 0.22)
     seats = split(inset(s.x, arm), 3 if s.width > 2.0 else 2, 0.015)
     pillows = [
@@ -60,7 +60,7 @@ def sofa(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def armchair(s: Size, rng: Generator) -> Parts:
-    """A sofa for one."""
+    """An armchair, built like a sofa with one seat."""
     cloth = pick(rng, UPHOLSTERY)
     return (
         box(s.x, s.y, (0.08, 0.3), cloth, "fabric"),
@@ -103,7 +103,7 @@ def coffee_table(s: Size, rng: Generator) -> Parts:
     clearance=0.8,
 )
 def tv_stand(s: Size, rng: Generator) -> Parts:
-    """Drawers and a shelf for the players."""
+    """A TV stand with drawers and a shelf for players."""
     wood = pick(rng, (*WOODS, WHITE, BLACK))
     return (
         box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"),
@@ -121,7 +121,7 @@ def tv_stand(s: Size, rng: Generator) -> Parts:
     place=OnTop(("tv stand",), "middle"),
 )
 def television(s: Size, rng: Generator) -> Parts:
-    """A flat screen on a foot."""
+    """A flat television on a foot."""
     return (
         box(inset(s.x, 0.25), s.y, (0.0, 0.02), BLACK),
         box(about(0.0, 0.1), about(0.0, 0.04), (0.02, 0.12), BLACK),
@@ -148,7 +148,7 @@ def television(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def bookshelf(s: Size, rng: Generator) -> Parts:
-    """Five shelves of books with a few ornaments."""
+    """A bookshelf: five shelves of books with a few ornaments."""
     return (
         *shelf_unit(s, 5, pick(rng, (*WOODS, WHITE))),
         *stocked(s, 5, ("books", "books", "books", "books", "ceramic"), (0.8, 0.78, 0.74), rng, fill=0.92),
@@ -165,7 +165,7 @@ def bookshelf(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def rug(s: Size, rng: Generator) -> Parts:
-    """A border, a field and a medallion."""
+    """A rug with a border, a field and a medallion."""
     rim, field = pick(rng, UPHOLSTERY), pick(rng, (*LINEN, *UPHOLSTERY))
     return (
         box(s.x, s.y, (0.0, 0.008), rim, "fabric"),
@@ -183,7 +183,7 @@ def rug(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def floor_lamp(s: Size, rng: Generator) -> Parts:
-    """A shade on a pole."""
+    """A floor lamp: a shade on a pole."""
     pole = pick(rng, METALS)
     return (
         cylinder(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, 0.03), pole, "metal"),
@@ -201,7 +201,7 @@ def floor_lamp(s: Size, rng: Generator) -> Parts:
     clearance=0.8,
 )
 def fireplace(s: Size, rng: Generator) -> Parts:
-    """A brick surround with logs, fire and a mantelpiece."""
+    """A fireplace: a brick surround with logs, a fire and a mantelpiece."""
     brick = pick(rng, ((0.6, 0.32, 0.25), *STONES))
     return (
         *(
@@ -218,7 +218,7 @@ def fireplace(s: Size, rng: Generator) -> Parts:
 
 @furniture("piano", width=(1.35, 1.5), depth=(0.56, 0.64), height=(1.05, 1.25), rooms={"living room": 0.2}, clearance=0.7)
 def piano(s: Size, rng: Generator) -> Parts:
-    """An upright."""
+    """An upright piano."""
     black = pick(rng, DARK_WOODS)
     return (
         box(s.x, (s.back, s.back + 0.32), s.z, black, "wood"),
@@ -240,7 +240,7 @@ def piano(s: Size, rng: Generator) -> Parts:
     rooms={"living room": 0.6, "lobby": 0.5, "library": 0.4},
 )
 def side_table(s: Size, rng: Generator) -> Parts:
-    """A round top on a tripod."""
+    """A side table: a round top on a tripod."""
     wood = pick(rng, WOODS)
     return (
         cylinder(s.x, s.y, (s.height - 0.03, s.height), wood, "wood"),
@@ -258,7 +258,7 @@ def side_table(s: Size, rng: Generator) -> Parts:
     place=OnTop(("side table", "nightstand", "sideboard", "console table")),
 )
 def table_lamp(s: Size, rng: Generator) -> Parts:
-    """A shade on a vase."""
+    """A table lamp: a shade on a vase."""
     return (
         cylinder(inset(s.x, 0.07), inset(s.y, 0.07), (0.0, 0.2), pick(rng, (*BRIGHT, *WHITES)), "ceramic"),
         cone(s.x, s.y, (0.16, s.height), pick(rng, (LAMP, *LINEN)), "fabric"),
@@ -274,7 +274,7 @@ def table_lamp(s: Size, rng: Generator) -> Parts:
     place=OnTop(("coffee table", "toy shelf")),
 )
 def game_console(s: Size, rng: Generator) -> Parts:
-    """With a controller on top."""
+    """A game console with a controller on top."""
     return (
         box(s.x, s.y, (0.0, 0.06), BLACK, "keyboard"),
         box(inset(s.x, 0.08), inset(s.y, 0.06), (0.06, s.height), pick(rng, (GREY, WHITE)), "keyboard"),
@@ -290,7 +290,7 @@ def game_console(s: Size, rng: Generator) -> Parts:
     place=OnTop(("coffee table", "side table", "nightstand", "desk", "reading table")),
 )
 def magazines(s: Size, rng: Generator) -> Parts:
-    """A pile, each a little askew."""
+    """A pile of magazines, each a little askew."""
     return tuple(
         box(inset(s.x, rng.uniform(0.0, 0.04)), inset(s.y, rng.uniform(0.0, 0.04)), z, pick(rng, BRIGHT), "picture")
         for z in split(s.z, 4)

@@ -1,4 +1,4 @@
-"""Offices, meeting rooms, print rooms."""
+"""Furniture of offices, meeting rooms and print rooms."""
 
 from numpy.random import Generator
 
@@ -26,7 +26,7 @@ _DESKS = ("desk", "double desk")
     clearance=0.85,
 )
 def desk(s: Size, rng: Generator) -> Parts:
-    """A top on metal legs with a drawer block."""
+    """A desk: a top on metal legs with a block of drawers."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
     return (
         box(s.x, s.y, (s.height - 0.035, s.height), top, "wood"),
@@ -71,7 +71,7 @@ def double_desk(s: Size, rng: Generator) -> Parts:
     place=Around(_DESKS, "front"),
 )
 def office_chair(s: Size, rng: Generator) -> Parts:
-    """Five castors, a gas spring, arm rests."""
+    """An office chair with five castors, a gas spring and arm rests."""
     cloth = pick(rng, (BLACK, BLACK, *UPHOLSTERY))
     return (
         box(s.x, about(0.0, 0.06), (0.03, 0.08), BLACK),
@@ -101,7 +101,7 @@ def office_chair(s: Size, rng: Generator) -> Parts:
     place=OnTop(_DESKS, "back"),
 )
 def monitor(s: Size, rng: Generator) -> Parts:
-    """A screen on a foot."""
+    """A monitor: a screen on a foot."""
     return (
         box(about(0.0, 0.24), s.y, (0.0, 0.015), BLACK),
         box(about(0.0, 0.05), about(-0.02, 0.03), (0.015, 0.2), BLACK),
@@ -119,7 +119,7 @@ def monitor(s: Size, rng: Generator) -> Parts:
     place=OnTop(_DESKS, "front"),
 )
 def keyboard(s: Size, rng: Generator) -> Parts:
-    """And a mouse beside it."""
+    """A keyboard, with a mouse beside it."""
     tone = pick(rng, (BLACK, (0.8, 0.8, 0.8)))
     return (
         box((s.left, s.right - 0.09), s.y, s.z, tone, "keyboard"),
@@ -136,7 +136,7 @@ def keyboard(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_DESKS, "meeting table", "reading table", "coffee table", "lab bench", "school desk")),
 )
 def laptop(s: Size, rng: Generator) -> Parts:
-    """Open."""
+    """An open laptop."""
     shell = pick(rng, (STEEL, BLACK))
     return (
         box(s.x, (s.back + 0.02, s.front), (0.0, 0.018), shell, "metal"),
@@ -155,7 +155,7 @@ def laptop(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_DESKS, "small desk", "reading table"), "back"),
 )
 def desk_lamp(s: Size, rng: Generator) -> Parts:
-    """An arm over a foot."""
+    """A desk lamp: an arm on a foot."""
     paint = pick(rng, (*BRIGHT, BLACK))
     return (
         cylinder(s.x, (s.back, s.back + s.width), (0.0, 0.025), paint, "metal"),
@@ -174,7 +174,7 @@ def desk_lamp(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_DESKS, "meeting table", "file cabinet", "school desk", "copy counter")),
 )
 def papers(s: Size, rng: Generator) -> Parts:
-    """A stack, the top sheet printed."""
+    """A stack of paper; the top sheet is printed."""
     return (
         box(s.x, s.y, (0.0, s.height - 0.004), PAPER),
         box(inset(s.x, 0.01), inset(s.y, 0.01), (s.height - 0.004, s.height), PAPER, "scribble"),
@@ -190,7 +190,7 @@ def papers(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_DESKS, "meeting table", "kitchen counter", "breakfast table")),
 )
 def mug(s: Size, rng: Generator) -> Parts:
-    """With a handle."""
+    """A mug with a handle."""
     paint = pick(rng, (*BRIGHT, WHITE))
     return (
         cylinder((s.left, s.right - 0.03), s.y, s.z, paint, "ceramic"),
@@ -208,7 +208,7 @@ def mug(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def file_cabinet(s: Size, rng: Generator) -> Parts:
-    """Steel drawers with label holders."""
+    """A cabinet of steel drawers with label holders."""
     steel = pick(rng, (GREY, STEEL, (0.36, 0.42, 0.4)))
     tags = [
         box(about(-0.08, 0.08), (s.front - 0.006, s.front - 0.002), about(z, 0.04), PAPER, "label")
@@ -231,7 +231,7 @@ def file_cabinet(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def binder_shelf(s: Size, rng: Generator) -> Parts:
-    """Ring binders and boxes on grey shelves."""
+    """Grey shelves with ring binders and boxes."""
     return (
         *shelf_unit(s, 5, pick(rng, (GREY, WHITE, STEEL)), "metal"),
         *stocked(s, 5, ("books", "label"), (0.62, 0.66, 0.74), rng, fill=0.9),
@@ -247,7 +247,7 @@ def binder_shelf(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.85, 1.0)),
 )
 def whiteboard(s: Size, rng: Generator) -> Parts:
-    """Full of drawings, with a tray of pens."""
+    """A whiteboard full of drawings, with a tray of pens."""
     pens = [box(about(x, 0.1), (s.front - 0.03, s.front), (0.02, 0.04), pick(rng, BRIGHT)) for x in (-0.3, 0.0, 0.2)]
     return (
         box(s.x, (s.back, s.back + 0.03), (0.02, s.height), STEEL, "metal"),
@@ -266,7 +266,7 @@ def whiteboard(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def meeting_table(s: Size, rng: Generator) -> Parts:
-    """A long top on two slabs."""
+    """A meeting table: a long top on two slabs."""
     wood = pick(rng, (*WOODS, WHITE))
     return (
         box(s.x, s.y, (s.height - 0.05, s.height), wood, "wood"),
@@ -287,7 +287,7 @@ def meeting_table(s: Size, rng: Generator) -> Parts:
     place=Around(("meeting table",)),
 )
 def conference_chair(s: Size, rng: Generator) -> Parts:
-    """A shell on a steel frame."""
+    """A conference chair: a shell on a steel frame."""
     cloth = pick(rng, (BLACK, UPHOLSTERY[1], UPHOLSTERY[0]))
     return (
         *legs(s, 0.44, 0.03, CHROME, "metal"),
@@ -305,7 +305,7 @@ def conference_chair(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.1, 1.3)),
 )
 def wall_screen(s: Size, rng: Generator) -> Parts:
-    """A display with slides on it."""
+    """A wall-mounted display that shows slides."""
     return (
         box(s.x, (s.back, s.front - 0.008), s.z, BLACK),
         box(inset(s.x, 0.02), (s.front - 0.008, s.front), inset(s.z, 0.02), (0.62, 0.66, 0.74), "screen"),
@@ -321,7 +321,7 @@ def wall_screen(s: Size, rng: Generator) -> Parts:
     clearance=0.7,
 )
 def photocopier(s: Size, rng: Generator) -> Parts:
-    """Paper trays, a control panel and a feeder."""
+    """A photocopier with paper trays, a control panel and a feeder."""
     body = pick(rng, (WHITE, (0.8, 0.8, 0.78), GREY))
     return (
         box(inset(s.x, 0.05), (s.back, s.front - 0.04), (0.0, 0.86), body),
@@ -342,7 +342,7 @@ def photocopier(s: Size, rng: Generator) -> Parts:
     place=OnTop(("file cabinet", "copy counter"), "middle"),
 )
 def printer(s: Size, rng: Generator) -> Parts:
-    """With a sheet coming out."""
+    """A printer with a sheet coming out."""
     return (
         box(s.x, (s.back, s.front - 0.06), s.z, pick(rng, (WHITE, BLACK, GREY))),
         box(inset(s.x, 0.08), (0.0, s.front), (0.12, 0.13), PAPER, "scribble"),
@@ -354,7 +354,7 @@ def printer(s: Size, rng: Generator) -> Parts:
     "copy counter", width=(1.2, 1.8), depth=(0.5, 0.6), height=(0.88, 0.95), rooms={"print room": (1, 2)}, clearance=0.6
 )
 def copy_counter(s: Size, rng: Generator) -> Parts:
-    """A work surface over pigeon holes of paper."""
+    """A work surface above pigeon holes of paper."""
     tone = pick(rng, (WHITE, *WOODS))
     return (*shelf_unit(s, 3, tone), *stocked(s, 3, ("label", "plain"), PAPER, rng, fill=0.95))
 
@@ -367,7 +367,7 @@ def copy_counter(s: Size, rng: Generator) -> Parts:
     rooms={"print room": (1, 2), "office": 0.2, "storage room": 0.5},
 )
 def paper_boxes(s: Size, rng: Generator) -> Parts:
-    """Cartons of copy paper, stacked."""
+    """Stacked cartons of copy paper."""
     return tuple(
         box(inset(s.x, rng.uniform(0.0, 0.03)), inset(s.y, 0.01), z, pick(rng, (PAPER, (0.7, 0.54, 0.36))), "label")
         for z in split(s.z, 3, 0.005)
@@ -391,7 +391,7 @@ def paper_boxes(s: Size, rng: Generator) -> Parts:
     },
 )
 def waste_bin(s: Size, rng: Generator) -> Parts:
-    """With crumpled paper."""
+    """A bin with crumpled paper."""
     tone = pick(rng, (BLACK, GREY, STEEL, BRIGHT[2]))
     return (
         cylinder(s.x, s.y, (0.0, s.height - 0.06), tone, "metal"),
@@ -408,7 +408,7 @@ def waste_bin(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def flip_chart(s: Size, rng: Generator) -> Parts:
-    """A pad on an easel."""
+    """A flip chart: a pad on an easel."""
     return (
         box(inset(s.x, 0.02), about(0.0, 0.03), (0.75, s.height), STEEL, "metal"),
         box(inset(s.x, 0.04), (0.015, 0.03), (0.82, s.height - 0.04), WHITE, "scribble"),
@@ -426,7 +426,7 @@ def flip_chart(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def water_cooler(s: Size, rng: Generator) -> Parts:
-    """A blue bottle on a stand."""
+    """A water cooler: a blue bottle on a stand."""
     return (
         box(s.x, s.y, (0.0, 0.95), WHITE),
         box(inset(s.x, 0.06), (s.front - 0.02, s.front), (0.6, 0.8), BLACK, "keyboard"),

@@ -1,4 +1,4 @@
-"""Gardens and balconies."""
+"""Furniture and plants of gardens and balconies."""
 
 from numpy.random import Generator
 
@@ -16,7 +16,7 @@ _SOIL = (0.32, 0.22, 0.15)
     "tree", width=(1.2, 2.0), depth=(1.2, 2.0), height=(2.6, 4.0), rooms={"garden": (1, 3)}, place=AgainstWall(corner=True)
 )
 def tree(s: Size, rng: Generator) -> Parts:
-    """A round or a conical crown, sometimes in blossom or with fruit."""
+    """A tree with a round or a conical crown, sometimes with blossom or fruit."""
     green, bark = pick(rng, (*_GREENS, (0.9, 0.7, 0.75))), (0.38, 0.27, 0.18)
     trunk = cylinder(about(0.0, 0.24), about(0.0, 0.24), (0.0, 0.5 * s.height), bark, "wood")
     if rng.random() < 0.35:
@@ -47,7 +47,7 @@ def tree(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(beside=("hedge",)),
 )
 def hedge(s: Size, rng: Generator) -> Parts:
-    """Clipped, a little uneven."""
+    """A clipped, slightly uneven hedge."""
     return tuple(
         box(
             x,
@@ -62,7 +62,7 @@ def hedge(s: Size, rng: Generator) -> Parts:
 
 @furniture("flower bed", width=(1.2, 2.2), depth=(0.5, 0.8), height=(0.35, 0.55), rooms={"garden": (2, 3), "balcony": 0.3})
 def flower_bed(s: Size, rng: Generator) -> Parts:
-    """Soil behind an edging, with flowers."""
+    """A bed of soil behind an edging, with flowers."""
     edge, low = pick(rng, (*STONES, *WOODS)), 0.16
     flowers: list[Part] = []
     for x in split(inset(s.x, 0.08), 6):
@@ -88,7 +88,7 @@ def flower_bed(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def garden_table(s: Size, rng: Generator) -> Parts:
-    """A slatted top, often under a parasol's pole."""
+    """A table with a slatted top."""
     wood = pick(rng, (*WOODS, WHITE, METALS[1]))
     return (
         *(box(s.x, y, (s.height - 0.03, s.height), wood, "wood") for y in split(s.y, 6, 0.015)),
@@ -106,7 +106,7 @@ def garden_table(s: Size, rng: Generator) -> Parts:
     place=Around(("garden table", "breakfast table")),
 )
 def garden_chair(s: Size, rng: Generator) -> Parts:
-    """Slats and arm rests."""
+    """A chair of slats with arm rests."""
     paint = pick(rng, (WHITE, *WOODS, GREEN))
     return (
         *legs(s, 0.62, 0.045, paint, margin=0.0),
@@ -125,7 +125,7 @@ def garden_chair(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def garden_bench(s: Size, rng: Generator) -> Parts:
-    """Of wood, for two or three."""
+    """A wooden bench for two or three people."""
     wood = pick(rng, (*WOODS, WHITE, GREEN))
     return (
         *legs(s, 0.62, 0.06, wood, margin=0.0),
@@ -144,7 +144,7 @@ def garden_bench(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def barbecue(s: Size, rng: Generator) -> Parts:
-    """A lid, a side table and a gas bottle or a kettle grill."""
+    """A gas grill on legs, with a lid, knobs and a gas bottle."""
     paint = pick(rng, (BLACK, RED, STEEL))
     return (
         *legs(s, 0.75, 0.05, METALS[1], "metal"),
@@ -183,7 +183,7 @@ def planter(s: Size, rng: Generator) -> Parts:
     "parasol", width=(1.8, 2.2), depth=(1.8, 2.2), height=(2.2, 2.4), rooms={"garden": 0.6, "balcony": 0.3}, place=OnFloor()
 )
 def parasol(s: Size, rng: Generator) -> Parts:
-    """A cloth cone on a pole in a heavy foot."""
+    """A parasol: a cone of cloth on a pole in a heavy foot."""
     return (
         cylinder(about(0.0, 0.5), about(0.0, 0.5), (0.0, 0.1), STONES[0], "concrete"),
         cylinder(about(0.0, 0.05), about(0.0, 0.05), (0.1, s.height - 0.1), WOODS[0], "wood"),
@@ -201,7 +201,7 @@ def parasol(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def garden_shed(s: Size, rng: Generator) -> Parts:
-    """Boards, a door, a window."""
+    """A shed of boards with a door and a window."""
     wood = pick(rng, (*WOODS, (0.4, 0.5, 0.42), (0.5, 0.25, 0.2)))
     return (
         box(inset(s.x, 0.06), inset(s.y, 0.06), (0.0, s.height - 0.08), wood, "wood"),
@@ -221,7 +221,7 @@ def garden_shed(s: Size, rng: Generator) -> Parts:
     place=OnFloor(),
 )
 def sun_lounger(s: Size, rng: Generator) -> Parts:
-    """With a mattress and a raised back."""
+    """A sun lounger with a mattress and a raised back."""
     cloth, wood = pick(rng, (*BRIGHT, *LINEN)), pick(rng, WOODS)
     return (
         box(s.x, s.y, (0.22, 0.28), wood, "wood"),
@@ -236,7 +236,7 @@ def sun_lounger(s: Size, rng: Generator) -> Parts:
 
 @furniture("swing", width=(1.6, 2.0), depth=(1.0, 1.3), height=(1.9, 2.1), rooms={"garden": 0.3}, place=OnFloor())
 def swing(s: Size, rng: Generator) -> Parts:
-    """A frame with one seat."""
+    """A swing: a frame with one seat."""
     paint = pick(rng, BRIGHT)
     return (
         *legs(s, s.height - 0.06, 0.07, paint, "metal", margin=0.0),
@@ -252,7 +252,7 @@ def swing(s: Size, rng: Generator) -> Parts:
 
 @furniture("sandpit", width=(1.1, 1.4), depth=(1.1, 1.4), height=(0.24, 0.3), rooms={"garden": 0.3}, place=OnFloor())
 def sandpit(s: Size, rng: Generator) -> Parts:
-    """A frame of boards with sand, a bucket and a castle."""
+    """A sandpit: a frame of boards with sand, a bucket and a sand castle."""
     wood = pick(rng, WOODS)
     return (
         *(box(x, s.y, (0.0, 0.18), wood, "wood") for x in ((s.left, s.left + 0.08), (s.right - 0.08, s.right))),
@@ -273,7 +273,7 @@ def sandpit(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def stepping_stones(s: Size, rng: Generator) -> Parts:
-    """A row of flags in the grass."""
+    """A row of flagstones in the grass."""
     return tuple(
         box(x, inset(s.y, rng.uniform(0.0, 0.05)), (0.0, s.height), pick(rng, STONES), "concrete")
         for x in split(s.x, 4, 0.12)
@@ -290,7 +290,7 @@ def stepping_stones(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def watering_can(s: Size, rng: Generator) -> Parts:
-    """A body, a spout, a handle."""
+    """A watering can: a body, a spout and a handle."""
     paint = pick(rng, (GREEN, STEEL, *BRIGHT))
     return (
         cylinder((s.left, s.left + 0.2), about(0.0, 0.18), (0.0, 0.22), paint, "metal"),
@@ -314,7 +314,7 @@ def watering_can(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def garden_gnome(s: Size, rng: Generator) -> Parts:
-    """With a pointed hat."""
+    """A garden gnome with a pointed hat."""
     h = s.height
     return (
         cylinder(inset(s.x, 0.02), inset(s.y, 0.02), (0.0, 0.45 * h), pick(rng, BRIGHT), "fabric"),
@@ -333,7 +333,7 @@ def garden_gnome(s: Size, rng: Generator) -> Parts:
     place=OnTop(("garden table", "dining table", "breakfast table", "meeting table")),
 )
 def jug(s: Size, rng: Generator) -> Parts:
-    """Of lemonade or water."""
+    """A jug of lemonade or water."""
     drink = pick(rng, (BRIGHT[1], BRIGHT[5], (0.7, 0.84, 0.9)))
     return (
         cylinder((s.left, s.right - 0.04), s.y, (0.0, 0.7 * s.height), drink, "glass"),

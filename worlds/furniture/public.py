@@ -1,4 +1,4 @@
-"""Gyms, libraries, classrooms, laboratories."""
+"""Furniture and equipment of gyms, libraries, classrooms and laboratories."""
 
 from numpy.random import Generator
 
@@ -24,7 +24,7 @@ from worlds.parts import Part
 
 @furniture("treadmill", width=(0.75, 0.85), depth=(1.6, 1.8), height=(1.3, 1.4), rooms={"gym": (1, 2)}, clearance=0.3)
 def treadmill(s: Size, rng: Generator) -> Parts:
-    """A belt, two posts, a console."""
+    """A treadmill: a belt, two posts and a console."""
     paint = pick(rng, METALS)
     return (
         box(s.x, s.y, (0.0, 0.16), paint, "metal"),
@@ -51,7 +51,7 @@ def treadmill(s: Size, rng: Generator) -> Parts:
     clearance=0.3,
 )
 def exercise_bike(s: Size, rng: Generator) -> Parts:
-    """A flywheel, a saddle, handles."""
+    """An exercise bike: a flywheel, a saddle and handles."""
     paint = pick(rng, BRIGHT)
     return (
         *(box(s.x, y, (0.0, 0.08), BLACK) for y in ((s.back, s.back + 0.1), (s.front - 0.1, s.front))),
@@ -70,7 +70,7 @@ def exercise_bike(s: Size, rng: Generator) -> Parts:
 
 @furniture("weight rack", width=(1.2, 1.6), depth=(0.45, 0.55), height=(0.85, 1.0), rooms={"gym": (1, 1)}, clearance=0.6)
 def weight_rack(s: Size, rng: Generator) -> Parts:
-    """Dumb-bells on two rails."""
+    """A rack with dumb-bells on two rails."""
     bells: list[Part] = []
     for z in (0.34, 0.8):
         for x in split(inset(s.x, 0.06), 6, 0.05):
@@ -91,7 +91,7 @@ def weight_rack(s: Size, rng: Generator) -> Parts:
 
 @furniture("weight bench", width=(1.1, 1.3), depth=(1.2, 1.4), height=(1.0, 1.15), rooms={"gym": (1, 1)}, place=OnFloor())
 def weight_bench(s: Size, rng: Generator) -> Parts:
-    """A pad under a loaded bar."""
+    """A padded bench under a loaded bar."""
     red = pick(rng, (BLACK, BRIGHT[0]))
     plates = [
         box(x, about(s.back + 0.2, 0.36 * f), about(s.height - 0.2, 0.36 * g), BLACK, "label")
@@ -119,7 +119,7 @@ def weight_bench(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def gym_ball(s: Size, rng: Generator) -> Parts:
-    """Large and bright."""
+    """A large, bright ball."""
     return (ball(s.x, s.y, s.z, pick(rng, BRIGHT), "label"),)
 
 
@@ -133,7 +133,7 @@ def gym_ball(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def yoga_mat(s: Size, rng: Generator) -> Parts:
-    """With a motif in the middle."""
+    """A mat with a motif in the middle."""
     return (
         box(s.x, s.y, (0.0, 0.008), pick(rng, BRIGHT), "carpet"),
         cylinder(inset(s.x, 0.15), about(0.0, 0.34), (0.0, s.height), WHITE, "fabric"),
@@ -144,7 +144,7 @@ def yoga_mat(s: Size, rng: Generator) -> Parts:
     "wall bars", width=(0.85, 1.0), depth=(0.14, 0.18), height=(2.0, 2.2), rooms={"gym": (1, 2)}, place=OnWall((0.1, 0.15))
 )
 def wall_bars(s: Size, rng: Generator) -> Parts:
-    """Rungs between posts."""
+    """Wall bars: rungs between posts."""
     wood = pick(rng, WOODS)
     return (
         *(box(x, s.y, s.z, wood, "wood") for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))),
@@ -154,7 +154,7 @@ def wall_bars(s: Size, rng: Generator) -> Parts:
 
 @furniture("punching bag", width=(0.36, 0.42), depth=(0.36, 0.42), height=(1.6, 1.8), rooms={"gym": 0.6}, place=OnFloor())
 def punching_bag(s: Size, rng: Generator) -> Parts:
-    """On a weighted foot."""
+    """A punching bag on a weighted foot."""
     return (
         cylinder(s.x, s.y, (0.0, 0.2), BLACK),
         cylinder(about(0.0, 0.08), about(0.0, 0.08), (0.2, 0.6), CHROME),
@@ -171,7 +171,7 @@ def punching_bag(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def reading_table(s: Size, rng: Generator) -> Parts:
-    """Dark, with a leather inlay."""
+    """A dark table with a leather inlay."""
     wood = pick(rng, DARK_WOODS)
     return (
         box(s.x, s.y, (s.height - 0.05, s.height - 0.003), wood, "wood"),
@@ -189,7 +189,7 @@ def reading_table(s: Size, rng: Generator) -> Parts:
     place=Around(("reading table",)),
 )
 def reading_chair(s: Size, rng: Generator) -> Parts:
-    """Wood with a leather seat."""
+    """A wooden chair with a leather seat."""
     wood = pick(rng, DARK_WOODS)
     return (
         *legs(s, 0.44, 0.045, wood, margin=0.0),
@@ -208,7 +208,7 @@ def reading_chair(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def globe(s: Size, rng: Generator) -> Parts:
-    """The world on a stand."""
+    """A globe of the world on a stand."""
     return (
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (0.0, 0.5), DARK_WOODS[0], "wood"),
         cylinder(inset(s.x, 0.08), inset(s.y, 0.08), (0.0, 0.05), DARK_WOODS[0], "wood"),
@@ -219,7 +219,7 @@ def globe(s: Size, rng: Generator) -> Parts:
 
 @furniture("book cart", width=(0.7, 0.85), depth=(0.4, 0.48), height=(0.95, 1.1), rooms={"library": 0.6, "classroom": 0.2})
 def book_cart(s: Size, rng: Generator) -> Parts:
-    """Two decks of books on castors."""
+    """A cart with two shelves of books, on castors."""
     frame = pick(rng, METALS)
     return (
         *legs(s, s.height, 0.04, frame, "metal", margin=0.0),
@@ -237,7 +237,7 @@ def book_cart(s: Size, rng: Generator) -> Parts:
     place=OnTop(("reading table", "coffee table", "small desk", "school desk")),
 )
 def open_book(s: Size, rng: Generator) -> Parts:
-    """Printed pages over a cover."""
+    """An open book: printed pages on a cover."""
     return (
         box(s.x, s.y, (0.0, 0.01), pick(rng, BRIGHT)),
         *(box(inset(x, 0.006), inset(s.y, 0.006), (0.01, s.height), WHITE, "scribble") for x in split(s.x, 2)),
@@ -248,7 +248,7 @@ def open_book(s: Size, rng: Generator) -> Parts:
     "school desk", width=(1.1, 1.3), depth=(0.5, 0.6), height=(0.7, 0.75), rooms={"classroom": (4, 8)}, place=OnFloor()
 )
 def school_desk(s: Size, rng: Generator) -> Parts:
-    """A bench for two pupils."""
+    """A desk for two pupils."""
     return (
         box(s.x, s.y, (s.height - 0.03, s.height), WOODS[3], "wood"),
         *legs(s, s.height - 0.03, 0.035, pick(rng, (STEEL, BRIGHT[2])), "metal"),
@@ -265,7 +265,7 @@ def school_desk(s: Size, rng: Generator) -> Parts:
     place=Around(("school desk",), "front"),
 )
 def school_chair(s: Size, rng: Generator) -> Parts:
-    """Plywood on tube."""
+    """A plywood chair on a frame of tubes."""
     return (
         *legs(s, 0.42, 0.025, STEEL, "metal"),
         box(s.x, inset(s.y, 0.02), (0.42, 0.45), WOODS[3], "wood"),
@@ -281,7 +281,7 @@ def school_chair(s: Size, rng: Generator) -> Parts:
     "teacher's desk", width=(1.4, 1.7), depth=(0.7, 0.8), height=(0.74, 0.78), rooms={"classroom": (1, 1)}, clearance=0.6
 )
 def teachers_desk(s: Size, rng: Generator) -> Parts:
-    """Closed at the front, with drawers."""
+    """A desk with a closed front, and with drawers."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.04, s.height), wood, "wood"),
@@ -302,7 +302,7 @@ def teachers_desk(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.85, 0.95)),
 )
 def blackboard(s: Size, rng: Generator) -> Parts:
-    """Green slate, a tray, chalk."""
+    """A blackboard of green slate, with a tray and chalk."""
     return (
         box(s.x, (s.back, s.back + 0.03), s.z, WOODS[0], "wood"),
         box(inset(s.x, 0.04), (s.back, s.back + 0.035), inset(s.z, 0.05), (0.16, 0.3, 0.24), "plaster"),
@@ -333,7 +333,7 @@ def blackboard(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.0, 1.2)),
 )
 def world_map(s: Size, rng: Generator) -> Parts:
-    """Continents on blue."""
+    """A map with continents on blue."""
     land = [
         box(
             about(x * s.width, w * s.width),
@@ -381,7 +381,7 @@ def lab_bench(s: Size, rng: Generator) -> Parts:
     place=Around(("lab bench",), "front"),
 )
 def lab_stool(s: Size, rng: Generator) -> Parts:
-    """A round seat on a star foot."""
+    """A stool with a round seat on a star-shaped foot."""
     return (
         cylinder(s.x, s.y, (s.height - 0.08, s.height), BLACK, "fabric"),
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (0.05, s.height - 0.08), CHROME, "metal"),
@@ -399,7 +399,7 @@ def lab_stool(s: Size, rng: Generator) -> Parts:
     place=OnTop(("lab bench",)),
 )
 def microscope(s: Size, rng: Generator) -> Parts:
-    """Foot, stage, arm, tube."""
+    """A microscope: foot, stage, arm and tube."""
     tone = pick(rng, (WHITE, BLACK))
     return (
         box(s.x, s.y, (0.0, 0.04), tone),
@@ -440,7 +440,7 @@ def glassware(s: Size, rng: Generator) -> Parts:
     clearance=0.7,
 )
 def fume_hood(s: Size, rng: Generator) -> Parts:
-    """A lit chamber behind a sash over a cupboard."""
+    """A fume hood: a lit chamber behind a sash, over a cupboard."""
     body = pick(rng, (WHITE, (0.78, 0.82, 0.84)))
     return (
         box(s.x, (s.back, s.front - 0.025), (0.0, 0.9), body, "metal"),
@@ -464,7 +464,7 @@ def fume_hood(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(beside=("gas cylinder",), corner=True),
 )
 def gas_cylinder(s: Size, rng: Generator) -> Parts:
-    """Steel with a coloured shoulder and a valve."""
+    """A steel gas cylinder with a coloured shoulder and a valve."""
     return (
         cylinder(s.x, s.y, (0.0, s.height - 0.25), METALS[1], "metal"),
         ball(s.x, s.y, (s.height - 0.4, s.height - 0.12), pick(rng, BRIGHT), "metal"),

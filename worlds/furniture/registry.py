@@ -1,4 +1,4 @@
-"""The `@furniture` decorator, and the table that it fills."""
+"""The `@furniture` decorator, which registers a kind of furniture, and the table of registered kinds."""
 
 from collections.abc import Callable, Mapping
 
@@ -19,14 +19,15 @@ def furniture(
     solid: bool | None = None,
     clearance: float = 0.0,
 ) -> Callable[[Build], Build]:
-    """Declare the decorated build function as a kind; see `Kind` for the arguments.
+    """Register the decorated build function as a kind of furniture; see `Kind` for the arguments.
 
-    A piece is solid by default if it stands on the floor. Raises `WorldsError` if the name is taken.
+    By default (`solid=None`) a piece is solid if it stands on the floor. The decorator raises `WorldsError` if the name is
+    already registered.
     """
 
     def declare(build: Build) -> Build:
         if name in KINDS:
-            raise WorldsError(f"furniture kind {name!r} is declared twice")
+            raise WorldsError(f"furniture kind {name!r} is declared twice; valid: a name of its own for each kind")
         on_floor = isinstance(place, AgainstWall | OnFloor | Around)
         KINDS[name] = Kind(name, width, depth, height, rooms, build, place, on_floor if solid is None else solid, clearance)
         return build

@@ -1,4 +1,4 @@
-"""Shapes that furniture is built from, given by the intervals they span in the piece's frame [m]."""
+"""Building blocks of furniture: shapes given by the intervals that they span in the piece's frame [m]."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from worlds.parts import Colour, Part, Shape
 
 
 def box(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """A box."""
+    """A box that spans the intervals."""
     return _spanning("box", x, y, z, colour, material)
 
 
@@ -19,32 +19,32 @@ def cylinder(x: Range, y: Range, z: Range, colour: Colour, material: str = "plai
 
 
 def cone(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An upright cone."""
+    """An upright cone with its tip at the top, elliptic if x and y differ in length."""
     return _spanning("cone", x, y, z, colour, material)
 
 
 def ball(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An ellipsoid."""
+    """An ellipsoid that spans the intervals."""
     return _spanning("ball", x, y, z, colour, material)
 
 
 def moved(part: Part, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Part:
-    """The part, shifted."""
+    """The part, moved by (x, y, z) [m]."""
     return replace(part, centre=(part.centre[0] + x, part.centre[1] + y, part.centre[2] + z))
 
 
 def about(centre: float, length: float) -> Range:
-    """The interval of `length` about `centre`."""
+    """The interval of `length` with its middle at `centre`."""
     return centre - length / 2, centre + length / 2
 
 
 def inset(interval: Range, by: float) -> Range:
-    """The interval, shorter by `by` at both ends."""
+    """The interval, shortened by `by` at both ends."""
     return interval[0] + by, interval[1] - by
 
 
 def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
-    """The interval in `count` equal pieces with a gap between them."""
+    """The interval divided into `count` equal pieces with gaps of `gap` between them."""
     step = (interval[1] - interval[0] + gap) / count
     return [(interval[0] + i * step, interval[0] + (i + 1) * step - gap) for i in range(count)]
 
@@ -59,7 +59,10 @@ def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = 
 def fronts(
     x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood"
 ) -> Parts:
-    """A grid of doors or drawers on a face towards +y at y = `at`, 2 cm thick, each with a handle."""
+    """A grid of doors or drawers on a face that looks towards +y at y = `at`; each is 2 cm thick and has a handle.
+
+    Tall ones get an upright handle at their right edge (doors), wide ones a level handle at the top (drawers).
+    """
     parts: list[Part] = []
     for span in split(inset(x, 0.01), columns, 0.012):
         for rise in split(inset(z, 0.01), rows, 0.012):
@@ -87,7 +90,7 @@ def fronts(
 
 
 def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", board: float = 0.03) -> Parts:
-    """A carcass open to the front with `shelves` compartments."""
+    """A carcass that is open to the front and has `shelves` compartments."""
     sides = [box(x, s.y, s.z, colour, material) for x in ((s.left, s.left + board), (s.right - board, s.right))]
     back = box(s.x, (s.back, s.back + 0.015), s.z, colour, material)
     levels = [i * (s.height - board) / shelves for i in range(shelves + 1)]
@@ -97,7 +100,10 @@ def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", bo
 def stocked(
     s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8
 ) -> Parts:
-    """Goods on the shelves of a `shelf_unit` of the same size: blocks of the materials in `goods`."""
+    """Goods on the shelves of a `shelf_unit` of the same size: blocks with a material drawn from `goods`.
+
+    Each shelf has a place for a block about every half metre; a place is filled with probability `fill`.
+    """
     parts: list[Part] = []
     step = (s.height - board) / shelves
     for level in range(shelves):

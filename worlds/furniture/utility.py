@@ -1,4 +1,4 @@
-"""Laundry rooms, storage rooms and garages."""
+"""Furniture and equipment of laundry rooms, storage rooms and garages."""
 
 from numpy.random import Generator
 
@@ -26,7 +26,7 @@ _MACHINES = ("washing machine", "tumble dryer")
 
 
 def _machine(s: Size, body: tuple[float, float, float], door: tuple[float, float, float]) -> Parts:
-    # Cylinders stand upright, so the round door is built up from boxes.
+    # Cylinders always stand upright, so the round door is approximated by boxes.
     middle = 0.42
     rings = [
         box(about(0.0, 0.36 * f), (s.front - 0.03, s.front - 0.004 * i), about(middle, 0.36 * g), tone, material)
@@ -53,7 +53,7 @@ def _machine(s: Size, body: tuple[float, float, float], door: tuple[float, float
     clearance=0.6,
 )
 def washing_machine(s: Size, rng: Generator) -> Parts:
-    """A dark window at the front."""
+    """A washing machine with a dark round window at the front."""
     return _machine(s, pick(rng, (WHITE, WHITE, STEEL)), (0.25, 0.3, 0.36))
 
 
@@ -67,7 +67,7 @@ def washing_machine(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def tumble_dryer(s: Size, rng: Generator) -> Parts:
-    """Like a washing machine, with a pale door."""
+    """A tumble dryer: like the washing machine, with a pale door."""
     return _machine(s, pick(rng, (WHITE, WHITE, STEEL)), GLASS)
 
 
@@ -80,7 +80,7 @@ def tumble_dryer(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def laundry_basket(s: Size, rng: Generator) -> Parts:
-    """Wicker, overflowing."""
+    """A full wicker basket of laundry."""
     return (
         box(s.x, s.y, (0.0, s.height - 0.1), pick(rng, (WHITE, *WOODS)), "fabric"),
         *(
@@ -106,7 +106,7 @@ def laundry_basket(s: Size, rng: Generator) -> Parts:
     clearance=0.3,
 )
 def ironing_board(s: Size, rng: Generator) -> Parts:
-    """With an iron on it."""
+    """An ironing board with an iron on it."""
     top = s.height - 0.14
     return (
         box(s.x, s.y, (top - 0.05, top), pick(rng, LINEN), "fabric"),
@@ -126,7 +126,7 @@ def ironing_board(s: Size, rng: Generator) -> Parts:
     place=OnFloor(),
 )
 def drying_rack(s: Size, rng: Generator) -> Parts:
-    """Wet clothes on lines."""
+    """A drying rack with wet clothes on its lines."""
     clothes = [
         box(
             (x[0], x[0] + rng.uniform(0.4, 0.95) * (x[1] - x[0])),
@@ -158,7 +158,7 @@ def drying_rack(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def utility_sink(s: Size, rng: Generator) -> Parts:
-    """A deep trough on legs."""
+    """A deep sink on legs."""
     return (
         *legs(s, 0.5, 0.05, STEEL, "metal"),
         box(s.x, s.y, (0.5, 0.86), WHITE, "ceramic"),
@@ -177,7 +177,7 @@ def utility_sink(s: Size, rng: Generator) -> Parts:
     place=OnTop(_MACHINES, "back"),
 )
 def detergents(s: Size, rng: Generator) -> Parts:
-    """Bottles and a box."""
+    """Bottles and a box of detergent."""
     return tuple(
         box(x, inset(s.y, 0.01), (0.0, s.height * rng.uniform(0.7, 1.0)), pick(rng, BRIGHT), "label")
         for x in split(s.x, 3, 0.02)
@@ -209,7 +209,7 @@ def folded_laundry(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def mop_bucket(s: Size, rng: Generator) -> Parts:
-    """A mop standing in its bucket."""
+    """A bucket with a mop standing in it."""
     return (
         cylinder(s.x, s.y, (0.0, 0.28), pick(rng, BRIGHT)),
         cylinder(about(0.0, 0.14), about(0.0, 0.14), (0.24, 0.38), LINEN[0], "carpet"),
@@ -226,7 +226,7 @@ def mop_bucket(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def vacuum_cleaner(s: Size, rng: Generator) -> Parts:
-    """A body on wheels and a tube."""
+    """A vacuum cleaner: a body on wheels and a tube."""
     paint = pick(rng, BRIGHT)
     return (
         box(inset(s.x, 0.02), (s.back, s.front - 0.06), (0.04, 0.28), paint),
@@ -246,7 +246,7 @@ def vacuum_cleaner(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def metal_shelf(s: Size, rng: Generator) -> Parts:
-    """Boxes, tins and bundles on open racks."""
+    """An open metal shelf with boxes, tins and bundles."""
     steel = pick(rng, METALS)
     boards = [
         box(s.x, s.y, (z, z + 0.03), steel, "metal")
@@ -278,7 +278,7 @@ def metal_shelf(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def cardboard_boxes(s: Size, rng: Generator) -> Parts:
-    """A stack that does not quite line up."""
+    """A stack of cardboard boxes that are not quite aligned."""
     return tuple(
         box(
             (s.left + rng.uniform(0.0, 0.08), s.right - rng.uniform(0.0, 0.08)),
@@ -299,7 +299,7 @@ def cardboard_boxes(s: Size, rng: Generator) -> Parts:
     rooms={"storage room": 0.7, "garage": 0.6, "library": 0.5},
 )
 def ladder(s: Size, rng: Generator) -> Parts:
-    """Folded, leaning on the wall."""
+    """A folded ladder that leans on the wall."""
     metal = pick(rng, (CHROME, WOODS[0], BRIGHT[1]))
     rails = [box(x, s.y, s.z, metal, "metal") for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))]
     return (
@@ -317,7 +317,7 @@ def ladder(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.1, 1.3)),
 )
 def tool_board(s: Size, rng: Generator) -> Parts:
-    """Spanners, saws and hammers on a perforated board."""
+    """A perforated board with spanners, saws and hammers."""
     tools: list[Part] = []
     for x in split(inset(s.x, 0.05), 8, 0.03):
         for z in split(inset(s.z, 0.05), 2, 0.06):
@@ -343,7 +343,7 @@ def tool_board(s: Size, rng: Generator) -> Parts:
     clearance=0.7,
 )
 def workbench(s: Size, rng: Generator) -> Parts:
-    """A thick top, a vice and boxes underneath."""
+    """A workbench with a thick top, a vice, and boxes underneath."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.14, s.height - 0.08), wood, "wood"),
@@ -366,7 +366,7 @@ def workbench(s: Size, rng: Generator) -> Parts:
 
 @furniture("car", width=(1.65, 1.8), depth=(3.6, 4.2), height=(1.4, 1.5), rooms={"garage": (1, 1)}, place=OnFloor("centre"))
 def car(s: Size, rng: Generator) -> Parts:
-    """Body, cabin, four wheels, lights, plates."""
+    """A car: body, cabin, four wheels, lights and number plates."""
     paint = pick(rng, (*BRIGHT[:4], STEEL, WHITE, BLACK))
     # An upright wheel, as three boxes that make an octagon.
     wheels = [
@@ -407,7 +407,7 @@ def car(s: Size, rng: Generator) -> Parts:
     rooms={"garage": (1, 2), "storage room": 0.4, "garden": 0.3, "corridor": 0.05},
 )
 def bicycle(s: Size, rng: Generator) -> Parts:
-    """Wheels, frame, saddle, handlebar."""
+    """A bicycle: wheels, frame, saddle and handlebar."""
     paint = pick(rng, BRIGHT)
     parts: list[Part] = []
     for middle in (s.left + 0.33, s.right - 0.33):
@@ -437,7 +437,7 @@ def bicycle(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def tyre_stack(s: Size, rng: Generator) -> Parts:
-    """Four winter tyres."""
+    """A stack of four tyres."""
     return tuple(
         cylinder(inset(s.x, d), inset(s.y, d), z, BLACK, "label")
         for z, d in zip(split(s.z, 4, 0.02), (0.0, 0.01, 0.0, 0.015), strict=True)
@@ -453,7 +453,7 @@ def tyre_stack(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def lawn_mower(s: Size, rng: Generator) -> Parts:
-    """A deck on wheels and a push bar."""
+    """A lawn mower: a deck on wheels with a push bar."""
     paint = pick(rng, BRIGHT)
     return (
         box(inset(s.x, 0.05), (s.front - 0.7, s.front), (0.1, 0.3), paint, "metal"),
@@ -478,7 +478,7 @@ def lawn_mower(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def tool_chest(s: Size, rng: Generator) -> Parts:
-    """Red drawers on castors."""
+    """A chest of red drawers on castors."""
     paint = pick(rng, (RED, RED, BRIGHT[2], METALS[1]))
     return (
         box(s.x, (s.back, s.front - 0.025), (0.08, s.height), paint, "metal"),
@@ -497,7 +497,7 @@ def tool_chest(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def paint_cans(s: Size, rng: Generator) -> Parts:
-    """Two or four, with drips."""
+    """Two or four cans of paint, with drips."""
     return tuple(
         cylinder(x, about(0.0, min(x[1] - x[0], s.depth)), z, pick(rng, BRIGHT), "label")
         for x in split(s.x, 2, 0.01)
@@ -514,7 +514,7 @@ def paint_cans(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.2, 1.4)),
 )
 def boiler(s: Size, rng: Generator) -> Parts:
-    """A white case over pipes."""
+    """A boiler: a white case above its pipes."""
     pipes = [
         cylinder(about(x, 0.03), (s.back + 0.05, s.back + 0.08), (0.0, 0.22), (0.72, 0.45, 0.25), "metal")
         for x in (-0.15, -0.05, 0.05, 0.15)
@@ -534,7 +534,7 @@ def boiler(s: Size, rng: Generator) -> Parts:
     rooms={"storage room": (1, 2), "bedroom": 0.3, "entrance hall": 0.2},
 )
 def suitcase(s: Size, rng: Generator) -> Parts:
-    """On castors, with straps and a sticker."""
+    """A suitcase on castors, with straps and a sticker."""
     paint = pick(rng, (*BRIGHT, BLACK))
     return (
         box(s.x, s.y, (0.05, s.height - 0.06), paint, "fabric"),
@@ -566,5 +566,5 @@ def plastic_bins(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def cleaning_shelf(s: Size, rng: Generator) -> Parts:
-    """Sprays, rolls and cloths."""
+    """A shelf with sprays, rolls and cloths."""
     return (*shelf_unit(s, 4, WHITE), *stocked(s, 4, ("food", "fabric", "label"), WHITE, rng, fill=0.9))

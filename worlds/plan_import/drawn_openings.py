@@ -1,4 +1,4 @@
-"""Openings of an imported plan: drawn strokes go to the nearest wall between two rooms."""
+"""Openings of an imported plan: each drawn stroke is moved onto the nearest wall between two rooms."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,15 +11,24 @@ from worlds.spec import LeafSpec, OpeningSpec, Point, StoreySpec
 from worlds.walls import Boundary, boundaries, opening_span
 
 NEAR_M = 0.3
-"""A stroke belongs to a wall that is so near."""
+"""Largest distance from a stroke to the wall that it belongs to [m]."""
 _DOOR_M = 0.9
+"""Width of an opening whose stroke gives only its middle, or runs across its wall [m]."""
 _OVERLAP_M = 0.1
+"""Largest overlap of two openings that is taken for an imprecise drawing and removed [m]."""
 
 
 def on_walls(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: dict[str, str]) -> OpeningSpec | None:
-    """The opening that a stroke (its turned points) means; None where it leads out of the house.
+    """The opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
 
-    `ids`: of rooms, by their names as drawn. Raises `SpecError` where there is no wall near, or one that is too short.
+    Args:
+        stroke: the stroke as drawn.
+        points: its points after the plan was turned and moved [m].
+        storey: the storey that it lies on.
+        ids: the ids of the rooms by their drawn names.
+
+    Raises:
+        SpecError: if no wall is near, or the wall is shorter than the stroke.
     """
     middle = (points[0][0] + points[-1][0]) / 2, (points[0][1] + points[-1][1]) / 2
     near = [line for line in boundaries(storey) if _distance(line, middle) <= NEAR_M]
@@ -31,11 +40,11 @@ def on_walls(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: d
             f"{stroke.where}: no wall between two rooms is within {NEAR_M} m of the {stroke.kind} at "
             f"({middle[0]:.2f}, {middle[1]:.2f}) m"
         )
-    line = min(shared, key=lambda line: (_spread(line, points) < _spread_across(line, points), _distance(line, middle)))
+    line = min(shared, key=lambda line: (_span_along(line, points) < _span_across(line, points), _distance(line, middle)))
     start, end = (point[line.axis] for point in (points[0], points[-1]))
-    if abs(end - start) < _spread_across(line, points) or start == end:
+    if abs(end - start) < _span_across(line, points) or start == end:
         start, end = middle[line.axis] - _DOOR_M / 2, middle[line.axis] + _DOOR_M / 2
-    low, high = _fitted(stroke, line, min(start, end), max(start, end))
+    low, high = _fitted_to_wall(stroke, line, min(start, end), max(start, end))
     ends = (low, high) if start < end else (high, low)
     a, b = (line.point(round(along, 6)) for along in ends)
     rooms = str(line.rooms[0]), str(line.rooms[1])
@@ -48,20 +57,20 @@ def _distance(line: Boundary, point: Point) -> float:
     return math.hypot(max(line.low - along, 0.0, along - line.high), across - line.at)
 
 
-def _spread(line: Boundary, points: Sequence[Point]) -> float:
+def _span_along(line: Boundary, points: Sequence[Point]) -> float:
     return abs(points[-1][line.axis] - points[0][line.axis])
 
 
-def _spread_across(line: Boundary, points: Sequence[Point]) -> float:
+def _span_across(line: Boundary, points: Sequence[Point]) -> float:
     return abs(points[-1][1 - line.axis] - points[0][1 - line.axis])
 
 
-def _fitted(stroke: Stroke, line: Boundary, low: float, high: float) -> tuple[float, float]:
-    """The part of the wall that is meant: strokes end a little beside it, or stand a little off."""
+def _fitted_to_wall(stroke: Stroke, line: Boundary, low: float, high: float) -> tuple[float, float]:
+    """The interval along the wall that the stroke covers, moved and cut so that it ends on the wall [m]."""
     if high - low > line.length + 2 * NEAR_M:
         raise SpecError(
             f"{stroke.where}: the {stroke.kind} is {high - low:.2f} m wide, but the wall between {line.rooms[0]!r} and "
-            f"{line.rooms[1]!r} {line.length:.2f} m long"
+            f"{line.rooms[1]!r} is only {line.length:.2f} m long"
         )
     width = min(high - low, line.length)
     low = min(max(low, line.low), line.high - width)
@@ -73,13 +82,13 @@ def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dic
     if isinstance(leaf := details.get("leaf"), dict):
         into = ids.get(str(leaf.get("into")), "")
         if into not in rooms:
-            raise SpecError(f"{stroke.where}: its leaf swings into {leaf.get('into')!r}; valid: {' or '.join(rooms)}")
+            raise SpecError(f"{stroke.where}: the door leaf swings into {leaf.get('into')!r}; valid: {' or '.join(rooms)}")
         details["leaf"] = built(stroke.where, LeafSpec, **{**leaf, "into": into})
     return details
 
 
 def apart(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
-    """The same openings; those that overlap a little meet in the middle."""
+    """The same openings, but two that overlap by at most 0.1 m are shortened to meet in the middle of the overlap."""
     placed = list(openings)
     for i, j in combinations(range(len(placed)), 2):
         (axis, at, low, high), (*line, start, stop) = opening_span(placed[i]), opening_span(placed[j])
@@ -87,12 +96,15 @@ def apart(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
             continue
         first, second = (i, j) if low + high < start + stop else (j, i)
         meet = round((min(high, stop) + max(low, start)) / 2, 6)
-        placed[first], placed[second] = _ending(placed[first], axis, meet, max), _ending(placed[second], axis, meet, min)
+        placed[first], placed[second] = (
+            _with_end_at(placed[first], axis, meet, max),
+            _with_end_at(placed[second], axis, meet, min),
+        )
     return tuple(placed)
 
 
-def _ending(opening: OpeningSpec, axis: int, along: float, end: Callable[[float, float], float]) -> OpeningSpec:
-    """The opening with its upper (`max`) or lower (`min`) end moved."""
+def _with_end_at(opening: OpeningSpec, axis: int, along: float, end: Callable[[float, float], float]) -> OpeningSpec:
+    """The opening with its upper (`end` is `max`) or lower (`min`) end moved to `along` [m]."""
     moved = end(opening.start_m[axis], opening.end_m[axis])
     a, b = (
         (along if axis == 0 else x, along if axis == 1 else y) if (x, y)[axis] == moved else (x, y)

@@ -1,4 +1,4 @@
-"""A floor plan as somebody drew it: polygons and strokes that are nearly, but not quite, a house."""
+"""A floor plan as drawn: the outlines of rooms and the strokes of openings, before they are straightened into a house."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -18,7 +18,7 @@ from worlds.valid_names import did_you_mean
 MAX_STROKES = 3200
 MAX_STOREYS = 8
 _SURE = 0.8
-"""Likeness of words from which a guess is made unasked: below it, `wall` is a `half wall`."""
+"""Least similarity at which a note suggests a known word. At a lower value, `half wall` would be suggested for `wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
 _Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -36,60 +36,62 @@ _KINDS: dict[str, OpeningKind] = {kind: kind for kind in KINDS} | {
 
 @dataclass(frozen=True)
 class DrawnRoom:
-    """A room's outline."""
+    """The outline of a room."""
 
     where: str
-    """Its place in the file, for messages."""
+    """Place of the room in the file, for messages."""
     name: str
-    """Empty: none was given."""
+    """Name as drawn; empty if the file gives none."""
     label: str
     storey: int
     corners: tuple[Point, ...]
-    """Without the first again at the end; either way round [m]."""
+    """Corners in either order of rotation; the first is not repeated at the end [m]."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Something drawn on a wall: a door or another opening."""
+    """A stroke drawn on a wall: a door or another opening."""
 
     where: str
+    """Place of the stroke in the file, for messages."""
     kind: OpeningKind
     storey: int
     points: tuple[Point, ...]
-    """One (its middle) or both ends [m]."""
+    """Both ends of the opening, or its middle alone [m]."""
     details: tuple[tuple[str, Any], ...] = ()
-    """Further fields of `OpeningSpec`; those of `leaf` have the rooms' names as drawn."""
+    """Further fields of `OpeningSpec`. In `leaf`, rooms have their drawn names."""
 
 
 @dataclass(frozen=True)
 class DrawnPlan:
-    """All that a file says, in metres, x right and y up."""
+    """The content of a file, in metres, with x to the right and y up."""
 
     rooms: tuple[DrawnRoom, ...]
     strokes: tuple[Stroke, ...]
     heights_m: tuple[tuple[int, float], ...] = ()
-    """Storeys whose height is given."""
+    """Pairs (storey, height [m]) for the storeys whose height is given."""
     notes: tuple[str, ...] = ()
+    """Notes for the user, such as which shapes were ignored."""
 
     @property
     def doubt(self) -> str:
-        """The first note, to end a message with: what was passed over may be what is missing."""
+        """The first note, as the end of an error message: something that was ignored may be what is missing."""
         return f" (note: {self.notes[0]})" if self.notes else ""
 
 
 @lru_cache(maxsize=256)
 def words(text: str) -> str:
-    """A name without case, underscores and the number at its end: "Office_2" is an office."""
+    """A name in lower case, without underscores and the number at its end: "Office_2" becomes "office"."""
     return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
 
 
 def find_label(text: str) -> str | None:
-    """The room label that a text means, if any."""
+    """The room label that a text stands for, or None."""
     return _LABELS.get(words(text).replace("-", " "))
 
 
 def label_of(where: str, text: str) -> str:
-    """The room label that a text means. Raises `SpecError`."""
+    """The room label that a text stands for. Raises `SpecError` if there is none."""
     if (label := find_label(text)) is None:
         guess = did_you_mean(words(text), ROOM_LABELS)
         raise SpecError(f"{where}: unknown label {text[:60]!r}{guess}; valid: {', '.join(ROOM_LABELS)}")
@@ -97,13 +99,13 @@ def label_of(where: str, text: str) -> str:
 
 
 def find_kind(text: str) -> OpeningKind | None:
-    """The kind of opening that a text means, if any."""
+    """The kind of opening that a text stands for, or None."""
     word = words(text).replace("-", " ")
     return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
 
 def kind_of(where: str, text: str) -> OpeningKind:
-    """The kind of opening that a text means. Raises `SpecError`."""
+    """The kind of opening that a text stands for. Raises `SpecError` if there is none."""
     if (kind := find_kind(text)) is None:
         guess = did_you_mean(words(text), KINDS)
         raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}{guess}; valid: {', '.join(KINDS)}")
@@ -111,23 +113,26 @@ def kind_of(where: str, text: str) -> OpeningKind:
 
 
 def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
-    """Notes on words that are nearly one of the `meaningful`; of (place, word) pairs, each word where it is first said."""
+    """Notes on unknown words that resemble a `meaningful` one.
+
+    `spoken` are pairs (place in the file, word); a word is reported once, at its first place.
+    """
     places: dict[str, str] = {}
     for where, word in spoken:
         places.setdefault(word, where)
     valid = tuple(meaningful)
     found = ((where, word[:60], did_you_mean(word[:60], valid, _SURE)) for word, where in islice(places.items(), _MAX_WORDS))
-    notes = (f"{where}: {word!r} means nothing{guess}; passed over" for where, word, guess in found if guess)
+    notes = (f"{where}: {word!r} is unknown{guess}; ignored" for where, word, guess in found if guess)
     return tuple(islice(notes, _MAX_NOTES))
 
 
 def some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
-    """Things in a line, not too many."""
+    """The first `most` things on one line, and how many more there are."""
     return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
 
 def storey_of(where: str, value: object) -> int:
-    """A storey's number, 0 for the ground floor. Raises `SpecError`."""
+    """The number of a storey, 0 for the ground floor. Raises `SpecError` if `value` is not one."""
     text = str(value)
     if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:
         raise SpecError(f"{where}: storey {text[:40]!r}; valid: 0 (the lowest) to {MAX_STOREYS - 1}")
@@ -135,7 +140,7 @@ def storey_of(where: str, value: object) -> int:
 
 
 def built(where: str, model: type[_Model], **fields: Any) -> _Model:
-    """A part of a spec; what is wrong with it is said with its place in the file. Raises `SpecError`."""
+    """A validated part of a spec. Raises `SpecError` with the place in the file and all mistakes."""
     try:
         return model.model_validate(fields, strict=True)
     except ValidationError as error:
@@ -146,7 +151,7 @@ def built(where: str, model: type[_Model], **fields: Any) -> _Model:
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:
-    """A drawing of bounded size. Raises `SpecError`."""
+    """A drawing with a bounded number of rooms and openings. Raises `SpecError` if it has none or too many."""
     drawing = DrawnPlan(tuple(rooms), tuple(strokes), **more)
     if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
         raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}{drawing.doubt}")

@@ -1,4 +1,6 @@
-"""GeoJSON in metres: rooms are Polygons with a `label`, openings LineStrings (both ends) or Points (the middle).
+"""Reads and writes floor plans as GeoJSON in metres.
+
+Rooms are Polygons with a `label`. Openings are LineStrings (both ends) or Points (the middle) with a `kind`.
 
     {"type": "FeatureCollection", "features": [
       {"type": "Feature", "properties": {"label": "kitchen", "name": "my kitchen", "storey": 0},
@@ -6,8 +8,8 @@
       {"type": "Feature", "properties": {"kind": "door"},
        "geometry": {"type": "LineString", "coordinates": [[4, 1], [4, 1.9]]}}]}
 
-Without `storey` a feature is on the ground floor. Features with neither `label` nor `kind` are passed over, and so are
-other properties.
+A feature without `storey` is on the ground floor. Features with neither `label` nor `kind` are ignored, and so are other
+properties.
 """
 
 import json
@@ -24,10 +26,10 @@ _PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
-    """What a FeatureCollection draws. Raises `SpecError`."""
+    """The plan in a FeatureCollection. Raises `SpecError` where the text is not one, or a feature is invalid."""
     try:
         return _drawing(json.loads(text), metres_per_unit)
-    except RecursionError:  # while it is read, or later, where a deeply nested value is shown in a message
+    except RecursionError:  # raised by the JSON reader, or by a message that shows a deeply nested value
         raise SpecError("is nested too deeply; valid: GeoJSON") from None
     except SpecError:
         raise
@@ -41,7 +43,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
     rooms: list[DrawnRoom] = []
     strokes: list[Stroke] = []
     spoken: list[tuple[str, str]] = []
-    passed_over: list[str] = []
+    ignored: list[str] = []
     for i, feature in enumerate(data["features"]):
         properties, geometry = _parts(feature)
         where = f"features[{i}]" + (f" ({name[:60]!r})" if (name := _text(properties, "name")) else "")
@@ -55,22 +57,24 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
             points = _ends(where, geometry, metres_per_unit)
             strokes.append(Stroke(where, kind_of(where, str(properties["kind"])), storey, points, details))
         else:
-            passed_over.append(where)
+            ignored.append(where)
     if rooms and _in_degrees(rooms):
-        raise SpecError("has coordinates in degrees, it seems: the whole plan is smaller than 0.5 m; valid: metres, x and y")
-    notes = (f"passed over, because they have neither a label nor a kind: {some(passed_over)}",) if passed_over else ()
+        raise SpecError(
+            "seems to have coordinates in degrees: the whole plan is smaller than 0.5 m; valid: x and y in metres"
+        )
+    notes = (f"ignored, because they have neither a label nor a kind: {some(ignored)}",) if ignored else ()
     return checked(rooms, strokes, heights_m=_heights(data), notes=guesses(spoken, _PROPERTIES) + notes)
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
-    """Whether corners are at longitudes and latitudes: a house is a hundred-thousandth of the Earth, or less."""
+    """Whether corners look like longitudes and latitudes: in degrees, every house is smaller than 0.5 units."""
     x, y = zip(*(corner for room in rooms for corner in room.corners), strict=True)
     is_small = max(x) - min(x) < 0.5 and max(y) - min(y) < 0.5
     return is_small and all(abs(degrees) <= 180.0 for degrees in (*x, *y))
 
 
 def to_geojson(spec: HouseSpec) -> str:
-    """The rooms and openings of a house, as `read_geojson` reads them with 1 metre per unit."""
+    """The rooms and openings of a house as GeoJSON, for `read_geojson` with 1 metre per unit."""
     features = []
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:
@@ -115,9 +119,9 @@ def _heights(data: dict[str, Any]) -> tuple[tuple[int, float], ...]:
 def _ring(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ...]:
     rings = geometry.get("coordinates")
     if geometry.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
-        raise SpecError(f"{where}: a room is a Polygon, not {str(geometry.get('type'))[:40]!r}")
+        raise SpecError(f"{where}: a room is a {str(geometry.get('type'))[:40]!r}; valid: Polygon")
     if len(rings) > 1:
-        raise SpecError(f"{where}: a room has no holes; cut it into rooms that touch")
+        raise SpecError(f"{where}: a room has a hole; valid: an outline without holes (split the room)")
     points = _points(where, rings[0], scale)
     return points[:-1] if points[0] == points[-1] else points
 
@@ -129,7 +133,7 @@ def _ends(where: str, geometry: dict[str, Any], scale: float) -> tuple[Point, ..
         case "LineString":
             points = _points(where, geometry.get("coordinates"), scale)
             return points[0], points[-1]
-    raise SpecError(f"{where}: an opening is a LineString or a Point, not {str(geometry.get('type'))[:40]!r}")
+    raise SpecError(f"{where}: an opening is a {str(geometry.get('type'))[:40]!r}; valid: LineString, Point")
 
 
 def _points(where: str, data: object, scale: float) -> tuple[Point, ...]:
@@ -139,8 +143,8 @@ def _points(where: str, data: object, scale: float) -> tuple[Point, ...]:
     for point in data:
         numbers = point[:2] if isinstance(point, list) else []
         if len(numbers) < 2 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
-            raise SpecError(f"{where}: {str(point)[:40]} is no pair of coordinates")
-        # Compared before they are converted: Python's whole numbers have no end, and those of JSON neither.
+            raise SpecError(f"{where}: {str(point)[:40]} is not a pair of coordinates")
+        # Compared before the conversion to float, which fails for the huge integers that JSON and Python allow.
         if not all(abs(n) <= _FARTHEST_M and abs(n) * scale <= _FARTHEST_M for n in numbers):
             raise SpecError(f"{where}: {str(point)[:40]} is not a place on Earth in metres")
         points.append((float(numbers[0]) * scale, float(numbers[1]) * scale))

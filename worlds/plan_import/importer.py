@@ -1,8 +1,14 @@
-"""`import_plan`: a floor plan drawn elsewhere (GeoJSON or SVG) becomes a house, and the house is proved to stand.
+"""`import_plan`: turns a floor plan drawn elsewhere (GeoJSON or SVG) into a house, and checks that the house can be built.
 
-Drawings are imprecise. The whole plan is turned so that its walls run along x and y; corners that are a little off move to
-common lines; openings move to the nearest wall between two rooms. What cannot be meant is refused with its place. For the
-formats see `worlds.plan_import.geojson` and `worlds.plan_import.svg`.
+Drawings are imprecise, so the plan is corrected in steps:
+
+1. The whole plan is turned so that its walls run along x and y, and moved to the origin if it is in map coordinates.
+2. Corners that nearly line up move to common lines.
+3. Openings move to the nearest wall between two rooms.
+4. Openings are added where the drawn ones do not reach every room.
+
+Anything that cannot be interpreted is refused with its place in the file. For the formats see
+`worlds.plan_import.geojson` and `worlds.plan_import.svg`.
 """
 
 import math
@@ -26,19 +32,19 @@ from worlds.validation import built_and_checked
 
 _SLAB_M = 0.3
 _FAR_M = 900.0
-_WIDER_M = (0.1, 0.15, 0.2, 0.25, 0.3)
-"""Values of `snap_m` that are tried to find out what would mend a plan."""
+_WIDER_SNAPS_M = (0.1, 0.15, 0.2, 0.25, 0.3)
+"""Values of `snap_m` that are tried to suggest one with which an invalid plan would be valid."""
 _EXACT_M = 0.001
-"""A plan that stands with corners moved by no more is left as it is drawn."""
+"""Value of `snap_m` tried first: a plan that is valid with corners moved by so little is kept as drawn."""
 
 
 @dataclass(frozen=True)
 class ImportedPlan:
-    """A house, and what was done to the drawing to get it."""
+    """A house, and notes on how the drawing was changed to obtain it."""
 
     spec: HouseSpec
     notes: tuple[str, ...]
-    """One line each, for people."""
+    """Notes for the user, one line each."""
 
 
 def import_plan(
@@ -50,21 +56,21 @@ def import_plan(
     name: str | None = None,
     seed: int = 0,
 ) -> ImportedPlan:
-    """The house in a floor plan; windows and furniture are filled in by `build_house`.
+    """The house in a floor plan; `build_house` fills in windows and furniture later.
 
-    Rooms that the drawn openings do not reach get doors, and stairs without an opening get a way up and a way down.
+    Rooms that the drawn openings do not reach get doors. Stairs without an opening get one at the foot and one at the head.
 
     Args:
-        path: a file that ends in .svg, .geojson or .json, of at most 16 MB.
-        metres_per_unit: scale of the drawing; None: of GeoJSON 1, of SVG what its root says.
-        snap_m: where the plan does not stand as drawn, corners so near to each other lie on one line [m]; as wide as walls
-            are drawn, if rooms have gaps between.
-        only_drawn: no openings but the drawn ones.
-        name: of the house; None: the file's.
-        seed: of the house.
+        path: a file of at most 16 MB that ends in .svg, .geojson or .json.
+        metres_per_unit: scale of the drawing. None means 1 for GeoJSON, and the scale stated in its root for SVG.
+        snap_m: corners at most this far apart move to one line, but only if the plan is invalid as drawn [m]. If rooms are
+            drawn with gaps for the walls between them, give the thickness of the walls.
+        only_drawn: add no openings to the drawn ones.
+        name: name of the house; None for that of the file.
+        seed: seed of the house.
 
     Raises:
-        WorldsError: where the plan cannot be read or is no house: the message names the file and the room or opening.
+        WorldsError: if the plan cannot be read or is not a valid house. The message names the file and the room or opening.
     """
     path = Path(path)
     if metres_per_unit is not None and not 0.0 < metres_per_unit < 1e6:
@@ -75,7 +81,7 @@ def import_plan(
     try:
         drawing = _read(path, metres_per_unit)
         doubt = drawing.doubt
-        spec, notes = _standing(_Plan(drawing, (name or path.stem)[:200], seed, only_drawn), snap_m)
+        spec, notes = _valid_house(_Plan(drawing, (name or path.stem)[:200], seed, only_drawn), snap_m)
     except WorldsError as error:
         raise reworded(error, f"{path}: {error}{doubt}") from None
     return ImportedPlan(spec, (*drawing.notes, *notes))
@@ -83,7 +89,7 @@ def import_plan(
 
 @dataclass(frozen=True)
 class _Plan:
-    """A drawing, and what is asked for besides."""
+    """A drawing with the options of `import_plan`."""
 
     drawing: DrawnPlan
     name: str
@@ -91,35 +97,35 @@ class _Plan:
     only_drawn: bool
 
 
-def _standing(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house and notes, as drawn or else with corners moved by `snap_m`.
+def _valid_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
+    """The house and notes: as drawn if that is valid, or else with corners moved by up to `snap_m`.
 
-    Raises `WorldsError` where it stands neither way; the message names the `snap_m` with which it would, if there is one.
+    Raises `WorldsError` if both are invalid. The message suggests a `snap_m` with which the plan is valid, if there is one.
     """
     with suppress(WorldsError):
-        return _proved(plan, _EXACT_M)
+        return _checked_house(plan, _EXACT_M)
     try:
-        spec, notes = _proved(plan, snap_m)
+        spec, notes = _checked_house(plan, snap_m)
     except WorldsError as error:
-        raise reworded(error, f"{error}{_hint(plan, snap_m)}") from None
+        raise reworded(error, f"{error}{_suggestion(plan, snap_m)}") from None
     return spec, [*notes, f"corners no more than {snap_m:g} m off were moved to common lines"]
 
 
-def _hint(plan: _Plan, snap_m: float) -> str:
-    """The end of a message: the value that would mend a plan that does not stand."""
-    for wider_m in (wider_m for wider_m in _WIDER_M if wider_m > snap_m):
+def _suggestion(plan: _Plan, snap_m: float) -> str:
+    """The end of an error message: an option with which the plan would be valid, or nothing."""
+    for wider_m in (wider_m for wider_m in _WIDER_SNAPS_M if wider_m > snap_m):
         with suppress(WorldsError):
-            _proved(plan, wider_m)
-            return f"; the plan stands with --snap {wider_m:g} (in Python snap_m={wider_m:g})"
+            _checked_house(plan, wider_m)
+            return f"; the plan is valid with --snap {wider_m:g} (in Python snap_m={wider_m:g})"
     if plan.only_drawn:
         with suppress(WorldsError):
-            _standing(replace(plan, only_drawn=False), snap_m)
-            return "; the plan stands without --only-drawn (in Python only_drawn=False)"
+            _valid_house(replace(plan, only_drawn=False), snap_m)
+            return "; the plan is valid without --only-drawn (in Python only_drawn=False)"
     return ""
 
 
-def _proved(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house and notes. Raises `WorldsError` where the house does not stand."""
+def _checked_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
+    """The house and notes. Raises `WorldsError` if the house cannot be built or does not pass the checks."""
     spec, notes = _house(plan, snap_m)
     built_and_checked(spec)
     return spec, notes
@@ -128,7 +134,7 @@ def _proved(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 def _read(path: Path, metres_per_unit: float | None) -> DrawnPlan:
     match path.suffix.lower():
         case ".svg":
-            from worlds.plan_import.svg import read_svg  # its library takes a second to import
+            from worlds.plan_import.svg import read_svg  # imported here because its library takes a second to load
 
             return read_svg(read_text(path), metres_per_unit)
         case ".geojson" | ".json":
@@ -157,18 +163,18 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     drawn = _drawn_openings(drawing.strokes, storeys, by_name, angle, shift, notes)
     storeys = [s.model_copy(update={"openings": drawn.get(level, ())}) for level, s in enumerate(storeys)]
     if not plan.only_drawn:
-        storeys = _completed(storeys, notes)
+        storeys = _with_added_openings(storeys, notes)
     fields = {"name": plan.name, "seed": plan.seed, "slab_m": _SLAB_M, "storeys": tuple(storeys)}
     return built("the house", HouseSpec, **fields), notes
 
 
-def _completed(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
-    """The storeys with openings made up for what the drawn ones do not reach."""
+def _with_added_openings(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
+    """The storeys with openings added where the drawn ones do not reach."""
     added = made_up(storeys, _SLAB_M)
-    told = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
-    if told:
+    listing = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
+    if listing:
         drawn = "the drawn openings do not reach every room" if any(s.openings for s in storeys) else "no openings are drawn"
-        notes.append(f"{drawn}; made up, so that every room can be reached: {listed(told)}")
+        notes.append(f"{drawn}; added, so that every room can be reached: {listed(listing)}")
     return [s.model_copy(update={"openings": (*s.openings, *more)}) for s, more in zip(storeys, added, strict=True)]
 
 
@@ -186,7 +192,7 @@ def _drawn_openings(
             raise SpecError(f"{stroke.where}: is on storey {stroke.storey}, which has no rooms")
         opening = on_walls(stroke, _moved(turned(stroke.points, angle), shift), storeys[stroke.storey], ids)
         if opening is None:
-            notes.append(f"{stroke.where}: leads out of the house; left out")
+            notes.append(f"{stroke.where}: leads out of the house; ignored")
         else:
             openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
     return {level: apart(placed) for level, placed in openings.items()}
@@ -197,13 +203,15 @@ def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
     for level in range(1 + max(room.storey for room in drawing.rooms)):
         here = tuple(room for room, drawn in zip(rooms, drawing.rooms, strict=True) if drawn.storey == level)
         if not here:
-            raise SpecError(f"has no rooms on storey {level}, but on one above; storeys are numbered from 0 without a gap")
+            raise SpecError(
+                f"has no rooms on storey {level}, but on one above; valid: storeys numbered from 0 without a gap"
+            )
         storeys.append(built(f"storey {level}", StoreySpec, rooms=here, height_m=heights.get(level, 2.6)))
     return storeys
 
 
 def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
-    """A name for each room, as near to the drawn one as the format allows, the only one in the house."""
+    """A unique id for each room, as close to its drawn name as the format of ids allows."""
     ids: list[str] = []
     for room in rooms:
         plain = unicodedata.normalize("NFKD", room.name).encode("ascii", "ignore").decode()  # "Büro" becomes "Buro"
@@ -217,7 +225,7 @@ def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
 
 
 def _shift(corners: Sequence[Point]) -> Point:
-    """Plans in map coordinates move to the origin; others stay where they are."""
+    """The translation that moves a plan in map coordinates to the origin; (0, 0) for other plans [m]."""
     x, y = zip(*corners, strict=True)
     near = max(map(abs, (*x, *y))) <= _FAR_M
     return (0.0, 0.0) if near else (-float(math.floor(min(x))), -float(math.floor(min(y))))

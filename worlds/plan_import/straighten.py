@@ -1,4 +1,8 @@
-"""Drawn outlines become rectilinear polygons: the plan is turned to its main direction, corners snap to common lines."""
+"""Turns drawn outlines into rectilinear polygons.
+
+1. `main_direction` finds the direction of most walls, and `turned` rotates the plan so that they run along x and y.
+2. `straighten` takes each wall as a line along x or y, groups lines that nearly coincide, and intersects consecutive walls.
+"""
 
 import math
 from collections import Counter
@@ -12,23 +16,27 @@ from worlds.plan_import.drawn_plan import DrawnRoom
 from worlds.spec import Point
 
 _SLOPE = 0.02
-"""A wall may be so far off its direction, per metre, beside what corners are off."""
+"""Slope of a wall that is still taken to run along x or y [m/m], in addition to the tolerance of its corners."""
 _AGREE_RAD = math.radians(3.0)
-"""Walls agree on a direction if they differ by no more."""
+"""Largest angle between walls that count as having the same direction."""
 _ROUNDING_M = 1e-6
-"""Lines that are 0.1 m apart in a file may be 0.1 m and a rounding error apart in memory."""
+"""Tolerance for rounding: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
 _TURN_RAD = 1e-3
-"""A plan is not turned by less."""
+"""A plan whose main direction is off by less than this is not turned."""
 Lines = Callable[[float], float]
-"""From a coordinate to that of the common line it belongs to."""
+"""Maps the coordinate of a wall to that of the common line it belongs to [m]."""
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
-    """By how much walls are turned from x and y, in [-pi/4, pi/4]; 0 where fewer than half of them agree [rad]."""
+    """The angle of the walls against the x and y axes, in [-pi/4, pi/4] [rad].
+
+    It is 0 if walls with less than half of the total length agree on a direction.
+    """
     edges = [edge for room in rooms for edge in _edges(room.corners)]
     length = np.array([math.dist(a, b) for a, b in edges])
     angle = np.array([math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in edges])
-    # Directions a right angle apart are the same here. What a few oblique walls say is not to move the mean.
+    # Directions modulo 90 degrees, weighted by length. Only walls near the most common one enter the mean, so that a few
+    # oblique walls do not shift it.
     by_degree = np.bincount((np.degrees(angle) % 90.0).astype(int) % 90, length, 90)
     near_by = by_degree + np.roll(by_degree, 1) + np.roll(by_degree, -1)
     mode = math.radians(float(np.argmax(near_by)) + 0.5)
@@ -42,15 +50,16 @@ def main_direction(rooms: Sequence[DrawnRoom]) -> float:
 
 
 def turned(points: Sequence[Point], angle: float) -> tuple[Point, ...]:
-    """Points turned clockwise about the origin [rad]."""
+    """The points, rotated clockwise about the origin by `angle` [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     return tuple((cos * x + sin * y, cos * y - sin * x) for x, y in points) if angle else tuple(points)
 
 
 def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: float) -> list[tuple[Point, ...]]:
-    """Rectilinear, counter-clockwise polygons for turned outlines.
+    """Rectilinear, counter-clockwise polygons for outlines that have been turned to the axes.
 
-    Raises `SpecError`, naming room and corner, for walls that run along neither x nor y.
+    Raises `SpecError`, which names the room and the corner, for a wall that runs along neither x nor y, and for a room of
+    which nothing is left.
     """
     walls = [list(_walls(room, corners, snap_m)) for room, corners in outlines]
     x, y = (_common_lines([at for room in walls for axis, at in room if axis == across], snap_m) for across in (1, 0))
@@ -69,10 +78,10 @@ def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
 
 
 def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator[tuple[int, float]]:
-    """(axis, coordinate) of each wall; 0: along x. Bits shorter than what snaps are left out."""
+    """(axis, coordinate) of each wall, with axis 0 for walls along x. Edges no longer than `snap_m` are left out."""
     kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
     if len(kept) < 4:
-        raise SpecError(f"{room.where}: a room has at least 4 corners farther apart than {snap_m} m")
+        raise SpecError(f"{room.where}: has too few corners; valid: at least 4 corners farther apart than {snap_m} m")
     for i, ((x0, y0), (x1, y1)) in enumerate(_edges(kept)):
         dx, dy = abs(x1 - x0), abs(y1 - y0)
         if min(dx, dy) > 2 * snap_m + _SLOPE * max(dx, dy) or min(dx, dy) > 0.5 * max(dx, dy):
@@ -84,7 +93,7 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
 
 
 def _common_lines(values: list[float], snap_m: float) -> Lines:
-    """Values no more than `snap_m` from each other's middle share a line: the one most often drawn, to the millimetre."""
+    """Group coordinates into common lines: neighbours differ by at most `snap_m`, and a group spans at most twice that."""
     groups: list[list[float]] = []
     for value in sorted(values):
         if groups and value - groups[-1][0] <= 2 * snap_m + _ROUNDING_M and value - groups[-1][-1] <= snap_m + _ROUNDING_M:
@@ -96,18 +105,22 @@ def _common_lines(values: list[float], snap_m: float) -> Lines:
 
 
 def _line(group: Sequence[float]) -> float:
+    """The coordinate of a group, rounded to millimetres: its majority value if there is one, else the mean."""
     millimetres = Counter(round(value, 3) for value in group)
     (line, times), middle = millimetres.most_common(1)[0], sum(group) / len(group)
     return line + 0.0 if 2 * times > len(group) else round(middle, 3) + 0.0
 
 
 def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
-    """Where consecutive walls meet, without walls of no length."""
+    """Intersections of consecutive walls; empty if fewer than 4 walls are left.
+
+    Consecutive walls along the same axis are merged and walls of zero length dropped, until neither is left.
+    """
     around = list(lines)
     while True:
         merged = [wall for wall, after in zip(around, around[1:] + around[:1], strict=True) if wall[0] != after[0]]
         corners = [(a[1], b[1]) if a[0] else (b[1], a[1]) for a, b in zip(merged, merged[1:] + merged[:1], strict=True)]
-        # The wall between corners i-1 and i is merged[i]; it goes where both are the same point.
+        # The wall between corners i-1 and i is merged[i]; it has zero length if both corners are the same point.
         left = [wall for i, wall in enumerate(merged) if corners[i - 1] != corners[i]]
         if left == around or len(left) < 4:
             return tuple(corners) if len(left) >= 4 else ()

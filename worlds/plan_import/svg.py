@@ -1,11 +1,15 @@
-"""SVG: closed shapes are rooms, strokes are openings; what says neither is passed over.
+"""Reads floor plans as SVG: closed shapes are rooms, strokes are openings, and all other shapes are ignored.
 
-A room is a `rect`, `polygon`, `polyline` or `path` that is called by a label ("kitchen", "Office_2"): by its `data-label`,
-its `class`, its label in Inkscape or its `id`. An opening is a `line`, `polyline` or `path` that is called by a kind of
-opening ("door"). A shape that says neither is called as the group around it: every stroke in a layer "Doors" is a door, and
-the only shape of a group "kitchen" is the kitchen. `data-name`, or else the label in Inkscape, names a room. `data-storey`
-on an element or a group around it says the storey, and so does a group or layer with the name "storey-1" or "Floor 1".
-Hidden layers are passed over.
+- A room is a `rect`, `polygon`, `polyline` or `path` that names a room label ("kitchen", "Office_2"): in its `data-label`,
+  its `class`, its Inkscape label or its `id`.
+- An opening is a `line`, `polyline` or `path` that names a kind of opening ("door"), with `data-kind` in place of
+  `data-label`.
+- A shape that names neither inherits the meaning of the innermost group around it that has one: every stroke in a layer
+  "Doors" is a door, and the only shape in a group "kitchen" is the kitchen.
+- `data-name`, or else the Inkscape label, is the name of a room.
+- `data-storey` on an element or on a group around it gives the storey. So does the name of a group or layer such as
+  "storey-1" or "Floor 1".
+- Hidden layers are ignored.
 """
 
 import re
@@ -38,19 +42,19 @@ from worlds.plan_import.svg_tree import LABEL, Named, SvgShape, outline_of, read
 from worlds.spec import OpeningKind, Point
 
 _PX_M = 0.0254 / 96.0
-_LEAST_PLAN_M = 2.0
-"""A plan that is smaller is drawn to a scale."""
+_SMALLEST_PLAN_M = 2.0
+"""A smaller plan is taken to be a drawing at a reduced scale, such as 1:100 [m]."""
 _FAR_M = 1e8
 _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
-"""A shape with the label of the room or the kind of the opening that it is."""
+"""A shape with the label of the room, or the kind of the opening, that it stands for (the other is None)."""
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
 def read_svg(text: str, metres_per_unit: float | None) -> DrawnPlan:
-    """Read the drawing in an SVG. Raises `SpecError`.
+    """The plan in an SVG. Raises `SpecError` where the text is not SVG, or a room or opening is invalid.
 
-    Without `metres_per_unit` the root states the scale, by `data-metres-per-unit` or a page in mm.
+    Without `metres_per_unit` the root has to state the scale, by `data-metres-per-unit` or a page width with a unit (mm).
     """
     root = read_tree(text)
     scale = _scale(root) if metres_per_unit is None else metres_per_unit
@@ -84,16 +88,16 @@ def _stroke(shape: SvgShape, kind: OpeningKind, scale: float) -> Stroke:
 
 
 def _scale(root: Element) -> float:
-    """Metres per unit as the root says it: in an attribute, or by the size of its page."""
-    if (said := root.get("data-metres-per-unit")) is not None:
+    """Metres per unit as stated by the root element: in `data-metres-per-unit`, or by the width of its page."""
+    if (stated := root.get("data-metres-per-unit")) is not None:
         try:
-            return float(said)
+            return float(stated)
         except ValueError:
-            raise SpecError(f"data-metres-per-unit is {said[:40]!r}; valid: a number above 0") from None
+            raise SpecError(f"data-metres-per-unit is {stated[:40]!r}; valid: a number above 0") from None
     width = root.get("width", "")
     if not _PAGE.fullmatch(width):
         raise SpecError(
-            "does not say its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>, "
+            "does not state its scale; give --metres-per-unit (in Python metres_per_unit) or data-metres-per-unit on <svg>, "
             "for example 0.01 where a unit is a centimetre"
         )
     box = re.findall(r"[-+.\deE]+", root.get("viewBox", ""))
@@ -108,15 +112,15 @@ def _scale(root: Element) -> float:
 def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:
     x, y = zip(*(corner for room in drawing.rooms for corner in room.corners), strict=True)
     width, height = max(x) - min(x), max(y) - min(y)
-    if max(width, height) < _LEAST_PLAN_M:
+    if max(width, height) < _SMALLEST_PLAN_M:
         raise SpecError(
-            f"is {width:.2g} x {height:.2g} m on its page, too small for a house, so it is drawn to a scale; "
+            f"is {width:.2g} x {height:.2g} m on its page, too small for a house, so it must be a scale drawing; "
             f"give --metres-per-unit (in Python metres_per_unit), {100 * scale:.4g} for 1:100"
         )
 
 
 def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
-    """The label or the kind that a shape or group says itself; a shape only one that fits it."""
+    """The label or the kind that a shape or group itself names; for a shape, only one that its tag can stand for."""
     attributes, tag = thing.attributes, thing.tag
     if "data-kind" in attributes:
         return None, kind_of(thing.where, attributes["data-kind"])
@@ -133,9 +137,10 @@ def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
 
 
 def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
-    """The shapes that mean something, by what they say themselves or else by what the groups around them say.
+    """The shapes that stand for a room or an opening, by their own names or else by those of the groups around them.
 
-    The kind of a group goes to every stroke in it; its label only to the one shape in it that may be the room.
+    Every stroke in a group inherits its kind. The label of a group is inherited only if exactly one shape in it can be the
+    room: with several, such as the furniture of a kitchen, it is unclear which one is meant.
     """
     found: list[tuple[_Meaning, Named | None]] = []
     for shape in shapes:
@@ -150,44 +155,44 @@ def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
 
 
 def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] | None:
-    """The meaning that the innermost group with one gives to a shape, if it fits the shape."""
+    """The innermost group that names a label or a kind, with that meaning; None if the shape cannot stand for it."""
     for group in shape.groups:
         label, kind = _meaning(group)
         if label is not None or kind is not None:
-            # A layer of doors has arcs besides, which show how they swing.
+            # A layer of doors also contains arcs that show how the doors swing; they are not openings.
             fits = shape.tag in ROOM_TAGS if kind is None else shape.tag in OPENING_TAGS and not is_curved(shape.attributes)
             return (group, label, kind) if fits else None
     return None
 
 
 def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
-    """Corners in metres, y up."""
+    """The corners in metres, with y up."""
     corners = drawn.corners * scale
     if not np.isfinite(corners).all() or np.abs([corners.real, corners.imag]).max() > _FAR_M:
-        raise SpecError(f"{where}: has a corner at no place on Earth")
+        raise SpecError(f"{where}: has a corner more than {_FAR_M:g} m from the origin; valid: nearer corners")
     return tuple((x, -y) for x, y in zip(corners.real.tolist(), corners.imag.tolist(), strict=True))
 
 
-def _notes(passed_over: Sequence[SvgShape]) -> Iterator[str]:
-    """On shapes that came to nothing: what they may have been meant as, and which they are."""
+def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
+    """Notes on ignored shapes: words that resemble a known one, names that do not fit the tag, and the list of shapes."""
     spoken: list[tuple[str, str]] = []
     misfits: dict[tuple[str, str], str] = {}
-    for shape in passed_over:
+    for shape in ignored:
         for word in map(words, shape.names):
             if find_kind(word) or find_label(word):
                 misfits.setdefault(
-                    (shape.tag, word), f"{shape.where}: {word!r} is {_fitting(word)}, not a {shape.tag}; passed over"
+                    (shape.tag, word), f"{shape.where}: {word!r} is {_valid_tags(word)}, not a {shape.tag}; ignored"
                 )
             elif word:
                 spoken.append((shape.where, word))
     yield from guesses(spoken, (*ROOM_LABELS, *KINDS))
     yield from misfits.values()
-    if passed_over:
-        yield f"passed over, because they say neither a label nor a kind: {some(passed_over, _placed)}"
+    if ignored:
+        yield f"ignored, because they name neither a label nor a kind: {some(ignored, _located)}"
 
 
-def _placed(shape: SvgShape) -> str:
-    """A shape with its first corner in the units of the drawing."""
+def _located(shape: SvgShape) -> str:
+    """The place of a shape in the file, with its first corner in the units of the drawing."""
     try:
         corner = outline_of(shape).corners[0]
     except SpecError:
@@ -195,6 +200,6 @@ def _placed(shape: SvgShape) -> str:
     return f"{shape.where} at ({corner.real:.6g}, {corner.imag:.6g})"
 
 
-def _fitting(word: str) -> str:
+def _valid_tags(word: str) -> str:
     thing, tags = ("an opening", OPENING_TAGS) if find_kind(word) else ("a room", ROOM_TAGS)
     return f"{thing}: a {', '.join(tags[:-1])} or {tags[-1]}"

@@ -1,4 +1,7 @@
-"""The geometry of SVG: the corners of straight shapes, lengths with units, and transforms; svgpathtools reads the syntax."""
+"""The geometry of SVG shapes: corners of straight shapes, lengths with units, and transforms.
+
+The package svgpathtools parses the syntax of paths and transforms.
+"""
 
 import re
 from collections.abc import Mapping
@@ -14,7 +17,7 @@ ROOM_TAGS = ("rect", "polygon", "polyline", "path")
 OPENING_TAGS = ("line", "polyline", "path")
 TAGS = (*ROOM_TAGS, "line")
 PX_PER_UNIT = {"": 1.0, "px": 1.0, "in": 96.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "pt": 96.0 / 72.0, "pc": 16.0}
-"""CSS pixels in a unit of length; an inch has 96 of them."""
+"""CSS pixels in each unit of length; an inch has 96 pixels."""
 _LENGTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
 _CURVES = frozenset("CcSsQqTtAa")
 _MAX_POINTS = 1000
@@ -22,18 +25,22 @@ _MAX_POINTS = 1000
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The corners of a shape, x right and y down, in the units of the drawing."""
+    """The corners of a shape in the units of the drawing, with x to the right and y down."""
 
     corners: Complex[np.ndarray, "n"]
-    """x + iy; the first is not repeated at the end."""
+    """Corners as x + iy; the first is not repeated at the end."""
     closed: bool
 
 
 def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Float64[np.ndarray, "3 3"]) -> Outline:
-    """The corners of a shape made of straight lines. Raises `SpecError`."""
+    """The corners of a shape made of straight lines, in the units of the drawing.
+
+    `where` is the place of the shape in the file, for messages. Raises `SpecError` for curves, more than one part, and
+    coordinates that cannot be read.
+    """
     text = _path_data(where, tag, attributes).strip()
     if len(re.findall("[Mm]", text)) > 1:
-        raise SpecError(f"{where}: its path has more than one part; draw one shape for each room or opening")
+        raise SpecError(f"{where}: its path has more than one part; valid: one shape for each room or opening")
     try:
         segments = list(parse_path(text)) if text[:1] in ("M", "m") else []
     except (ValueError, AssertionError):
@@ -41,7 +48,7 @@ def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Fl
     if curve := next((segment for segment in segments if not isinstance(segment, Line)), None):
         raise SpecError(
             f"{where}: its path has a curve ({type(curve).__name__}); valid: straight lines (M, L, H, V, Z), "
-            "of a door the one along its wall"
+            "for a door the line along its wall"
         )
     points = np.array([*(line.start for line in segments), *(line.end for line in segments[-1:])], np.complex128)
     if not 2 <= len(points) <= _MAX_POINTS:
@@ -66,12 +73,12 @@ def _path_data(where: str, tag: str, attributes: Mapping[str, str]) -> str:
 
 
 def is_curved(attributes: Mapping[str, str]) -> bool:
-    """Whether a path has a command for a curve."""
+    """Whether a path contains a command for a curve."""
     return not _CURVES.isdisjoint(attributes.get("d", ""))
 
 
 def length_px(where: str, name: str, text: str) -> float:
-    """A length in CSS pixels, which are the units of a drawing without a viewBox. Raises `SpecError`."""
+    """A length in CSS pixels, which are the units of a drawing without a viewBox. Raises `SpecError` for other texts."""
     match = _LENGTH.fullmatch(text.strip())
     if match is None or match[2] not in PX_PER_UNIT:
         units = ", ".join(filter(None, PX_PER_UNIT))
@@ -80,7 +87,7 @@ def length_px(where: str, name: str, text: str) -> float:
 
 
 def transform(where: str, text: str) -> Float64[np.ndarray, "3 3"]:
-    """The matrix of a `transform` attribute. Raises `SpecError`."""
+    """The matrix of a `transform` attribute. Raises `SpecError` if it cannot be read."""
     try:
         return np.asarray(parse_transform(text, strict=True), np.float64)
     except ValueError:

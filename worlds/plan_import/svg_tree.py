@@ -1,4 +1,7 @@
-"""The elements of an SVG: read without entities, and walked; groups, transforms, storeys and `<use>` are resolved."""
+"""Reads the element tree of an SVG and lists its visible shapes, with groups, transforms, storeys and `<use>` resolved.
+
+Document types and entities are refused, because a small file can expand through them without bound or read other files.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -14,7 +17,7 @@ from worlds.plan_import.svg_shapes import TAGS, Outline, length_px, outline, tra
 
 LABEL = "inkscape:label"
 _LINE = " line"
-"""Where the line of an element is kept among its attributes; no attribute's name has a space."""
+"""Key under which the line number of an element is stored among its attributes. No XML attribute has a space in its name."""
 _NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
 _STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d)", re.IGNORECASE)
@@ -25,42 +28,43 @@ _TOO_MUCH = f"has elements nested deeper than {_MAX_DEPTH} or more than {_MAX_EL
 
 @dataclass(frozen=True, eq=False)
 class Named:
-    """An element by what it is called."""
+    """An element with the names that it is given in the drawing."""
 
     tag: str
     attributes: Mapping[str, str]
 
     @property
     def where(self) -> str:
-        """Its place in the file, for messages."""
+        """Place of the element in the file, for messages."""
         name = self.attributes.get(LABEL) or self.attributes.get("id") or self.attributes.get("class", "")
         return f"<{self.tag}>" + (f" {name[:60]!r}" if name else "") + f" on line {self.attributes[_LINE]}"
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All that may say what it is: its classes, its label in Inkscape, its id."""
+        """All texts that may name its meaning: its classes together and one by one, its Inkscape label and its id."""
         classes = self.attributes.get("class", "")
         return (classes, *classes.split(), self.attributes.get(LABEL, ""), self.attributes.get("id", ""))
 
 
 @dataclass(frozen=True, eq=False)
 class SvgShape(Named):
-    """A shape that is shown."""
+    """A visible shape."""
 
     T_svg_shape: Float64[np.ndarray, "3 3"]
-    """From its coordinates to those of the drawing."""
+    """Transform from the coordinates of the shape to those of the drawing."""
     storey: object
+    """Storey as given in the file, not yet validated."""
     groups: tuple[Named, ...]
-    """Around it, the innermost first."""
+    """The groups around the shape, the innermost first."""
 
 
 def outline_of(shape: SvgShape) -> Outline:
-    """The corners of a shape in the units of the drawing. Raises `SpecError`."""
+    """The corners of a shape in the units of the drawing. Raises `SpecError` as `svg_shapes.outline` does."""
     return outline(shape.where, shape.tag, shape.attributes, shape.T_svg_shape)
 
 
 def read_tree(text: str) -> Element:
-    """The root of an SVG. Raises `SpecError` for other files, and for what is too large or has a document type."""
+    """The root element of an SVG. Raises `SpecError` for other files, and if it is too large or has a document type."""
     builder, parser, depth, elements = TreeBuilder(), expat.ParserCreate(), 0, 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
@@ -78,7 +82,7 @@ def read_tree(text: str) -> Element:
         builder.end(name.rpartition(":")[2])
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
-    # Without a document type there are no entities but XML's own five: nothing can expand, nothing outside is read.
+    # Without a document type only the five entities of XML itself exist, so nothing can expand or read other files.
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = _refuse
     try:
         parser.Parse(text, True)
@@ -88,19 +92,19 @@ def read_tree(text: str) -> Element:
 
 
 def _refuse(*_: object) -> None:
-    raise SpecError("has a document type definition (<!DOCTYPE ...>), which could hide anything; remove it")
+    raise SpecError("has a document type definition (<!DOCTYPE ...>), which could expand without bound; remove it")
 
 
 def shown_shapes(root: Element) -> Iterator[SvgShape]:
-    """Every shape that is shown, in the order of the drawing. Raises `SpecError`."""
+    """Every visible shape, in the order of the drawing. Raises `SpecError` for an invalid transform or too many elements."""
     return _Walk({identifier: element for element in root.iter() if (identifier := element.get("id"))}).below(
-        root, _Around()
+        root, _Inherited()
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Around:
-    """Properties that an element hands down to those in it."""
+class _Inherited:
+    """Properties that an element passes on to the elements inside it."""
 
     T_svg_here: Float64[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     storey: object = 0
@@ -112,13 +116,13 @@ class _Walk:
     by_id: Mapping[str, Element]
     visited: int = 0
 
-    def below(self, element: Element, around: _Around) -> Iterator[SvgShape]:
+    def below(self, element: Element, around: _Inherited) -> Iterator[SvgShape]:
         for child in element:
             if child.tag not in _HIDDEN:
                 yield from self.at(child, child.attrib, around)
 
-    def at(self, element: Element, attributes: Mapping[str, str], around: _Around) -> Iterator[SvgShape]:
-        """The shapes of an element that has these attributes: those of a `<use>` come before its own."""
+    def at(self, element: Element, attributes: Mapping[str, str], around: _Inherited) -> Iterator[SvgShape]:
+        """The visible shapes of an element; `attributes` are its own, overridden by the names on a `<use>` of it."""
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
             raise SpecError(_TOO_MUCH)
@@ -130,20 +134,20 @@ class _Walk:
         if element.tag in TAGS:
             yield SvgShape(this.tag, attributes, matrix, storey, around.groups)
             return
-        inside = _Around(matrix, storey, (this, *around.groups))
+        inside = _Inherited(matrix, storey, (this, *around.groups))
         if element.tag != "use":
             yield from self.below(element, inside)
         elif (
             used := self.by_id.get(attributes.get("href", attributes.get("xlink:href", "")).removeprefix("#"))
         ) is not None:
             x, y = (length_px(this.where, name, attributes.get(name, "0")) for name in ("x", "y"))
-            moved = _Around(matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]), storey, inside.groups)
+            moved = _Inherited(matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]]), storey, inside.groups)
             names = {key: value for key, value in attributes.items() if key in (*_NAMES, _LINE)}
             yield from self.at(used, {**used.attrib, **names}, moved)
 
 
 def _storey_of_group(element: Named) -> str | None:
-    """The number in a group's name, as in "storey-1" or "Floor 1"."""
+    """The storey number in the name of a group, as in "storey-1" or "Floor 1"; None if it has none."""
     names = (element.attributes.get(LABEL, ""), element.attributes.get("id", ""))
     numbers = (match[1] for name in names if (match := _STOREY.fullmatch(name.strip())))
     return next(numbers, None) if element.tag == "g" else None

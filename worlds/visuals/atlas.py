@@ -1,4 +1,4 @@
-"""One picture for all furniture: a grid of patches, one per material and colour."""
+"""The texture atlas of the furniture: one image that holds a grid of patches, one patch per material and colour."""
 
 import zlib
 from collections.abc import Iterable, Mapping
@@ -13,10 +13,13 @@ from worlds.spec import HouseSpec
 from worlds.visuals.materials import texture
 
 Paint = tuple[str, Colour, int | None]
-"""A material, its colour, and the seed of the piece that alone has it."""
+"""Material, colour, and the seed of the piece if the material is in `SHOWN_WHOLE` (else None, so that pieces share it)."""
 
 SHOWN_WHOLE = frozenset({"picture", "screen", "scribble"})
-"""What shows one thing: every piece has its own, and each face shows all of it. Other materials are cut from the roll."""
+"""Materials with a motif: every piece has a patch of its own, and each face shows the whole patch.
+
+A face of any other material shows a metric cut-out of a shared patch.
+"""
 
 _PATCH_PX = 128
 _COLUMNS = 16
@@ -25,20 +28,20 @@ _MARGIN = 1.0 / _PATCH_PX
 
 
 def paint_of(material: str, colour: Colour, piece_seed: int) -> Paint:
-    """The paint of a part of a piece with `piece_seed`."""
+    """The key under which a part's patch is found; `piece_seed` is the seed of the piece that the part belongs to."""
     return material, colour, piece_seed if material in SHOWN_WHOLE else None
 
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Patches of a square metre each; what is on a patch depends on its paint and on the house's seed alone."""
+    """Patches of one square metre each. The image on a patch depends only on its paint and on the seed of the house."""
 
     image: UInt8[np.ndarray, "h w 3"]
     patch_of: Mapping[Paint, int]
 
     @staticmethod
     def of(paints: Iterable[Paint], spec: HouseSpec) -> "Atlas":
-        """The atlas of all `paints`. More than fit share the patches of earlier ones."""
+        """The atlas of all `paints`. Paints for which there is no room left share the patches of earlier ones."""
         distinct = list(dict.fromkeys(paints))
         rows = -(-min(max(len(distinct), 1), _MAX_PATCHES) // _COLUMNS)
         image = np.zeros((rows * _PATCH_PX, _COLUMNS * _PATCH_PX, 3), np.uint8)
@@ -54,7 +57,11 @@ class Atlas:
         whole: Bool[np.ndarray, "q"],
         cut: Float64[np.ndarray, "q 2"],
     ) -> Float64[np.ndarray, "q 4 2"]:
-        """Texture coordinates of quads, v upwards: all of the patch where `whole`, else a metric cut at `cut` in [0, 1]."""
+        """Texture coordinates of quads in the atlas image, v upwards.
+
+        A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of its true size (scaled down if it is
+        larger than the patch), at the relative position `cut` in [0, 1] within the patch. `uv_m` is in metres, from (0, 0).
+        """
         room = 1.0 - 2 * _MARGIN
         extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)
         scale = np.where(whole[:, None, None], room / extent, np.minimum(1.0, room / extent))

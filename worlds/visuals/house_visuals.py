@@ -1,4 +1,4 @@
-"""All that is seen of a house, as textured quads: what renderers and exporters draw."""
+"""Everything visible of a house as textured quads, for renderers and exporters."""
 
 import itertools
 import zlib
@@ -16,31 +16,32 @@ from worlds.visuals.surfaces import surfaces
 
 STAIRS_OBJECT = "stairs"
 ATLAS = "(atlas)"
-"""The image of all furniture; not a possible id."""
+"""Name of the atlas image that all objects share. No room id contains brackets, so it cannot clash with one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """Quads that show one thing, visible from the side where their corners run counter-clockwise."""
+    """The quads of one object or surface. A quad is visible from the side on which its corners run counter-clockwise."""
 
     name: str
-    """Unique in the house."""
+    """The name of these quads, unique in the house."""
     shows: str
-    """The id of furniture, a door leaf or a window, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    """The id of a piece of furniture, a door leaf or a window; `STAIRS_OBJECT`; or "<room id>/<wall|floor|ceiling>"."""
     image: str
+    """Key of the image in `Visuals.images`."""
     corners: Float64[np.ndarray, "q 4 3"]
-    """In W [m]."""
+    """Corners in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
-    """In widths and heights of the image, v upwards; beyond 1 the image repeats."""
+    """Texture coordinates as fractions of the image's width and height, v upwards; the image repeats beyond 1."""
     normals: Float64[np.ndarray, "q 3"]
 
 
 @dataclass(frozen=True, eq=False)
 class Visuals:
-    """A house to look at."""
+    """The textured quads of a whole house, with their images."""
 
     images: Mapping[str, UInt8[np.ndarray, "h w 3"]]
-    """RGB, by name."""
+    """RGB images by name."""
     parts: tuple[Visual, ...]
 
 
@@ -53,7 +54,7 @@ class _Object:
 
 
 def visuals(house: House) -> Visuals:
-    """The shell room by room, then furniture, flights of stairs, door leaves and windows."""
+    """All visuals of a house: the shell room by room, then furniture, flights of stairs, door leaves and windows."""
     images, parts = {}, []
     for sheet in surface_textures(house, surfaces(house)):
         name = f"{sheet.room}/{sheet.kind}"
@@ -61,7 +62,7 @@ def visuals(house: House) -> Visuals:
         parts.append(Visual(name, name, name, sheet.corners, sheet.uv, normals(sheet.corners)))
     objects = [thing for thing in _objects(house) if thing.solid.parts]
     if objects:
-        images[ATLAS], drawn = _drawn(house, objects)
+        images[ATLAS], drawn = _object_visuals(house, objects)
         parts += drawn
     return Visuals(images, tuple(parts))
 
@@ -77,7 +78,7 @@ def _objects(house: House) -> Iterator[_Object]:
         yield _Object(window.id, window.id, Solid(window.parts, window.position, window.yaw), window.style)
 
 
-def _drawn(house: House, objects: Sequence[_Object]) -> tuple[UInt8[np.ndarray, "h w 3"], Iterator[Visual]]:
+def _object_visuals(house: House, objects: Sequence[_Object]) -> tuple[UInt8[np.ndarray, "h w 3"], Iterator[Visual]]:
     mesh = solids_mesh([thing.solid for thing in objects])
     paints = [paint_of(part.material, part.colour, thing.seed) for thing in objects for part in thing.solid.parts]
     atlas = Atlas.of(paints, house.spec)

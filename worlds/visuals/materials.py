@@ -1,8 +1,8 @@
-"""Procedural textures: `texture` paints a named pattern over a surface of a given size, never the same twice.
+"""Procedural textures: `texture` paints a named pattern over a surface of a given size; no two textures are alike.
 
-A texture is a pattern's shade times a colour. Details come at all scales from two pixels to half a metre, because the
-SLAM's features are found at whatever scale the camera's distance makes of them, and nothing repeats: a wall that repeats
-makes loop closures that are wrong by exactly one period.
+A texture is the shade of a pattern times a colour. Patterns have details at all scales from two pixels to half a metre,
+because the distance of the camera decides at which scale the SLAM finds its features. Textures do not repeat, because a
+repeating wall causes loop closures that are wrong by exactly one period.
 """
 
 from collections.abc import Callable, Mapping
@@ -52,7 +52,7 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
         )
     }
 )
-"""The materials a `Part`, wall or floor can name."""
+"""The materials that a `Part`, wall, floor or ceiling can name, each with the function that paints it."""
 
 MAX_PIXELS = 1 << 25
 
@@ -69,21 +69,22 @@ def texture(
     (height, width), (width_m, height_m) = shape, metres
     if min(height, width) < 1 or height * width > MAX_PIXELS or not min(width_m, height_m) > 0.0:
         raise WorldsError(
-            f"cannot paint {height} x {width} px over {height_m} x {width_m} m; sizes must be positive and sane"
+            f"cannot paint {height} x {width} px over {height_m} x {width_m} m; valid: above 0, at most {MAX_PIXELS} px"
         )
     shade = PATTERNS[pattern](TextureArea(height, width, height_m, width_m), rng)
     planes = shade if shade.ndim == 3 else (shade, shade, shade)
-    # Saturating conversion plane by plane is several times faster than arithmetic on interleaved pixels.
+    # `convertScaleAbs` clips to 255 but takes absolute values, so negative shades become 0 first. Converting plane by plane
+    # is several times faster than arithmetic on interleaved pixels.
     bright = [np.maximum(plane, 0.0) for plane in planes] if shade.ndim == 3 else [np.maximum(shade, 0.0)] * 3
     return cv2.merge([cv2.convertScaleAbs(plane, alpha=255.0 * value) for plane, value in zip(bright, colour, strict=True)])
 
 
 def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "{side} {side} 3"]:
-    """A square texture of `side` [px] for `side_m` [m] that can be laid beside itself without a seam."""
+    """A square texture of `side` [px] covering `side_m` [m] that tiles without a visible seam."""
     over = max(1, side // 6)
     whole, scale = side + over, side_m / side
     image = texture(pattern, colour, rng, (whole, whole), (whole * scale, whole * scale)).astype(np.float32)
-    # What would come after the far edge fades into the near edge.
+    # The strip painted beyond the far edge is blended into the near edge, so that the near edge continues the far one.
     fade = np.linspace(0.0, 1.0, over, dtype=np.float32)[:, None, None]
     image[:over] = fade * image[:over] + (1.0 - fade) * image[side:]
     image[:, :over] = np.swapaxes(fade, 0, 1) * image[:, :over] + (1.0 - np.swapaxes(fade, 0, 1)) * image[:, side:]

@@ -1,4 +1,7 @@
-"""Houses for other tools: a GLB of textured triangles, one node per room's surface and per object."""
+"""Export of houses as meshes: a trimesh scene or a GLB file of textured triangles.
+
+There is one node for each surface kind of each room (walls, floor, ceiling) and one for each object.
+"""
 
 from io import BytesIO
 
@@ -18,7 +21,7 @@ _Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0
 
 
 def to_trimesh(house: House) -> trimesh.Scene:
-    """The house as a scene in W [m, z up]; nodes have the names of `worlds.visuals.house_visuals.Visual`."""
+    """The house as a scene in the world frame W [m], z up. Each node has the name of its `house_visuals.Visual`."""
     seen, scene = visuals(house), trimesh.Scene()
     materials = {name: _material(name, image) for name, image in seen.images.items()}
     for visual in seen.parts:
@@ -27,7 +30,7 @@ def to_trimesh(house: House) -> trimesh.Scene:
 
 
 def to_glb(house: House) -> bytes:
-    """The house as a binary glTF file, with y up as that format has it: x stays, z is up, y is -z."""
+    """The house as a binary glTF file. That format has y up: its (x, y, z) are (x, z, -y) of the world frame W."""
     scene = to_trimesh(house)
     scene.apply_transform(_Y_UP)  # type: ignore[no-untyped-call]
     return bytes(scene.export(file_type="glb"))  # type: ignore[no-untyped-call]
@@ -44,7 +47,7 @@ def _triangles(visual: Visual, material: PBRMaterial) -> trimesh.Trimesh:
 
 
 def _material(name: str, image: UInt8[np.ndarray, "h w 3"]) -> PBRMaterial:
-    # Noise is a poor customer for PNG: JPEG makes the file several times smaller.
+    # PNG compresses noisy textures badly: JPEG makes the file several times smaller.
     encoded = BytesIO()
     Image.fromarray(image).save(encoded, "JPEG", quality=_JPEG_QUALITY)
     picture = Image.open(encoded)

@@ -1,4 +1,7 @@
-"""Furniture, stairs and leaves as quads: parts to faces with metric texture coordinates, vectorised over a whole house."""
+"""Meshes of furniture, stairs, door leaves and windows: their parts become quads with texture coordinates in metres.
+
+All objects of a house are converted in one vectorised pass.
+"""
 
 import itertools
 from collections.abc import Sequence
@@ -10,47 +13,50 @@ from jaxtyping import Float64, Int
 from worlds.parts import Part, Vector
 
 _SIDES = 10
-_PROUD_M = 2e-5
-"""By how much each part of a solid is larger than the one before it: of faces in one plane, the later part's is seen."""
+_GROWTH_M = 2e-5
+"""Each part of a solid is larger than the part before it by this much [m].
+
+Where faces of two parts lie in one plane, the face of the later part is therefore the visible one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """An object made of parts, in its place."""
+    """An object made of parts, with its pose in the world."""
 
     parts: Sequence[Part]
-    """In the object's own frame."""
+    """The parts, in the object's own frame."""
     position: Vector = (0.0, 0.0, 0.0)
-    """Of that frame's origin in W [m]."""
+    """Origin of the object's frame in the world frame W [m]."""
     yaw: float = 0.0
-    """[rad]"""
+    """Rotation of the object's frame about z [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolidsMesh:
-    """The faces of many solids: planar quads, visible from the side where their corners run counter-clockwise."""
+    """The faces of many solids as planar quads, visible from the side on which their corners run counter-clockwise."""
 
     corners: Float64[np.ndarray, "q 4 3"]
-    """In W [m]."""
+    """Corners in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
-    """In metres on each quad's own sheet, from (0, 0)."""
+    """In-plane coordinates of the corners of each quad [m]; the smallest are (0, 0)."""
     solid: Int[np.ndarray, "q"]
-    """Index of the solid that each quad belongs to, ascending."""
+    """Index of the solid that each quad belongs to, in ascending order."""
     part: Int[np.ndarray, "q"]
-    """Index of the part, counted through all solids."""
+    """Index of the part that each quad belongs to; parts are numbered consecutively over all solids."""
 
 
 def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
-    """The faces of all `solids`."""
+    """The mesh of all `solids`, with the quads ordered by solid and by part."""
     parts = [part for solid in solids for part in solid.parts]
     counts = [len(solid.parts) for solid in solids]
     owner = np.repeat(np.arange(len(solids)), counts)
-    proud = _PROUD_M * np.concatenate([np.zeros(0), *map(np.arange, counts)])
+    growth = _GROWTH_M * np.concatenate([np.zeros(0), *map(np.arange, counts)])
     corners, part_of = [np.zeros((0, 4, 3))], [np.zeros(0, int)]
     for shape, template in _TEMPLATES.items():
         chosen = np.array([i for i, part in enumerate(parts) if part.shape == shape], int)
         if len(chosen):
-            corners.append(_placed(template, [parts[i] for i in chosen], proud[chosen]))
+            corners.append(_placed(template, [parts[i] for i in chosen], growth[chosen]))
             part_of.append(np.repeat(chosen, len(template)))
     part = np.concatenate(part_of)
     order = np.argsort(part, kind="stable")
@@ -60,20 +66,20 @@ def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
 
 
 def normals(corners: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 3"]:
-    """Unit normals of quads; from the diagonals, so that a quad with two equal corners still has one."""
+    """Unit normals of quads. They come from the diagonals, so that a quad with two equal corners still has a normal."""
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
 
 
 def triangles(quads: int) -> Int[np.ndarray, "t 3"]:
-    """Two triangles per quad, as rows of the flattened corners."""
+    """Two triangles per quad, as indices into the list of all corners (four per quad)."""
     return np.asarray(4 * np.arange(quads)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
 def _placed(
-    template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part], proud: Float64[np.ndarray, "n"]
+    template: Float64[np.ndarray, "f 4 3"], parts: Sequence[Part], growth: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "q 4 3"]:
-    size, centre = np.array([p.size for p in parts]) + proud[:, None], np.array([p.centre for p in parts])
+    size, centre = np.array([p.size for p in parts]) + growth[:, None], np.array([p.centre for p in parts])
     yaw = np.array([p.yaw for p in parts])[:, None, None]
     turned = _turned(template[None] * size[:, None, None], yaw)
     return np.asarray(turned + centre[:, None, None]).reshape(-1, 4, 3)
@@ -95,7 +101,7 @@ def _turned(points: Float64[np.ndarray, "*n 3"], yaw: Float64[np.ndarray, "*m"])
 
 
 def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 2"]:
-    """In-plane coordinates [m]: u along the first edge (of any length), v across it, from (0, 0)."""
+    """In-plane coordinates [m] from (0, 0): u along the bottom edge (the top edge where that has no length), v across it."""
     bottom, top = quads[:, 1] - quads[:, 0], quads[:, 2] - quads[:, 3]
     along = np.where((np.linalg.norm(bottom, axis=1) > 1e-9)[:, None], bottom, top)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
@@ -110,12 +116,12 @@ def _unit_box() -> Float64[np.ndarray, "6 4 3"]:
     front = np.array([(-0.5, -0.5, -0.5), (0.5, -0.5, -0.5), (0.5, -0.5, 0.5), (-0.5, -0.5, 0.5)])
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     sides = [front @ np.linalg.matrix_power(quarter, k).T for k in range(4)]
-    tip = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-    return np.array([*sides, front @ tip.T, front @ tip])
+    tilt = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    return np.array([*sides, front @ tilt.T, front @ tilt])
 
 
 def _lathe(profile: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "f 4 3"]:
-    """The solid of revolution of (radius, z) pairs from bottom to top, in the unit cube."""
+    """The solid of revolution of a profile in the unit cube: (radius, z) pairs from bottom to top."""
     angles = 2 * np.pi * np.arange(_SIDES + 1) / _SIDES
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     quads = []

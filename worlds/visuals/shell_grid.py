@@ -1,7 +1,7 @@
-"""`ShellGrid`: what of a house is solid, in cells cut along its own planes.
+"""`ShellGrid`: an irregular grid of cells that says which parts of a house are solid (walls, slabs, roof).
 
-The planes are the faces of walls, floors and ceilings, so the cells are exact; and whatever lies between a solid and a free
-cell is a face, so the shell is closed by construction.
+The planes of the grid are the faces of walls, floors and ceilings, so every cell is entirely solid or entirely free. A face
+of the shell lies wherever a solid cell touches a free one, so the shell is closed by construction.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,35 +18,43 @@ from worlds.spec import OpeningSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary
 
 NOTHING = -1
-"""Owner of what nobody ever sees: the ground."""
+"""Owner of cells that are never visible: those below the ground."""
 _MARGIN_M = 1.0
 _DECIMALS = 6
 _TOLERANCE_M = 1e-6
 _HALF = WALL_THICKNESS_M / 2
 _Cells = tuple[slice, slice, slice]
 _Box = tuple[float, float, float, float, float, float]
-"""x0, y0, x1, y1, z0, z1 [m]"""
+"""Bounds x0, y0, x1, y1, z0, z1 [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class ShellGrid:
-    """Cells between the `planes` across x, y and z."""
+    """The cells between consecutive `planes` across the x, y and z axes."""
 
     planes: tuple[Float64[np.ndarray, "px"], Float64[np.ndarray, "py"], Float64[np.ndarray, "pz"]]
-    """[m], ascending"""
+    """Coordinates of the planes [m], ascending."""
     solid: Bool[np.ndarray, "nx ny nz"]
+    """Whether a cell is inside a wall or slab. Openings are free."""
     slab: Bool[np.ndarray, "nz"]
-    """Whether a layer lies between two storeys, below the ground floor or in the roof."""
+    """Whether a layer of cells lies between two storeys, below the ground floor or in the roof."""
     arch: Int[np.ndarray, "nx ny nz"]
-    """1 + the axis of the wall where the curve of an arch runs through, else 0."""
+    """1 + the axis that the wall runs along, where the curve of an arch passes through the cell; else 0."""
     owner: Int[np.ndarray, "nx ny nz"]
-    """The room that a free cell belongs to, as an index in `house.rooms`; their number outside, `NOTHING` underground."""
+    """Index into `house.rooms` of the room of a free cell; `len(house.rooms)` outside, `NOTHING` underground."""
     reveal: Int[np.ndarray, "nx ny nz"]
-    """The same, but each opening all in one room: that of the wall seen in it."""
+    """Like `owner`, but all cells of an opening belong to one room, so that its reveals (the faces of the wall's thickness)
+    get one texture."""
 
 
 def shell_grid(house: House) -> ShellGrid:
-    """The grid of a house."""
+    """The grid of a house.
+
+    1. Cut space along all faces of walls, openings, floors and ceilings.
+    2. Fill the slabs and the walls as solid.
+    3. Assign every cell of a storey to a room, to the outside or to the ground.
+    4. Give each opening to one room, and mark the cells through which the curve of an arch passes.
+    """
     walls = [(*wall.bounds, wall.bottom_m, wall.top_m) for wall in house.walls if not wall.spandrel]
     gaps = list(_gaps(house))
     planes = _planes(house, [*walls, *(gap.box for gap in gaps), *(gap.curve for gap in gaps)])
@@ -70,7 +78,7 @@ class _Gap:
     room: int
     box: _Box
     curve: _Box
-    """The upper part that an arch curves through; empty for other kinds."""
+    """The upper part of `box`, through which the curve of an arch passes; it has no height for other kinds."""
 
 
 def _gaps(house: House) -> Iterator[_Gap]:
@@ -113,7 +121,7 @@ def _with_margin(planes: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "_"]:
 
 
 def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) -> Iterator[_Cells]:
-    """The cells of boxes whose faces are planes of the grid."""
+    """The cells inside each box; the faces of the boxes must be planes of the grid."""
     table = np.round(np.array(boxes).reshape(-1, 6), _DECIMALS)
     x, y, z = (np.searchsorted(p, table[:, c]) for p, c in zip(planes, ([0, 2], [1, 3], [4, 5]), strict=True))
     for (i0, i1), (j0, j1), (k0, k1) in zip(x.tolist(), y.tolist(), z.tolist(), strict=True):
@@ -121,7 +129,7 @@ def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) ->
 
 
 def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) -> Int[np.ndarray, "nx ny"]:
-    """The room over each cell of the plan of a storey."""
+    """Index of the room that covers each cell of a storey's plan; `len(house.rooms)` where there is none."""
     plan = np.full((len(planes[0]) - 1, len(planes[1]) - 1), len(house.rooms), np.int16)
     index = {room.id: i for i, room in enumerate(house.rooms)}
     for spec in house.spec.storeys[level].rooms:
@@ -131,7 +139,7 @@ def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) 
 
 
 def _covered(polygon: Polygon, planes: Sequence[Float64[np.ndarray, "_"]]) -> Bool[np.ndarray, "nx ny"]:
-    """By even-odd fill: every edge across x turns over all cells beyond it."""
+    """Cells inside a rectilinear polygon, by even-odd fill: each edge parallel to y inverts all cells beyond it in x."""
     x, y = (np.round(np.asarray(c), _DECIMALS) for c in polygon.exterior.coords.xy)
     i, j = np.searchsorted(planes[0], x).tolist(), np.searchsorted(planes[1], y).tolist()
     inside = np.zeros((len(planes[0]) - 1, len(planes[1]) - 1), bool)
@@ -162,7 +170,11 @@ def _slabs(
     plans: Sequence[Int[np.ndarray, "nx ny"]],
     walls: Sequence[_Box],
 ) -> tuple[Bool[np.ndarray, "nx ny nz"], Bool[np.ndarray, "nz"]]:
-    """Below every room and above every room indoors, out to the faces of the walls, but not in the wells of stairs."""
+    """Solid cells of the slabs, and the layers that they lie in.
+
+    There is a slab below every room and above every indoor room, out to the outer faces of the walls. Stairwells, whose cell
+    passes through the slab, stay open.
+    """
     solid, slab = np.zeros((*plans[0].shape, len(planes[2]) - 1), bool), np.zeros(len(planes[2]) - 1, bool)
     nothing = np.full_like(plans[0], len(house.rooms))
     indoors = np.array([*(not room.outdoor for room in house.rooms), False])

@@ -1,4 +1,7 @@
-"""The sheets that rooms are papered with: what each floor, wall and ceiling is made of and its picture."""
+"""Textures of the shell: the material and the image of the floor, the walls and the ceiling of each room.
+
+All walls of a room share one image, onto which `worlds.visuals.surfaces` has unrolled them.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,31 +21,34 @@ _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _PX_PER_M: Mapping[SurfaceKind, float] = {"wall": 90.0, "floor": 80.0, "ceiling": 40.0}
 _MAX_PX = 4096
 PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
-"""Of repeating textures, both ways [m]. Each divides a metre: a whole room looks the same from a metre further on."""
+"""Period of repeating textures, along both axes [m].
+
+Each period divides one metre, so that the view of a room is the same from a viewpoint one metre further on.
+"""
 _OUTSIDE_LOOKS = "garden"
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTexture:
-    """The faces of one kind in one room, and what covers them."""
+    """The faces of one kind in one room, with the material and the image that cover them."""
 
     room: str
     kind: SurfaceKind
     covering: Covering
     image: UInt8[np.ndarray, "h w 3"]
     corners: Float64[np.ndarray, "q 4 3"]
-    """In W [m]."""
+    """Corners in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
-    """In widths and heights of the image, v upwards; beyond 1 the image repeats."""
+    """Texture coordinates as fractions of the image's width and height, v upwards; the image repeats beyond 1."""
 
 
 def finishes(house: House) -> dict[str, Finish]:
-    """What each room, and the outside, is made of; decided by the room's seed alone."""
+    """The finish of each room by its id, and that of the outside under `OUTSIDE`. It depends only on the room's seed."""
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 
 def surface_textures(house: House, faces: Sequence[Surface]) -> Iterator[SurfaceTexture]:
-    """The sheets of all `faces` of the shell of `house`."""
+    """The textures of all `faces` of the shell of `house`, grouped by room and kind."""
     groups: dict[tuple[str, SurfaceKind], list[Surface]] = defaultdict(list)
     for face in faces:
         groups[face.room, face.kind].append(face)

@@ -1,4 +1,12 @@
-"""The visible faces of a house's shell: walls, floors, ceilings, reveals, as quads with metric texture coordinates."""
+"""The visible faces of a house's shell (walls, floors, ceilings, reveals) as quads with texture coordinates in metres.
+
+`surfaces` works in these steps:
+
+1. Find the upright faces: wherever a solid cell of the `ShellGrid` touches a free one, plus the spandrels over arches, which
+   are curved and so not part of the grid.
+2. Unroll the walls of each room side by side onto one sheet, so that a texture runs on without repeating.
+3. Add the level faces (floors, ceilings, sills, tops of walls) and the curved undersides of arches.
+"""
 
 import itertools
 from collections import defaultdict
@@ -16,7 +24,7 @@ from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
-"""Not a possible room id."""
+"""Stands for the outside of the house; room ids have no brackets."""
 _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6
@@ -25,21 +33,21 @@ _Point = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A planar quad, visible from the side from which its corners run counter-clockwise."""
+    """A planar quad, visible from the side on which its corners run counter-clockwise."""
 
     room: str
-    """Id of the room that it bounds, or `OUTSIDE`."""
+    """Id of the room that the face bounds, or `OUTSIDE`."""
     kind: SurfaceKind
     corners: Float64[np.ndarray, "4 3"]
-    """In W [m]."""
+    """Corners in the world frame W [m]."""
     uv: Float64[np.ndarray, "4 2"]
-    """Place on the (room, kind)'s own unrolled sheet [m]; no two faces share a place."""
+    """Position on the unrolled sheet of this room and kind [m]; faces on a sheet do not overlap."""
 
 
 def surfaces(house: House) -> list[Surface]:
-    """All faces of the shell; the walls of a room are unrolled onto one sheet, each with its openings left out.
+    """All faces of the shell. The walls of a room are unrolled onto one sheet, with their openings left out.
 
-    What is solid is closed on every side that is in a room or outside of all, but for the top of the roof.
+    Every solid cell is closed on each side that faces a room or the outside, except for the top of the roof.
     """
     grid = shell_grid(house)
     planes: dict[_Plane, list[_Outline]] = defaultdict(list)
@@ -51,13 +59,13 @@ def surfaces(house: House) -> list[Surface]:
 
 
 _Plane = tuple[int, int, int, float]
-"""Room (as an index, their number outside), axis across it, the way it faces (1 or -1), place on that axis [m]."""
+"""Index of the room (number of rooms: the outside), axis of the normal, sign of the normal, position on that axis [m]."""
 _Outline = tuple[_Point, _Point, _Point, _Point]
-"""(place along the plane, z) of a quad's corners, counter-clockwise where the place grows to the right [m]."""
+"""Corners of a quad as (position along the plane, z) [m]; counter-clockwise when that position increases to the right."""
 
 
 class _Unrolling:
-    """Lays the faces of each room's walls side by side."""
+    """Lays the wall faces of each room side by side on one sheet per room."""
 
     def __init__(self, house: House) -> None:
         self._names = [*(room.id for room in house.rooms), OUTSIDE]
@@ -65,7 +73,7 @@ class _Unrolling:
         self._cursor = [0.0] * len(self._names)
 
     def panels(self, plane: _Plane, outlines: Sequence[_Outline]) -> Iterator[Surface]:
-        """Faces in one upright plane; what hangs together stays together."""
+        """Faces in one upright plane. Faces that touch keep their relative positions on the sheet."""
         room, axis, facing, at = plane
         to_right = (facing > 0) == (axis == 0)
         for low, high, group in _runs(outlines):
@@ -77,13 +85,13 @@ class _Unrolling:
                 yield Surface(self._names[room], "wall", np.array(corners), np.array(uv))
 
     def strip(self, room: int, corners: Sequence[tuple[float, float, float]], length: float, width: float) -> Surface:
-        """A face whose first edge is as long as `length` [m], in a place of its own."""
+        """A rectangular face whose first edge is `length` [m] long, at a free position on the sheet."""
         u = self._advance(room, length)
         uv = np.array([(u, 0.0), (u + length, 0.0), (u + length, width), (u, width)])
         return Surface(self._names[room], "wall", np.array(corners), uv)
 
     def flat(self, room: int, kind: SurfaceKind, corners: Sequence[tuple[float, float, float]], origin: _Point) -> Surface:
-        """A piece of floor or ceiling; its sheet is the plan, from `origin` on."""
+        """A piece of floor or ceiling. Its sheet is the plan of the room, shifted so that `origin` becomes (0, 0)."""
         points = np.array(corners)
         return Surface(self._names[room], kind, points, points[:, :2] - origin)
 
@@ -94,7 +102,7 @@ class _Unrolling:
 
 
 def _runs(outlines: Sequence[_Outline]) -> Iterator[tuple[float, float, list[_Outline]]]:
-    """Stretches of a plane without a break: from, to, the outlines in it."""
+    """Groups of outlines that form a stretch without a gap: (start, end, outlines) [m]."""
     group: list[_Outline] = []
     low = high = 0.0
     for outline in sorted(outlines, key=lambda o: (o[0][0], o[0][1])):
@@ -108,7 +116,8 @@ def _runs(outlines: Sequence[_Outline]) -> Iterator[tuple[float, float, list[_Ou
 
 
 def _upright(grid: ShellGrid, axis: int) -> Iterator[tuple[_Plane, _Outline]]:
-    # The curve of an arch closes the wall along its own axis; across, the spandrels are drawn as what they are.
+    # A cell with the curve of an arch counts as solid along the wall's own direction, where it may touch another opening.
+    # Across the wall it gets no grid face, because `_spandrels` draws the exact shape.
     solid, free = grid.solid | (grid.arch == 1 + axis), ~grid.solid & (grid.arch == 0)
     solid, free, room = (np.moveaxis(cells, axis, 0) for cells in (solid, free, grid.reveal))
     across, along, z = grid.planes[axis], grid.planes[1 - axis], grid.planes[2]
@@ -124,7 +133,10 @@ def _rectangle(x: _Point, y: _Point) -> _Outline:
 
 
 def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, int, int, int, int]]:
-    """Cover the equal labels of each layer by rectangles: (layer, a0, a1, b0, b1, label); `NOTHING` stays bare."""
+    """Cover the cells of equal label in each layer by rectangles: (layer, a0, a1, b0, b1, label). `NOTHING` is not covered.
+
+    Runs of equal labels along a are found first; equal runs at consecutive b are then merged into one rectangle.
+    """
     edge = np.full((labels.shape[0], 1, labels.shape[2]), NOTHING, labels.dtype)
     padded = np.concatenate([edge, labels, edge], axis=1).swapaxes(1, 2)
     changes = padded[:, :, 1:] != padded[:, :, :-1]
@@ -143,7 +155,7 @@ def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, in
 
 
 def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Surface]:
-    """Floors and ceilings, roofs of lower storeys, and what is level in walls: caps, sills and undersides of lintels."""
+    """All level faces: floors, ceilings, roofs of lower storeys, and those of walls (tops, sills, undersides of lintels)."""
     x, y, z = grid.planes
     origins = [*(room.polygon.bounds[:2] for room in house.rooms), (float(x[0]), float(y[0]))]
     for facing in (1, -1):
@@ -161,7 +173,7 @@ def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Sur
 
 
 def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray, "p a b"]:
-    """Per plane across z and cell of the plan: the room, times the kinds, plus the kind of the face; else `NOTHING`."""
+    """For each plane across z and each cell of the plan: room index * number of kinds + kind of the face, or `NOTHING`."""
     solid, free = grid.solid | (grid.arch > 0), ~grid.solid & (grid.arch == 0)
     if facing < 0:
         solid = grid.solid
@@ -180,7 +192,7 @@ def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray,
 
 
 def _arches(house: House) -> Iterator[tuple[Boundary, list[_Point], float]]:
-    """Each arch: the boundary it is in, its curve in W and how high the wall reaches above it, up to the crown [m]."""
+    """For each arch: its boundary, its curve as (position along the boundary, z) and the z of its crown, in W [m]."""
     for level, pieces in enumerate(house.boundaries):
         floor = house.storeys[level].floor_m
         for boundary, opening in pieces:
@@ -204,7 +216,7 @@ def _spandrels(house: House) -> Iterator[tuple[_Plane, _Outline]]:
 
 
 def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
-    """The thickness of the wall as seen under the curve of an arch."""
+    """The faces under the curve of each arch, which span the thickness of the wall."""
     for boundary, curve, _ in _arches(house):
         room = _room_on(house, boundary, 0 if boundary.rooms[0] is not None else 1)
         near, far = (boundary.at + s * _HALF for s in ((1, -1) if boundary.axis == 0 else (-1, 1)))
@@ -215,7 +227,7 @@ def _undersides(house: House, unrolling: _Unrolling) -> Iterator[Surface]:
 
 
 def rectangles(polygon: Polygon) -> list[tuple[float, float, float, float]]:
-    """A rectilinear polygon as rectangles (x0, y0, x1, y1) [m] that tile it."""
+    """Rectangles (x0, y0, x1, y1) [m] that tile a rectilinear polygon."""
     ring = np.array(polygon.exterior.coords)
     xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
     if len(xs) == len(ys) == 2:

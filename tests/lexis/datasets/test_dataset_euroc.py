@@ -1,4 +1,4 @@
-"""Defects of EuRoC recordings are named in one line, before an image is read."""
+"""EuRoC recordings: defects are reported in one line, before any image is read."""
 
 import os
 import zlib

@@ -1,4 +1,4 @@
-"""Recorded runs: reading is the inverse of writing, other rates are interpolated, defects are named with their line."""
+"""Recorded runs: reading inverts writing, odometry at other rates is interpolated, defects are reported with their line."""
 
 import errno
 import shutil
@@ -28,7 +28,7 @@ def observations(rng, n=6):
 
 @pytest.fixture
 def recorded(rng, tmp_path):
-    """A dataset's folder and what was written to it."""
+    """The folder of a dataset, and the observations that were written to it."""
     written = list(observations(rng))
     write_dataset(tmp_path / "run", CAMERA, written)
     return tmp_path / "run", written
@@ -48,7 +48,7 @@ def test_reading_gives_back_what_was_recorded(recorded):
 
 
 def test_odometry_of_another_rate_is_interpolated(recorded):
-    """Of a motion at constant rate the poses in between are known exactly; positions run straight."""
+    """For motion at constant rate, the poses in between are known exactly and positions lie on a straight line."""
     folder, _ = recorded
     stamps, poses = read_tum(folder / "odometry.tum")
     write_tum(folder / "odometry.tum", np.append(stamps - 0.05, stamps[-1] + 0.05), np.concatenate([poses, poses[-1:]]))

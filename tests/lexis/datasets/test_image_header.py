@@ -1,4 +1,4 @@
-"""The header of a PNG or JPEG states the size to which the image decodes."""
+"""The size stated in the header of a PNG or JPEG equals the size of the decoded image."""
 
 import zlib
 
@@ -16,7 +16,7 @@ def encoded(suffix, *options):
 @pytest.mark.parametrize("content", [encoded(".png"), encoded(".jpg"), encoded(".jpg", cv2.IMWRITE_JPEG_PROGRESSIVE, 1)])
 def test_the_size_is_that_of_the_decoded_image(content):
     assert image_size(content) == (32, 24)
-    assert image_size(content[:2] + b"\xff" * (content[0] == 0xFF) + content[2:]) == (32, 24)  # padding of a marker in JPEG
+    assert image_size(content[:2] + b"\xff" * (content[0] == 0xFF) + content[2:]) == (32, 24)  # fill bytes of JPEG
     assert image_size(content[:12]) is None
 
 

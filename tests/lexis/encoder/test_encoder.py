@@ -1,4 +1,4 @@
-"""The encoder: unit vectors, explicit preprocessing, one clear line for every model that cannot be had."""
+"""The encoder: unit vectors, explicit preprocessing, and a one-line error for every model that is not available."""
 
 import json
 import pickle
@@ -27,7 +27,7 @@ PREPROCESS = {"mean": [0.1, 0.2, 0.3], "std": [0.5, 0.6, 0.7], "resize_mode": "s
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory):
-    """A folder with a random model's architecture and weights."""
+    """A folder with the architecture and weights of a random model."""
     folder = tmp_path_factory.mktemp("tiny")
     (folder / "tiny-test.json").write_text(json.dumps(TINY))
     open_clip.add_model_config(folder / "tiny-test.json")
@@ -74,12 +74,14 @@ def test_a_folder_with_its_config_is_the_same_model(tiny, encoder, image):
     np.testing.assert_allclose(load_encoder(f"local-dir:{tiny}").encode_image(image), encoder.encode_image(image), atol=1e-6)
 
 
-def test_the_image_is_normalised_as_the_checkpoint_says(encoder, rng):
-    """At the network's own size nothing is resized, so the normalisation stands alone."""
+def test_the_image_is_normalised_as_the_checkpoint_says(tiny, encoder, rng):
+    """An image of the network's own size is not resized, so this checks the normalisation alone."""
+    network = open_clip.create_model("tiny-test").eval()
+    network.load_state_dict(_weights(tiny))
     image = rng.integers(0, 256, (32, 48, 3), dtype=np.uint8)
     pixels = (image / 255.0 - PREPROCESS["mean"]) / PREPROCESS["std"]
     with torch.inference_mode():
-        expected = encoder._model.encode_image(torch.from_numpy(pixels.transpose(2, 0, 1)[None]).float(), normalize=True)
+        expected = network.encode_image(torch.from_numpy(pixels.transpose(2, 0, 1)[None]).float(), normalize=True)
     np.testing.assert_allclose(encoder.encode_image(image), expected.numpy()[0], atol=1e-5)
 
 
@@ -146,7 +148,7 @@ def test_what_cannot_be_had_is_refused_in_one_line_that_says_what_is_valid(tiny,
 
 
 class Evil:
-    """Runs code when unpickled."""
+    """Runs code when it is unpickled."""
 
     def __reduce__(self):
         return (pytest.fail, ("a pickle was executed",))

@@ -1,4 +1,4 @@
-"""Files of the hub, from a hub that this test plays: whole or not at all, and no long silence where nothing answers."""
+"""Downloads from a model hub, played by a local server: complete files or none, and fast failure when it does not answer."""
 
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -15,7 +15,7 @@ NAMES = ("model.safetensors", "model.bin")
 
 
 class Hub(BaseHTTPRequestHandler):
-    """Has model.bin of a/whole; breaks off half-way with that of a/broken; knows no other."""
+    """A hub with a complete model.bin of a/whole; it breaks off half-way through that of a/broken and has no other files."""
 
     asked: list[str]
 
@@ -35,7 +35,7 @@ class Hub(BaseHTTPRequestHandler):
         self.wfile.write(CONTENT if "whole" in self.path else CONTENT[: len(CONTENT) // 2])
 
     def log_message(self, *_):
-        """Stay silent."""
+        """Log nothing."""
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def cache(tmp_path, monkeypatch):
 
 @pytest.fixture
 def asked(cache, monkeypatch):
-    """What the hub has been asked for."""
+    """The requests that the hub has received."""
     monkeypatch.setattr(Hub, "asked", [], raising=False)
     with ThreadingHTTPServer(("127.0.0.1", 0), Hub) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
@@ -68,7 +68,7 @@ def test_a_file_is_fetched_once_and_then_needs_no_network(asked):
     assert fetch("a/whole", NAMES) == path and not asked
 
 
-def test_of_a_broken_download_nothing_is_left(asked, cache, monkeypatch):
+def test_a_broken_download_leaves_nothing(asked, cache, monkeypatch):
     monkeypatch.setattr("huggingface_hub.file_download.time.sleep", lambda seconds: None)
     with pytest.raises(EncoderError, match="cannot be downloaded"):
         fetch("a/broken", NAMES)

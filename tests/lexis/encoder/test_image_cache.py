@@ -1,4 +1,4 @@
-"""Embeddings on disk: what was put in comes out, or nothing; one encoder's never for another's."""
+"""The image cache on disk returns what was stored or nothing, and never the embeddings of another encoder."""
 
 import sqlite3
 import subprocess
@@ -56,7 +56,7 @@ def test_a_damaged_entry_is_unknown_and_can_be_replaced(cache, tmp_path):
     np.testing.assert_array_equal(cache.find([b"short"])[b"short"], row(5))
 
 
-def test_the_oldest_make_room(tmp_path):
+def test_the_oldest_entries_are_evicted(tmp_path):
     cache = ImageCache(tmp_path, ENCODER, most=3)
     for i in range(5):
         cache.add({bytes([i]): row(i)})

@@ -1,6 +1,6 @@
-"""Real architectures of open_clip with random weights, from disk: both towers as open_clip itself has them.
+"""Real architectures of open_clip with random weights on disk: both towers give the same embeddings as open_clip itself.
 
-The trap: given a checkpoint's path, open_clip takes its own default for what the checkpoint was trained with.
+Given the path of a checkpoint, open_clip uses its default preprocessing instead of that of the training; LEXIS must not.
 """
 
 import json
@@ -25,7 +25,7 @@ TEXTS = ["a photo of a kitchen", "somewhere to wash my hands"]
 
 
 def write(architecture, path):
-    """Weights and the configuration that states their preprocessing."""
+    """Write the weights and the configuration that states their preprocessing."""
     torch.manual_seed(0)
     save_file(open_clip.create_model(architecture).state_dict(), path / "open_clip_model.safetensors")
     config = {"model_cfg": open_clip.get_model_config(architecture), "preprocess_cfg": STATED}
@@ -45,7 +45,7 @@ def folder(request, tmp_path_factory, small):
 
 @pytest.fixture(scope="module")
 def image():
-    """Colours that vary slowly, and unequal sides: crops and squashing differ, and so do scalings."""
+    """An image with slowly varying colours and unequal sides, for which cropping, squashing and interpolation differ."""
     rng = np.random.default_rng(0)
     return np.asarray(PILImage.fromarray(rng.integers(0, 256, (9, 16, 3), dtype=np.uint8)).resize((320, 180)))
 
@@ -98,13 +98,13 @@ def test_a_statement_that_contradicts_the_model_or_itself_is_refused(small, tmp_
 def test_what_the_weights_were_trained_with_is_never_guessed(tmp_path):
     weights = tmp_path / "weights.safetensors"
     weights.touch()
-    with pytest.raises(EncoderError, match="mean and deviation"):  # published weights disagree
+    with pytest.raises(EncoderError, match="mean and deviation"):  # differs from the published weights
         parse_model(f"ViT-L-14:{weights}")
     with pytest.raises(EncoderError, match=r"two activations.*ViT-B-32-quickgelu"):
         parse_model(f"ViT-B-32:{weights}")
     with pytest.raises(EncoderError, match="cannot be read"):
         parse_model(f"local-dir:{tmp_path}")
-    assert parse_model(f"RN50:{weights}").quick_gelu  # as all published ones
+    assert parse_model(f"RN50:{weights}").quick_gelu  # as for all published tags
     (tmp_path / "open_clip_config.json").write_text(json.dumps({"model_cfg": {}, "preprocess_cfg": STATED}))
     assert not parse_model(f"RN50:{weights}").quick_gelu
     assert parse_model(f"RN50:{weights}").preprocess == STATED

@@ -1,4 +1,4 @@
-"""A run that saw next to nothing says so: `coverage` of result.json, and no perfect figures of nothing."""
+"""Coverage: a run that saw almost nothing reports this in `coverage` of result.json instead of perfect figures."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Metrics: exact small cases, agreement with independent implementations, None where there is nothing to measure."""
+"""Metrics: exact small cases, agreement with independent implementations, and None where nothing can be measured."""
 
 import numpy as np
 import pytest
@@ -61,7 +61,7 @@ def test_room_figures_do_not_depend_on_ids_and_swapping_sides_swaps_the_figures(
 
 
 @given(arrays(np.int64, st.integers(2, 30), elements=st.integers(0, 5)))
-def test_the_truth_itself_is_perfect(truth):
+def test_the_truth_as_an_estimate_has_perfect_figures(truth):
     scores = score_rooms(truth, truth)
     perfect = (
         scores.pq,
@@ -77,7 +77,7 @@ def test_the_truth_itself_is_perfect(truth):
 
 
 def test_a_room_cut_in_two_is_one_split():
-    """Over-segmentation is perfect precision by Hydra's definition; one to one it is not."""
+    """By Hydra's definition, over-segmentation has perfect precision; one-to-one matching does not."""
     scores = score_rooms(np.repeat([0, 1, 2], [6, 4, 10]), np.repeat([0, 1], 10))
     assert (scores.splits, scores.merges, scores.count_error) == (1, 0, 1)
     assert scores.hydra_precision == 1.0 and scores.precision == pytest.approx(2 / 3)
@@ -134,12 +134,12 @@ def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_
     everyone = [(query, ()) for query in range(6)]
     earlier = np.tri(6, k=-1, dtype=bool)
     assert [count_matches(everyone, earlier, truth, n).possible for n in (1, 2, 3, 4)] == [3, 2, 1, 0]
-    long_before = np.tri(6, k=-3, dtype=bool)  # only 0, 1 and 2 are old enough for 5
+    long_before = np.tri(6, k=-3, dtype=bool)  # only 0, 1 and 2 are old enough to be matched with 5
     assert [count_matches(everyone, long_before, truth, n).possible for n in (1, 3, 4)] == [1, 1, 0]
 
 
 @given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
-def test_no_more_queries_are_right_than_can_be(x, n):
+def test_no_more_queries_are_right_than_possible(x, n):
     truth, earlier = np.stack([pose(at) for at in x]), np.tri(12, k=-2, dtype=bool)
     candidates = [(query, tuple(range(max(query - 1, 0)))) for query in range(12)]
     counts = count_matches(candidates, earlier, truth, n)

@@ -1,4 +1,4 @@
-"""ATE equal to evo's, RPE by its definition."""
+"""Trajectory errors: ATE agrees with the package evo, RPE with its definition."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from lexis.files.tum_trajectory import write_tum
 
 
 def random_walk(rng, n=80, noise=0.3):
-    """Poses with steps of about half a metre."""
+    """Poses with steps of about half a metre and random rotations."""
     poses = np.tile(np.eye(4), (n, 1, 1))
     poses[:, :3, :3] = Rotation.from_rotvec(np.cumsum(rng.normal(0.0, 0.1, (n, 3)), axis=0)).as_matrix()
     poses[:, :3, 3] = np.cumsum(rng.normal(0.0, noise, (n, 3)), axis=0)
@@ -20,7 +20,7 @@ def random_walk(rng, n=80, noise=0.3):
 
 
 def moved(poses, rng):
-    """The same trajectory in another world frame."""
+    """The same trajectory expressed in another world frame."""
     T = np.eye(4)
     T[:3, :3] = Rotation.random(rng=rng).as_matrix()
     T[:3, 3] = rng.normal(0.0, 10.0, 3)

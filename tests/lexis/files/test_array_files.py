@@ -1,4 +1,4 @@
-"""Arrays from .npz files: what numpy writes is read bit by bit, and what promises more than it is costs nothing."""
+"""Arrays from .npz files: arrays written by numpy are read exactly, and files with false sizes are refused cheaply."""
 
 import io
 import tracemalloc
@@ -84,7 +84,7 @@ def test_two_arrays_of_one_name_are_refused(tmp_path):
 
 @pytest.mark.parametrize("packed", [True, False])
 def test_a_bomb_costs_nothing(packed, tmp_path):
-    """200 MB of zeros in 200 kB: refused by what the archive states."""
+    """200 MB of zeros compressed to 200 kB are refused by the size that the archive states, before they are unpacked."""
     archive(
         tmp_path / "a.npz", {"a": member(np.zeros((25_000_000, 1), np.uint8)) + bytes(175_000_000)}, zipfile.ZIP_DEFLATED
     )

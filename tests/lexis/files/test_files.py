@@ -1,4 +1,4 @@
-"""Files and folders are replaced whole or not at all, whoever kills, interferes or writes at the same time."""
+"""Files and folders are replaced completely or not at all, whatever process is killed, interferes or writes meanwhile."""
 
 import errno
 import os
@@ -25,14 +25,14 @@ WAYS = ("exchange", "renames")
 
 @pytest.fixture(params=WAYS)
 def way(request, monkeypatch):
-    """Whether the system can exchange names; the tests hold either way."""
+    """Whether the system can exchange two names atomically; the tests have to pass either way."""
     if request.param == "renames":
         monkeypatch.setattr(swap, "exchange", lambda a, b: False)
     return request.param
 
 
 def write(folder, content):
-    """A folder of two files, in a folder of its own each."""
+    """Write a folder that holds two files, each in a folder of its own."""
     with replaced_folder(folder, MARKER) as new:
         for name in (MARKER, "inner/more"):
             (new / name).parent.mkdir(exist_ok=True)
@@ -40,14 +40,14 @@ def write(folder, content):
 
 
 def content_of(folder):
-    """The content of the folder; the test fails unless it is there and whole."""
+    """The content of the folder; the test fails if it is missing or incomplete."""
     first, second = ((folder / name).read_text() for name in (MARKER, "inner/more"))
     assert first == second and sorted(path.name for path in folder.iterdir()) == ["inner", MARKER]
     return first
 
 
 def in_child(act):
-    """Run `act` in a process of its own; the number of the signal that ended it, or 0."""
+    """Run `act` in a separate process; return the number of the signal that ended it, or 0."""
     pid = os.fork()
     if pid == 0:
         try:
@@ -58,7 +58,7 @@ def in_child(act):
 
 
 def kill_at(step):
-    """Have this process killed before its `step`-th access to the file system."""
+    """Arrange that this process is killed before its `step`-th access to the file system."""
     left = count(step, -1)
 
     def hook(event, args):
@@ -69,7 +69,7 @@ def kill_at(step):
 
 
 def killed_at_every_step(act):
-    """Run `act` in a process again and again, killed one access later each time, until it comes through."""
+    """Run `act` in a process repeatedly, killed one file-system access later each time, until it completes."""
     for step in count():
 
         def act_until(step=step):
@@ -83,7 +83,7 @@ def killed_at_every_step(act):
 
 
 def test_a_kill_at_any_step_leaves_a_whole_folder_and_a_rerun_works(tmp_path, way):
-    """Only where names cannot be exchanged there may be nothing under the name, until somebody looks."""
+    """Only where names cannot be exchanged may the name be missing, until the folder is next accessed."""
     folder, found, gone = tmp_path / "map", [], 0
     write(folder, "old")
     for _ in killed_at_every_step(lambda: write(folder, "new")):
@@ -116,7 +116,7 @@ def test_a_kill_at_any_step_leaves_a_whole_file(tmp_path):
 
 @pytest.mark.slow
 def test_200_of_200_kills_inside_the_swap_leave_a_whole_map(tmp_path, rng, way):
-    """The process saves maps on end and is killed at a random time: most of it is spent on writing and swapping."""
+    """The process saves maps continuously and is killed at a random time; most of its time goes into writing and swaps."""
     old, new = corridor_with_offices(rng), corridor_with_offices(rng, loops=[(25, 3)], weights=[1.0])
     path, times = tmp_path / "map", random.Random(7)
     save_map(old, path)
@@ -214,7 +214,7 @@ def test_writers_of_one_folder_replace_each_other(tmp_path, way):
 
 
 @pytest.mark.parametrize("intruder", ["thesis", "a file"])
-def test_who_finds_the_place_taken_keeps_the_work_beside(tmp_path, way, intruder):
+def test_a_writer_whose_place_is_taken_keeps_its_work_beside_it(tmp_path, way, intruder):
     place = tmp_path / "map"
     with (
         pytest.raises(LexisError, match=r"map: (exists and holds no|is a file).* is kept as .*map-1$"),
@@ -231,13 +231,13 @@ def test_who_finds_the_place_taken_keeps_the_work_beside(tmp_path, way, intruder
     assert sorted(os.listdir(tmp_path)) == ["map", "map-1"]
 
 
-def test_what_takes_the_place_at_the_last_moment_is_given_it_back(tmp_path, way, monkeypatch):
+def test_a_folder_that_turns_foreign_during_the_swap_is_put_back(tmp_path, way, monkeypatch):
     place, plain = tmp_path / "map", files.swap
     write(place, "old")
 
     def swap_too_late(new, target, old):
         monkeypatch.setattr(files, "swap", plain)
-        (target / MARKER).unlink()  # from here on it is none of ours
+        (target / MARKER).unlink()  # from here on the folder is not ours
         return plain(new, target, old)
 
     monkeypatch.setattr(files, "swap", swap_too_late)
@@ -289,7 +289,7 @@ def test_a_mount_point_is_refused_before_the_work(tmp_path, monkeypatch):
 
 
 def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_path, monkeypatch):
-    """Where names cannot be exchanged, there is a moment at which nothing has the name."""
+    """Where names cannot be exchanged atomically, there is a moment at which the name does not exist."""
     place = tmp_path / "map"
     write(place, "old")
     monkeypatch.setattr(swap, "exchange", lambda a, b: False)
@@ -307,7 +307,7 @@ def test_a_writer_that_takes_the_place_in_the_middle_of_a_swap_is_replaced(tmp_p
 
 
 def test_a_folder_that_cannot_be_renamed_is_copied_aside(tmp_path, monkeypatch):
-    """In a lower layer of an overlay file system, as in a container's image, renaming a folder fails."""
+    """In a lower layer of an overlay file system, as in a container image, renaming a folder fails."""
     place = tmp_path / "map"
     write(place, "old")
     monkeypatch.setattr(swap, "exchange", lambda a, b: False)

@@ -1,4 +1,4 @@
-"""The door for files from outside: what is no regular file of bounded size stays outside, and every refusal is one line."""
+"""Reading files from outside: only regular files of bounded size are read, and every refusal is one line."""
 
 import os
 from pathlib import Path
@@ -14,7 +14,7 @@ LARGE = FileKind("a file", 10_000_000, MapError, unusable="no thing")
 
 
 class Thing(BaseModel):
-    """Something with a size."""
+    """A model with a size."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
@@ -50,7 +50,7 @@ def sparse(path):
     ],
 )
 def test_nothing_but_regular_files_of_bounded_size_is_read(read, make, says, tmp_path):
-    """A pipe that nobody writes to would hold the reader up for ever."""
+    """Reading a pipe to which nobody writes would block for ever."""
     path = tmp_path / "file"
     make(path)
     with pytest.raises(MapError, match=f"{path}: {says}.*; valid: a"):
@@ -116,6 +116,6 @@ def test_a_byte_order_mark_is_no_part_of_the_first_line(tmp_path):
 
 
 def test_a_file_is_not_read_beyond_its_bound_whatever_its_size_says():
-    """Files of /proc say that they are empty."""
+    """Files of /proc state a size of 0."""
     with pytest.raises(LexisError, match="larger than"):
         read_bytes(Path("/proc/self/status"), FileKind("a file", 10))

@@ -1,4 +1,4 @@
-"""TUM files: writing and reading are inverse, and broken ones are refused with the line."""
+"""TUM files: reading inverts writing, and defective files are refused with the number of the line."""
 
 import numpy as np
 import pytest

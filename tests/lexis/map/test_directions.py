@@ -1,4 +1,4 @@
-"""Directions of plans on walks whose turns, rooms and stairs are known."""
+"""Directions of plans along walks with known turns, rooms and stairs."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -12,7 +12,7 @@ from lexis.planner import Plan
 
 
 def walked(rng, corners, rooms, floors=None):
-    """A map along straight lines between corners (x, y, z), and the plan from its first to its last keyframe."""
+    """A map along straight lines between corners (x, y, z) [m], and the plan from its first to its last keyframe."""
     corners = np.asarray(corners, float)
     lines = [a + (b - a) * np.linspace(0, 1, 9)[:-1, None] for a, b in pairwise(corners)]
     positions = np.concatenate([*lines, corners[-1:]])
@@ -94,7 +94,7 @@ def test_the_plan_as_data_holds_keyframes_and_directions(rng):
 
 
 def test_a_plan_that_ends_at_keyframes_of_neighbours_still_starts_and_arrives_in_its_own_rooms(rng):
-    """A small room may be recognised from in front of it alone; see `innermost`."""
+    """A small room may be recognised only from viewpoints in front of it; see `innermost`."""
     rooms = [("office", range(5, 12)), ("corridor", [*range(5), *range(12, 25)])]
     lexis_map, plan = walked(rng, [(0, 0, 0), (4, 0, 0), (8, 0, 0), (12, 0, 0)], rooms)
     plan = replace(plan, start=lexis_map.rooms[0], goal=lexis_map.rooms[1])

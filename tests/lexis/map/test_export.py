@@ -1,4 +1,4 @@
-"""Exports are read back by the tools they are for: evo and GTSAM."""
+"""Exported maps can be read by the tools that they are meant for: evo and GTSAM."""
 
 import json
 
@@ -33,7 +33,7 @@ def test_gtsam_reads_the_graph_with_poses_and_covariances(lexis_map, tmp_path):
     graph, values = gtsam.readG2o(str(tmp_path / "map.g2o"), True)
     for i, pose in enumerate(lexis_map.T_W_B):
         np.testing.assert_allclose(values.atPose3(i).matrix(), pose, atol=1e-7)
-    assert graph.size() == len(lexis_map.keyframes)  # 39 steps and a loop
+    assert graph.size() == len(lexis_map.keyframes)  # 39 odometry edges and one loop edge
     a, b = lexis_map.keyframes[7:9]
     step, loop = graph.at(7), graph.at(39)
     assert list(step.keys()) == [7, 8] and list(loop.keys()) == [3, 25]

@@ -1,4 +1,4 @@
-"""The summary of a map, in figures and as a picture."""
+"""The summary of a map, as numbers and as a picture."""
 
 from dataclasses import replace
 from xml.etree import ElementTree

@@ -1,4 +1,4 @@
-"""Maps on disk: saving and loading are inverse, a damaged map is refused, nothing is unpickled or half-written."""
+"""Maps on disk: loading inverts saving, damaged maps are refused, nothing is unpickled and nothing half-written."""
 
 import dataclasses
 import errno
@@ -20,7 +20,7 @@ def lexis_map(rng):
 
 
 def assert_same(a, b):
-    """Equal in every field, arrays in type too."""
+    """Assert that two maps are equal in every field, and that arrays have the same types."""
     if dataclasses.is_dataclass(a):
         assert type(a) is type(b)
         for field in dataclasses.fields(a):
@@ -72,7 +72,7 @@ def test_a_failed_save_leaves_nothing(lexis_map, tmp_path, monkeypatch):
 
 
 def rewritten(folder, **changes):
-    """Put other arrays into a map's folder."""
+    """Replace arrays in the folder of a map."""
     with np.load(folder / "arrays.npz") as arrays:
         content = {name: arrays[name] for name in arrays.files}
     np.savez(folder / "arrays.npz", **{k: v for k, v in (content | changes).items() if v is not None})
@@ -143,7 +143,7 @@ def test_what_is_no_map_is_refused(lexis_map, tmp_path, damage):
 
 
 def test_a_compressed_map_is_refused(lexis_map, tmp_path):
-    """Arrays are stored as they are, so that a map never needs more memory than it has bytes on the disk."""
+    """Arrays are stored uncompressed, so that loading a map never needs more memory than the file has bytes."""
     save_map(lexis_map, tmp_path / "map")
     with np.load(tmp_path / "map" / "arrays.npz") as arrays:
         np.savez_compressed(tmp_path / "map" / "arrays.npz", **{name: arrays[name] for name in arrays.files})

@@ -1,4 +1,4 @@
-"""Relabelling: a map's own names give the same map, other names and back too; poses and loops never move."""
+"""Relabelling with a map's own names gives the same map, also via other names; poses and loops never change."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def encoder(rng):
 
 @pytest.fixture
 def lexis_map(rng, encoder):
-    """With the labels that its embeddings have."""
+    """A map with the labels that follow from its embeddings."""
     return relabel(corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25]), NAMES, encoder)
 
 

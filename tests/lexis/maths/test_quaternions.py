@@ -1,4 +1,4 @@
-"""What is written as a quaternion is read as the same matrix, bit by bit."""
+"""A rotation matrix that has been written as a quaternion is read back identically, bit by bit."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -7,7 +7,7 @@ from lexis.maths.quaternions import as_quaternions, as_rotations, pose_rows, pos
 
 
 def rotations(rng):
-    """All over, and about the natural ones: quarter turns, level ones, none."""
+    """Rotations in general, and common special ones: quarter turns, rotations about z, the identity."""
     yaw = np.append(rng.uniform(-4, 4, 5000), np.radians(np.arange(-360, 361, 15)))
     level = Rotation.from_rotvec(yaw[:, None] * [0.0, 0.0, 1.0])
     tilted = level * Rotation.from_rotvec(rng.normal(0.0, 0.01, (len(yaw), 3)))

@@ -1,4 +1,4 @@
-"""Ties: what is equal but for rounding is chosen alike, whatever the order of sums and neighbours."""
+"""Ties: values that differ only by rounding lead to the same choice, whatever the order of summation and of neighbours."""
 
 from dataclasses import replace
 from itertools import permutations
@@ -15,7 +15,7 @@ from lexis.planner import plan
 from lexis.room_labels import label_keyframes, similarities
 
 LAST_BITS = 1e-15
-"""Larger than what another order of summation changes."""
+"""Larger than the change caused by another order of summation."""
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -28,7 +28,7 @@ def test_settled_values_of_any_order_of_summation_are_equal(seed):
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 30), count=st.integers(1, 9))
 def test_nearest_points_are_the_first_by_distance_then_index(seed, n, count):
-    """On a grid most distances occur several times."""
+    """On a grid, most distances occur several times."""
     points = np.random.default_rng(seed).integers(0, 4, (n, 2)).astype(float)
     found = nearest_others(points, count)
     for i, row in enumerate(found):
@@ -38,7 +38,7 @@ def test_nearest_points_are_the_first_by_distance_then_index(seed, n, count):
 
 
 def test_steps_that_add_up_to_a_spacing_reach_it_in_every_order(rng):
-    """Sums of 0.1 m fall short of 0.3 m, or exceed it, by the last bit."""
+    """Sums of 0.1 m fall short of 0.3 m or exceed it by the last bit, depending on the order."""
     for _ in range(100):
         steps = rng.uniform(0.0, 1.0, 8)
         spacing = float(np.sum(steps))
@@ -47,20 +47,20 @@ def test_steps_that_add_up_to_a_spacing_reach_it_in_every_order(rng):
 
 
 def test_nearest_points_do_not_depend_on_the_last_bits_of_positions(rng):
-    """A walk at constant speed: the keyframe before and the one after are equally near."""
+    """On a walk at constant speed, the previous and the next keyframe are equally near."""
     points = np.stack([0.5 * np.arange(40), np.zeros(40), np.zeros(40)], axis=1)
     shaken = points + rng.uniform(-LAST_BITS, LAST_BITS, points.shape)
     assert (nearest_others(points, 4) == nearest_others(shaken, 4)).all()
 
 
 def plans(lexis_map):
-    """All plans between labels."""
+    """All plans between two labels."""
     labels = sorted({room.label for room in lexis_map.rooms})
     return {pair: plan(lexis_map, *pair).keyframes for pair in permutations(labels, 2)}
 
 
 def test_a_saved_map_plans_as_the_live_one_does(rng, tmp_path):
-    """Embeddings are stored in single precision; what follows from them is the same for the live map and the loaded one."""
+    """Embeddings are stored in single precision. The live map and the loaded one must still lead to the same decisions."""
     built = corridor_with_offices(rng)
     text = rng.normal(size=(3, 16)).astype(np.float32)
     scores = similarities(np.array([keyframe.embedding for keyframe in built.keyframes]), text)
@@ -71,8 +71,8 @@ def test_a_saved_map_plans_as_the_live_one_does(rng, tmp_path):
     assert plans(loaded) == plans(live)
 
 
-def test_of_ways_that_are_equally_long_the_same_is_taken_whatever_the_last_bits(rng):
-    """Round a square block, both ways are equally long."""
+def test_the_choice_of_equally_long_paths_does_not_depend_on_the_last_bits(rng):
+    """Around a square block, both paths are equally long."""
     side = np.arange(0.0, 3.0, 0.5)
     zero, end = np.zeros(6), np.full(6, 3.0)
     x = np.concatenate([side, end, 3.0 - side, zero])
@@ -90,7 +90,7 @@ def test_of_ways_that_are_equally_long_the_same_is_taken_whatever_the_last_bits(
 
 
 def test_labels_do_not_depend_on_the_last_bits(rng):
-    """A walk up and down a corridor at constant speed, with images that repeat exactly: ties everywhere."""
+    """A walk along a corridor and back at constant speed, with images that repeat exactly, gives ties everywhere."""
     x = np.concatenate([np.arange(20), np.arange(20)[::-1]]) * 0.5
     positions = np.stack([x, np.zeros(40), np.zeros(40)], axis=1)
     scores = rng.choice([0.1, 0.2, 0.3], (40, 3))

@@ -1,4 +1,4 @@
-"""Calibrations: what is saved is loaded, what is damaged or another encoder's is refused, the shipped one is mini's."""
+"""Calibrations: loading inverts saving, damaged or foreign ones are refused, and the shipped one belongs to `mini`."""
 
 import json
 from dataclasses import replace
@@ -29,7 +29,7 @@ def encoder():
     return ReadingEncoder(VECTORS, ENCODER)
 
 
-def test_at_the_threshold_it_is_even_and_a_temperature_above_the_odds_are_e(encoder):
+def test_the_probability_is_a_half_at_the_threshold_and_the_odds_are_e_a_temperature_above(encoder):
     texts = ("office", "desk", "moon")
     questions = encoder.encode_texts(texts)
     np.testing.assert_allclose(familiarity(questions, CALIBRATION.room_names, encoder), [1.0, 0.6, 0.0], atol=1e-6)
@@ -43,7 +43,7 @@ def test_loading_gives_back_what_was_saved(encoder, tmp_path):
     assert load_calibration(tmp_path / "c.json") == CALIBRATION == calibration_of(encoder, tmp_path / "c.json")
 
 
-def test_of_other_weights_a_given_one_is_refused_and_the_shipped_one_left_alone(tmp_path):
+def test_a_given_calibration_of_other_weights_is_refused_and_the_shipped_one_ignored(tmp_path):
     other = ReadingEncoder(VECTORS, replace(ENCODER, fingerprint="1" * 64))
     save_calibration(CALIBRATION, tmp_path / "c.json")
     with pytest.raises(LexisError, match="fitted to weights 00000000, and those of 'test' are 11111111"):
@@ -52,7 +52,7 @@ def test_of_other_weights_a_given_one_is_refused_and_the_shipped_one_left_alone(
 
 
 def test_the_shipped_one_is_that_of_the_shipped_weights():
-    """Else: lexis-sim calibrate-queries."""
+    """If this fails, run lexis-sim calibrate-queries."""
     assert load_calibration(MINI_CALIBRATION).fingerprint == load_encoder("mini").fingerprint
 
 

@@ -1,4 +1,4 @@
-"""Questions in free words: what fits best comes first, probabilities order as similarities do, and nothing may fit."""
+"""Queries in free text: the best match comes first, probabilities are ordered as similarities, and there may be no match."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ def lexis_map(rng):
 
 
 def encoder_for(lexis_map, keyframe):
-    """Every text reads as the keyframe looks, "office" as nothing in particular."""
+    """An encoder that gives every text the embedding of the keyframe, and "office" an unrelated one."""
     vectors = {"what it shows": lexis_map.keyframes[keyframe].embedding, "office": np.eye(16, dtype=np.float32)[0]}
     return ReadingEncoder(vectors, ENCODER)
 
@@ -64,7 +64,7 @@ def test_probabilities_order_rooms_as_similarities_do_and_say_when_nothing_fits(
 
 
 class OneVector(ReadingEncoder):
-    """Reads every text as one vector."""
+    """Encodes every text as the same vector."""
 
     def __init__(self, vector):
         super().__init__({}, ENCODER)
@@ -74,7 +74,7 @@ class OneVector(ReadingEncoder):
         return np.tile(self.vector, (len(texts), 1))
 
 
-def test_what_is_not_wanted_ranks_the_other_way_round_with_the_probability_of_the_contrary(lexis_map):
+def test_a_negated_query_ranks_in_reverse_with_complementary_probabilities(lexis_map):
     encoder = OneVector(lexis_map.keyframes[34].embedding)
     wanted, unwanted = (ask(lexis_map, text, encoder, calibration(0.2)) for text in ("a kitchen", "not a kitchen"))
     assert [fit.room.id for fit in unwanted.rooms] == [fit.room.id for fit in wanted.rooms][::-1]
@@ -85,7 +85,7 @@ def test_what_is_not_wanted_ranks_the_other_way_round_with_the_probability_of_th
     assert [fit.keyframe for fit in unwanted.keyframes] == [fit.keyframe for fit in wanted.keyframes][::-1]
 
 
-def test_of_two_readings_the_one_that_fits_a_room_counts(lexis_map, rng):
+def test_the_better_of_two_readings_counts(lexis_map, rng):
     class Bathroom(OneVector):
         def encode_texts(self, texts):
             seen = lexis_map.keyframes[34].embedding
@@ -119,7 +119,7 @@ def test_another_encoder_and_a_blank_question_are_refused(lexis_map):
 
 @pytest.mark.slow
 def test_everyday_questions_to_a_rendered_home_are_answered():
-    """Where the books are is not among them: the shipped encoder does not see books, as its card says."""
+    """Questions about books are left out: the shipped encoder does not recognise books, as its model card says."""
     finished = run(RunConfig(preset="home", seed=601))
     encoder = load_encoder("mini")
     rooms = true_rooms(finished.house, finished.map, finished.true_poses)

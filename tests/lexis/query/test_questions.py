@@ -1,4 +1,4 @@
-"""Questions: how they are asked makes no difference, and what they say does."""
+"""Questions: the wording makes no difference, the content does."""
 
 import string
 
@@ -87,7 +87,7 @@ def test_a_relative_clause_is_no_negation():
     assert not question.negated and question.readings[0][0] == "keep things that are not needed"
 
 
-def test_what_serves_a_need_is_asked_for_too_unless_it_is_said():
+def test_a_need_also_asks_for_things_that_serve_it_unless_they_are_named():
     assert [reading[0] for reading in read_question("I need the toilet").readings] == ["toilet", "bathroom"]
     assert len(read_question("a bathroom with a toilet").readings) == 1
     assert len(read_question("not a toilet").readings) == 1
@@ -110,7 +110,7 @@ def test_any_text_is_read_or_refused(text):
 
 @given(st.lists(PLAIN_WORDS, min_size=1, max_size=4).map(" ".join))
 def test_reading_what_was_read_changes_nothing(words):
-    """Its first caption is the content: asked for again, it is the same content."""
+    """The first caption of a question is its content: parsing that again gives the same content."""
     text = f"where can I find the {words}"
     try:
         content = read_question(text).readings[0][0]

@@ -1,4 +1,4 @@
-"""ORB bag-of-words: nearest words by brute force, and images that find themselves again."""
+"""ORB bag-of-words: nearest words agree with brute force, and images are found again."""
 
 from types import SimpleNamespace
 
@@ -58,7 +58,7 @@ def test_too_few_descriptors_are_an_error():
         OrbWords.learned([np.zeros((180, 240, 3), np.uint8)], np.random.default_rng(0), WORDS)
 
 
-def test_the_vocabulary_is_kept_and_a_damaged_one_is_said_so(tmp_path, monkeypatch):
+def test_the_vocabulary_is_cached_and_a_damaged_one_is_reported(tmp_path, monkeypatch):
     images = np.array([textured(seed) for seed in range(12)])
     monkeypatch.setattr(module, "frames_of_house", lambda draw, views: SimpleNamespace(images=images))
     learned = orb_vocabulary(tmp_path)

@@ -1,4 +1,4 @@
-"""bench encoders: figures of an encoder that knows what it is said to know, and the tables that are made of them."""
+"""bench encoders: figures of an encoder with known abilities, and the tables made of them."""
 
 import csv
 import zlib
@@ -28,7 +28,7 @@ ROOMS = np.repeat([0, 3, 5, 7], 6)
 
 
 class Knowing:
-    """Reads the room off the pixels; knows trained names and activities, and nothing else."""
+    """Reads the room from the pixels, and knows only the trained names and activities."""
 
     def __init__(self, temperature):
         self.temperature = temperature
@@ -70,17 +70,17 @@ def test_what_an_encoder_knows_counts_and_what_it_does_not_know_is_chance():
         assert row.held_out_names < 0.7 and row.held_out_questions < 0.7
         assert row.ceiling is None and row.recall_orb is None
         assert row.calibration_error < 1e-3
-        assert row.recall is not None and row.recall < 1.0  # the room is known, not the place in it
+        assert row.recall is not None and row.recall < 1.0  # the room can be recognised, but not the place within it
 
 
-def test_doubt_of_what_is_right_is_a_calibration_error_and_encoders_do_not_mix():
+def test_low_confidence_in_correct_labels_is_a_calibration_error():
     sure, doubting = measured(Knowing(0.1), Knowing(10.0))
     assert [house.row.accuracy for house in doubting] == [1.0, 1.0]
     assert overall_calibration_error(doubting) > 0.6 > 1e-3 > overall_calibration_error(sure)
 
 
 class Opposed(Knowing):
-    """Takes one held-out name of a label for the label, and another one for its opposite."""
+    """Takes one held-out name of a label for the label itself, and another one for its opposite."""
 
     def __init__(self, label):
         super().__init__(0.1)

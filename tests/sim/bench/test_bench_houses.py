@@ -1,4 +1,4 @@
-"""The houses of a benchmark are those of the preset; with an openness, the same houses with other inner walls."""
+"""The houses of a benchmark are those of the preset; with an openness, only the openings in inner walls differ."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The memory that is reported is that of the program measured."""
+"""The reported memory is that of the measured program."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ def test_a_large_parent_does_not_count():
     assert int(child.stdout) + held.nbytes / 2 < peak_memory()
 
 
-def test_what_was_given_back_counts():
+def test_released_memory_counts_in_the_peak():
     before = peak_memory()
     np.ones(200_000_000 // 8).sum()
     assert peak_memory() >= max(before, 200_000_000)

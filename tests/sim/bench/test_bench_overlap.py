@@ -1,4 +1,4 @@
-"""What `bench speed` says of rendering and LEXIS at once."""
+"""The report of `bench speed` on rendering and LEXIS running at the same time."""
 
 import pytest
 from helpers.blind_encoder import BlindEncoder

@@ -1,4 +1,4 @@
-"""Runs that encoders are measured on: keyframes, looks, questions that truly have one answer, and files."""
+"""The runs on which encoders are measured: keyframes, image variants, questions with exactly one answer, and files."""
 
 from dataclasses import replace
 
@@ -44,7 +44,7 @@ def test_trained_looks_are_the_values_of_the_held_out_ones_in_pairs_that_are_not
         assert sorted(held_out) == sorted(trained)
 
 
-def test_runs_are_kept_in_a_folder_and_damaged_ones_are_said_so(tmp_path, monkeypatch):
+def test_runs_are_cached_in_a_folder_and_damaged_ones_are_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "_rendered", lambda draw: painted_run(draw.seed))
     (first,) = encoder_runs("uh2-apt", [SEED], tmp_path)
     monkeypatch.delattr(module, "_rendered")

@@ -1,4 +1,4 @@
-"""Recall@1 of revisits, against its definition taken word by word."""
+"""Recall@1 of revisits, compared with a literal implementation of its definition."""
 
 import numpy as np
 import pytest
@@ -46,13 +46,13 @@ def test_agrees_with_the_definition(seed):
     assert share(found_at_1(descriptors, T_W_B, STAMPS, groups)) == pytest.approx(by_definition(descriptors, T_W_B, groups))
 
 
-def test_who_knows_the_place_finds_it_and_who_knows_only_the_moment_does_not():
+def test_place_embeddings_find_revisits_and_time_embeddings_do_not():
     place = np.tile(np.arange(20), 2)
     T_W_B = poses(2.0 * place, 0.0 * place, 0.0 * place)
     where, when = unit(np.eye(20)[place] + 0.1), unit(np.column_stack([np.cos(STAMPS / 40), np.sin(STAMPS / 40)]))
     assert share(found_at_1(where, T_W_B, STAMPS)) == 1.0
     assert share(found_at_1(when, T_W_B, STAMPS)) < 0.2
-    assert share(found_at_1(where, T_W_B, STAMPS, np.arange(40))) == 0.0  # alone in its room: nothing to find
+    assert share(found_at_1(where, T_W_B, STAMPS, np.arange(40))) == 0.0  # alone in its room: no match exists
 
 
 def test_a_walk_that_never_comes_back_has_no_recall():

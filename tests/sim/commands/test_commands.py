@@ -1,4 +1,4 @@
-"""Every command of both console scripts: its help has an example that it understands; bad input costs one line, status 2."""
+"""All commands of both console scripts: the examples in the help can be parsed; bad input gives one line and status 2."""
 
 import argparse
 import re
@@ -15,7 +15,7 @@ ROOTS = {name: console.parser() for name, console in CONSOLES.items()}
 
 
 def tree(parser):
-    """The parser and all below it."""
+    """The parser and all parsers of subcommands below it."""
     yield parser
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
@@ -24,7 +24,7 @@ def tree(parser):
 
 
 def examples(parser):
-    """Command lines of its help, without what a shell does with their output."""
+    """The command lines in the help of a parser, without pipes and redirections."""
     shown = re.split("^examples?:\n", parser.epilog, flags=re.MULTILINE)[1].split("\n\n")[0]
     return [shlex.split(line.split(" > ")[0]) for line in shown.splitlines()]
 

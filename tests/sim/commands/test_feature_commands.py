@@ -1,4 +1,4 @@
-"""The commands of feature fidelity: bad input costs one line."""
+"""The commands of feature fidelity: bad input gives one line."""
 
 import pytest
 

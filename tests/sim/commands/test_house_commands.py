@@ -1,4 +1,4 @@
-"""`lexis-sim house`: every option reaches the house, every problem is named, and bad files cost a line and nothing else."""
+"""`lexis-sim house`: every option takes effect, every problem is named, and bad files give one line and nothing else."""
 
 import json
 import os
@@ -185,7 +185,7 @@ def test_bad_arguments_cost_a_line_and_leave_nothing(argv, message, here, capsys
     assert not (here / "h.json").exists()
 
 
-def test_who_stops_reading_is_not_answered_with_a_traceback():
+def test_a_reader_that_closes_the_pipe_causes_no_traceback():
     code = "import sys; from sim.cli import main; sys.exit(main(['house', 'schema']))"
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     process.stdout.close()
@@ -209,7 +209,7 @@ def test_cases_cover_every_family_plain_and_as_open_and_cluttered_as_can_be():
     ("changed", "why"),
     [({"seconds": 9.0}, None), ({"digest": "other"}, "is another house when generated again"), ({"failure": "x"}, "x")],
 )
-def test_a_failure_and_a_difference_are_told(changed, why, monkeypatch):
+def test_a_failure_and_a_difference_are_reported(changed, why, monkeypatch):
     made = worlds._Made(0.1, "digest", None)
     monkeypatch.setattr(worlds, "ProcessPoolExecutor", InTurn)
     monkeypatch.setattr(worlds, "_make", lambda case, first: replace(made, **changed) if first else made)
@@ -217,7 +217,7 @@ def test_a_failure_and_a_difference_are_told(changed, why, monkeypatch):
 
 
 class InTurn:
-    """An executor that works here and now."""
+    """An executor that runs everything at once in this process."""
 
     def __init__(self, *_):
         pass

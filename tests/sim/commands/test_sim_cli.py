@@ -1,4 +1,4 @@
-"""`lexis-sim`: bad input costs one line and exit status 2, and leaves nothing behind."""
+"""`lexis-sim`: bad input gives one line and exit status 2, and leaves no files behind."""
 
 import json
 import re
@@ -113,7 +113,7 @@ def test_help_has_an_example(words, capsys):
     ("module", "heavy"), [("sim.cli", {"torch", "open_clip", "mujoco", "gtsam"}), ("sim.harness", {"torch", "open_clip"})]
 )
 def test_help_and_runs_without_pixels_wait_for_nothing_heavy(module, heavy):
-    """In a process of its own: here everything is imported already."""
+    """This runs in a separate process, because here everything is already imported."""
     code = f"import sys, {module}; print(*{heavy} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() == []
 

@@ -1,4 +1,4 @@
-"""Faults of the stream: what they change is what they say, and the truth records it."""
+"""Faults of the stream: each changes what its name says, and the truth records it."""
 
 from dataclasses import fields, replace
 
@@ -37,7 +37,7 @@ def ids(faults):
 
 
 def images(n, size=(24, 32)):
-    """Smooth, textured, no two alike."""
+    """Smooth, textured images, no two of which are alike."""
     rng = np.random.default_rng(1)
     blobs = [cv2.GaussianBlur(rng.random((*size, 3), dtype=np.float32), (0, 0), 1.5) for _ in range(n)]
     return [np.clip(255 * (0.5 + 4.0 * (blob - 0.5)), 1, 254).astype(np.uint8) for blob in blobs]
@@ -256,7 +256,7 @@ def test_nan_for_single_frames(clean):
     assert lost.mean() == pytest.approx(0.1, abs=0.06) and is_rigid(T[~lost]).all()
 
 
-def test_kidnapped_body_is_elsewhere_and_nobody_notices(clean):
+def test_a_kidnapped_body_is_elsewhere_and_the_odometry_does_not_show_it(clean):
     pairs = run(clean, Kidnap(10.0, skip_s=5.0))
     np.testing.assert_array_equal(indices(pairs), [*range(100), *range(150, FRAMES)])
     np.testing.assert_allclose(np.diff(stamps(pairs)), FRAME_S)
@@ -308,7 +308,7 @@ def test_bad_faults_say_what_is_valid(text, message):
         parse_fault(text)
 
 
-def test_a_bare_value_is_the_first_field():
+def test_a_fault_given_as_a_bare_value_sets_its_first_field():
     assert parse_fault("dropped:0.3,burst=2") == Dropped(0.3, burst=2)
     assert parse_fault("kidnap:30") == Kidnap(30.0)
     assert parse_fault("person:12") == FAULTS["person"](at_s=12.0)

@@ -1,4 +1,4 @@
-"""Faults of the world: what moves stays possible, and is seen when the truth says so."""
+"""Faults of the world: moved objects stay physically possible, and are visible when the truth says so."""
 
 from itertools import combinations
 
@@ -33,7 +33,7 @@ def tour(house):
 
 @pytest.fixture(scope="module")
 def flat():
-    """A house that is rendered in a tenth of the time."""
+    """A house that renders ten times faster."""
     return build_house(sample_from_rooms(("kitchen", "bedroom"), seed=22))
 
 
@@ -44,7 +44,7 @@ def flat_tour(flat):
 
 @pytest.fixture(scope="module")
 def short(flat_tour):
-    """Frames from all along the tour."""
+    """Frames from the whole length of the tour."""
     k = np.linspace(0, len(flat_tour.stamps) - 1, FRAMES).astype(int)
     return Tour(flat_tour.stamps[k], flat_tour.T_W_B[k], flat_tour.motion, flat_tour.eye_height_m)
 
@@ -141,7 +141,7 @@ def test_a_changed_world_is_seen_from_its_time_on(flat, short, clean, fault):
     assert names(pairs) == [(fault.name,) if late else () for late in half]
     seen = changed(clean, pairs)
     assert not seen[~half].any() and seen[half].mean() > 0.2
-    for (a, _), (b, _) in zip(clean, pairs, strict=True):  # and no fault moves the odometry
+    for (a, _), (b, _) in zip(clean, pairs, strict=True):  # and no fault changes the odometry
         np.testing.assert_array_equal(a.T_O_B, b.T_O_B)
 
 

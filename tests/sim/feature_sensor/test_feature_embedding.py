@@ -1,4 +1,4 @@
-"""The embeddings that the feature sensor draws have the statistics that it was fitted to."""
+"""The embeddings drawn by the feature sensor have the statistics of the data that it was fitted to."""
 
 from dataclasses import replace
 from functools import cache
@@ -59,7 +59,7 @@ def test_without_error_they_are_the_expected_ones(model, views):
 
 
 def test_errors_are_alike_as_the_kernels_say(model, views):
-    """Over many seeds, in one dimension of the error where normalising changes nothing: beside a long, fixed one."""
+    """Checked over many seeds in small dimensions of the error, beside a long fixed one: normalising has no effect there."""
     flat = replace(
         model,
         weights=np.zeros_like(model.weights),
@@ -74,7 +74,7 @@ def test_errors_are_alike_as_the_kernels_say(model, views):
 
 
 class Labels:
-    """Room labels as dimensions."""
+    """An encoder whose dimensions are room labels."""
 
     name = fingerprint = "labels"
 
@@ -87,7 +87,7 @@ class Labels:
 
 @pytest.fixture(scope="module")
 def truth():
-    """An encoder that sees furniture and where it belongs, and errs by whole rooms and from place to place."""
+    """An encoder that recognises furniture and its typical room, with errors per room and per place."""
     weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
     for kind in CATALOGUE.values():
         weights[KINDS.index(kind.name), [ROOM_LABELS.index(label) for label in kind.rooms]] = 1.0
@@ -97,7 +97,7 @@ def truth():
 
 
 def drawn_samples(model, seeds, frames):
-    """Not normalised: the fit is of what is drawn before."""
+    """Samples before normalisation, as the fit describes them."""
     for seed in seeds:
         views, poses = seen(seed, frames)
         errors = error_scores(model, views, poses, (seed,)) @ model.errors
@@ -106,7 +106,7 @@ def drawn_samples(model, seeds, frames):
 
 @pytest.fixture(scope="module")
 def fitted(truth):
-    """From frames that are nearer to each other than the narrowest kernel is wide, so that it is told from the next."""
+    """A model fitted to frames that are closer together than the narrowest kernel is wide, so that it is identifiable."""
     return fit_embedding(list(drawn_samples(truth, range(14), 80)), Labels())
 
 

@@ -1,4 +1,4 @@
-"""Loops without key points: confirmed at the fitted rates, by what two views truly share."""
+"""Loops without key points: they are confirmed at the fitted rates, from the surfaces that two views truly share."""
 
 from dataclasses import replace
 
@@ -84,7 +84,7 @@ def graph_of(count):
 
 
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
-    """Edges between equal views, by query."""
+    """Loop edges between equal views, by query."""
     here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32))
     verifier = CovisibilityVerifier(chosen, lambda index: here, RayGrid(*np.float32([[-0.5, 0.5]] * 2)), seed)
     graph = graph_of(matches + queries)
@@ -102,7 +102,7 @@ def test_the_rate_of_success_is_the_fitted_one(house, log_odds, query_share):
     assert found / 600 == pytest.approx(chance, abs=0.09 if query_share else 0.06)
 
 
-def test_candidates_of_a_query_share_its_luck(house):
+def test_candidates_of_a_query_share_a_random_effect(house):
     apart, together = (np.var([len(e) for e in confirmed(house, model(0.0, share), queries=80)]) for share in (0.0, 0.9))
     assert together > 3.0 * apart
 
@@ -121,7 +121,7 @@ def test_nothing_in_common_is_never_truly_confirmed(house):
     assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE) == []
 
 
-def test_the_word_on_a_pair_depends_on_that_pair_and_the_seed(house):
+def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
     first, again, other = (confirmed(house, model(), seed) for seed in (1, 1, 2))
     names = [[[edge.match for edge in edges] for edges in found] for found in (first, again, other)]
     assert names[0] == names[1] != names[2]
@@ -131,7 +131,7 @@ def test_the_word_on_a_pair_depends_on_that_pair_and_the_seed(house):
     assert sorted(edge.match for edge in back) == sorted(edge.match for edge in first[0])
 
 
-def test_the_odometry_still_has_its_say(house):
+def test_an_edge_that_contradicts_the_odometry_is_refused(house):
     here = sight(house, 2.0, 2.5, 0.3)
     verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, GRID, 1), graph_of(2)
     assert len(verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE)) == 1
@@ -146,7 +146,7 @@ def test_logistic_regression_finds_its_weights(rng):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
-def test_fitting_finds_the_luck_that_a_query_s_candidates_share(rng, share):
+def test_fitting_recovers_the_random_effect_of_queries(rng, share):
     queries, each = 1500, 5
     covisibility = rng.uniform(0.05, 0.9, queries * each)
     rows = np.column_stack([np.ones_like(covisibility), covisibility, covisibility**2, *np.zeros((2, queries * each))])
@@ -162,6 +162,6 @@ def test_fitting_finds_the_luck_that_a_query_s_candidates_share(rng, share):
     np.testing.assert_allclose(fitted.probability(rows), chance, atol=0.08)
 
 
-def test_sights_are_not_needed_where_nothing_is_proposed(house):
+def test_without_candidates_no_view_is_computed(house):
     verifier, graph = CovisibilityVerifier(model(), lambda index: pytest.fail("asked"), GRID, 1), graph_of(1)
     assert verifier(graph.keyframes[0], [], graph, CAMERA, replace(ANYWHERE, max_edges=1)) == []

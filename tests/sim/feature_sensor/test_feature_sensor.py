@@ -1,4 +1,4 @@
-"""Runs on features: the whole of LEXIS without a pixel, and without the truth."""
+"""Runs on simulated features: all of LEXIS without a single pixel, and without access to the truth."""
 
 from dataclasses import fields, replace
 
@@ -31,7 +31,7 @@ CONFIG = RunConfig(house=HOUSE, seed=5, fidelity="features", frame_rate_hz=2.5, 
 
 
 class LabelEncoder:
-    """Sees nothing in images; reads the labels of rooms as the dimensions of `fitted`."""
+    """Recognises nothing in images; encodes the labels of rooms as the dimensions of `fitted`."""
 
     name = fingerprint = "labels"
 
@@ -44,7 +44,7 @@ class LabelEncoder:
 
 @pytest.fixture(scope="module")
 def fitted():
-    """Of an encoder that sees what rooms of every label fill, with some error; loops are mostly found."""
+    """A model of an encoder that sees the typical contents of rooms with some error; most loops are found."""
     weights = np.zeros((SIZE, len(ROOM_LABELS)), np.float32)
     weights[LABELS] = np.eye(len(ROOM_LABELS)) / LABEL_WEIGHT
     errors = 0.05 * np.eye(len(ROOM_LABELS), dtype=np.float32)
@@ -191,7 +191,7 @@ def test_the_oracle_labels_by_what_is_truly_in_view(file):
 
 
 def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
-    """Where all frames but one are lost, that one may be labelled perfectly, which says nothing of the other rooms."""
+    """All frames but one are lost. That one may be labelled perfectly, which says nothing about the other rooms."""
     assert finished.unseen_rooms == () and unseen(()) is None
     blind = run(replace(config, faults=(Dropped(1.0),)), LabelEncoder())
     result = evaluate(blind, [])

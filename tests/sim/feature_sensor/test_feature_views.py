@@ -1,4 +1,4 @@
-"""What the feature sensor sees is what the renderer shows, found without it; and it obeys the laws of seeing."""
+"""The feature sensor computes, without the renderer, what the renderer shows, and it obeys the laws of visibility."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def views(house, poses):
 
 @pytest.fixture(scope="module")
 def rendered(house, poses, views):
-    """Shares of every thing, and depths along the sensor's rays, as the renderer has them."""
+    """The share of every object, and the depths along the sensor's rays, from the renderer."""
     scene = build_scene(house, (160, 120), fovy_deg(CAMERA.intrinsics))
     row = {name: i for i, name in enumerate(views.around.names)}
     thing_of = np.array([row.get(name, NOWHERE) for name in scene.object_of_geom] + [NOWHERE])
@@ -57,7 +57,7 @@ def test_rooms_fill_the_share_of_the_image_that_they_fill_when_rendered(views, r
     assert np.median(off) < 0.02 and off.mean() < 0.04
 
 
-def test_things_do_too_as_far_as_they_are_boxes(views, rendered):
+def test_box_shaped_objects_fill_the_share_of_the_image_that_they_fill_when_rendered(views, rendered):
     off = np.abs(views.shares - rendered[0]).sum(axis=1) / 2
     assert np.median(off) < 0.1
     kinds = replace(views, shares=rendered[0]).of_kinds()
@@ -65,7 +65,7 @@ def test_things_do_too_as_far_as_they_are_boxes(views, rendered):
 
 
 def test_depths_are_the_renderers(views, rendered):
-    near = rendered[1] < 30.0  # beyond is the sky
+    near = rendered[1] < 30.0  # the sky lies beyond
     off = np.abs(views.hits.depth[near] - rendered[1][near]) / rendered[1][near]
     assert np.median(off) < 0.01 and np.mean(off < 0.1) > 0.75
 
@@ -113,7 +113,7 @@ def test_moving_the_whole_house_changes_nothing(house, views, poses):
     there = poses.copy()
     there[:, :2, 3] += shift
     here, away = look(survey(bare), poses, CAMERA), look(survey(moved), there, CAMERA)
-    np.testing.assert_allclose(here.of_rooms(), away.of_rooms(), atol=0.004)  # rays that graze an edge may fall either side
+    np.testing.assert_allclose(here.of_rooms(), away.of_rooms(), atol=0.004)  # rays that graze an edge may hit either side
 
 
 def test_shut_doors_show_no_more_of_other_rooms(house, views, poses):
@@ -121,7 +121,7 @@ def test_shut_doors_show_no_more_of_other_rooms(house, views, poses):
     own = room_at(house, poses[:, :3, 3])
     rows = np.arange(len(poses))
     open_share, shut_share = views.of_rooms()[rows, own], look(survey(shut), poses, CAMERA).of_rooms()[rows, own]
-    # A leaf counts for the room that it swings into, wherever it is seen from.
+    # A leaf counts for the room that it swings into, from wherever it is seen.
     leaf_rooms = look(survey(shut), poses, CAMERA)
     doors = leaf_rooms.shares[:, leaf_rooms.around.kind == KINDS.index("door")].sum(axis=1)
     assert (shut_share + doors >= open_share - 0.01).all() and (shut_share + doors > open_share + 0.01).any()
@@ -133,7 +133,7 @@ def replace_turn(leaf):
     return replace(leaf, turn=0.0, position=position)
 
 
-def test_shares_are_shares(views):
+def test_shares_are_between_zero_and_one_and_add_up(views):
     assert (views.shares >= 0.0).all() and (views.shares.sum(axis=1) <= 1.0 + 1e-5).all()
     np.testing.assert_allclose(views.of_kinds().sum(axis=1), views.shares.sum(axis=1), atol=1e-5)
     np.testing.assert_allclose(views.of_rooms().sum(axis=1), views.shares.sum(axis=1), atol=1e-5)
@@ -147,7 +147,7 @@ def test_names_are_the_renderers(house, views):
 
 
 def test_labels_of_rooms_stand_in_their_columns_of_a_description_and_nowhere_else(views):
-    """What is visible must not tell them: an encoder sees coverings and furniture."""
+    """The visible shares must not contain the labels of rooms: an encoder sees only surfaces and furniture."""
     around = views.around
     others = tuple(replace(room, label="garage") for room in around.house.rooms)
     relabelled = replace(views, around=replace(around, house=replace(around.house, rooms=others)))

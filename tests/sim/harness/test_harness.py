@@ -1,4 +1,4 @@
-"""The whole chain on real renders of a small house, checked against its truth."""
+"""The whole chain on real renders of a small house, compared with its truth."""
 
 import json
 from contextlib import closing
@@ -23,7 +23,7 @@ from worlds.spec import HouseSpec
 
 CONFIG = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
 BRIEF = replace(CONFIG, length_m=24.0, rig=make_rig("stereo", 160, 120))
-"""Too little to be good at, but a run like others."""
+"""A run too short for good results, but otherwise like a full one."""
 CONTRACT = {
     "house": {"rooms", "floors", "area_m2", "openness", "spec"},
     "run": {"path_m", "duration_s", "frames", "keyframes"},
@@ -135,5 +135,5 @@ def test_faults_are_counted_and_what_lexis_refuses_is_left_out():
     json.dumps(result, allow_nan=False)
 
 
-def test_without_faults_nothing_is_said_of_them(result):
+def test_without_faults_the_result_does_not_mention_them(result):
     assert "faults" not in result

@@ -1,4 +1,4 @@
-"""Whole runs through five homes that nothing was trained or tuned on: what a release has to show."""
+"""Whole runs through five homes that were used neither for training nor for tuning: the acceptance test of a release."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""How plans are judged: the path that a drive's length is compared with."""
+"""The judging of plans: the shortest path with which the length of a drive is compared."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from worlds.walkable import UnreachableError, Walkable
 
 
 def office_beside(width_m, opening="open"):
-    """An office of 4 x 3 m, and at x = 4 a kitchen of `width_m` x 3 m; between them nothing, or a wall without a door."""
+    """An office of 4 x 3 m and, at x = 4, a kitchen of `width_m` x 3 m; between them nothing, or a wall without a door."""
     spans = {"office": (0.0, 4.0), "kitchen": (4.0, 4.0 + width_m)}
     rooms = tuple(
         RoomSpec(id=name, label=name, polygon_m=((low, 0.0), (high, 0.0), (high, 3.0), (low, 3.0)))
@@ -37,7 +37,7 @@ def test_the_shortest_path_from_far_inside_the_room_is_none_and_from_its_edge_le
 
 
 def test_the_shortest_path_into_a_narrow_room_ends_where_it_is_deepest():
-    """Nowhere is it half a metre from the walls of a kitchen of 0.9 m."""
+    """No place in a kitchen of 0.9 m width is half a metre away from its walls."""
     walkable = office_beside(0.9)
     start = walkable.nodes[walkable.snap(np.array([2.0, 1.5, 0.0]))]
     assert shortest_into(walkable, start, "kitchen") == pytest.approx(4.45 - start[0], abs=walkable.resolution_m)

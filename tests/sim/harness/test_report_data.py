@@ -1,4 +1,4 @@
-"""From a run to what its report shows."""
+"""From a run to the data shown in its report."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ def finished():
 
 
 def test_equal_trajectories_have_equal_curves(finished):
-    """Without loops the optimised trajectory is the odometry, moved as a whole."""
+    """Without loops, the optimised trajectory is the odometry, moved as a whole."""
     table = report_data(finished, {}, []).keyframes
     assert table.odometry_errors.max() > 0.02
     np.testing.assert_allclose(table.optimised_errors, table.odometry_errors, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Integrating the noise-free IMU gives the trajectory back; the noise is the sensor's."""
+"""Integrating the noise-free IMU reproduces the trajectory; the noise has the sensor's parameters."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def motion(request):
 
 
 def integrated(imu, T_W_B, velocity):
-    """Positions and rotations at every stamp, from cubics through four samples each, and two terms of Magnus's series."""
+    """Positions and rotations at every stamp, by cubics through four samples each and two terms of the Magnus expansion."""
     dt = 1.0 / RATE_HZ
     rate = imu.angular_velocity
     turns = Rotation.from_rotvec(dt * step_means(rate) + dt**2 / 12 * np.cross(rate[:-1], rate[1:]))
@@ -38,8 +38,8 @@ def integrated(imu, T_W_B, velocity):
 
 
 def step_means(values):
-    """Means over the steps between samples."""
-    ends = [[4, -6, 4, -1] @ values[:4]], [[-1, 4, -6, 4] @ values[-4:]]  # where the cubic through the last four goes on
+    """Mean values over the steps between samples."""
+    ends = [[4, -6, 4, -1] @ values[:4]], [[-1, 4, -6, 4] @ values[-4:]]  # the cubic of the last four samples, extrapolated
     wide = np.concatenate([ends[0], values, ends[1]])
     return (13 * (wide[1:-2] + wide[2:-1]) - wide[:-3] - wide[3:]) / 24
 
@@ -49,7 +49,7 @@ def summed(steps):
 
 
 def test_integrating_gives_the_trajectory_back(motion):
-    """Within 1 mm and 0.001 degrees after each of three minutes, at 200 Hz."""
+    """The error stays below 1 mm and 0.001 degrees over three minutes at 200 Hz."""
     imu = ideal_imu(motion)
     for start in range(0, 3 * 60 * RATE_HZ, 60 * RATE_HZ):
         part = Imu(*(getattr(imu, name)[start : start + 60 * RATE_HZ + 1] for name in vars(imu)))
@@ -81,7 +81,7 @@ def test_noise_has_the_sensors_densities_whatever_the_rate(rate_hz, rng):
 
 
 def test_the_turn_on_bias_is_recovered_at_standstill():
-    """The mean over a minute at rest is the bias, which is stated; the noise is that of the sensor without it."""
+    """The mean over a minute at rest is the stated bias; the remaining noise is that of the sensor without the bias."""
     still, quiet = silence(60 * RATE_HZ, 200.0), ImuConfig(gyroscope_walk=0.0, accelerometer_walk=0.0)
     biased = replace(quiet, gyroscope_turn_on=TURN_ON[0], accelerometer_turn_on=TURN_ON[1])
     plain, imu = (corrupted(still, config, np.random.default_rng(3)) for config in (quiet, biased))

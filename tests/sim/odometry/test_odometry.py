@@ -57,7 +57,7 @@ def test_starts_at_the_truth_and_increments_lead_from_pose_to_pose(preset, rng):
 
 
 def nees(error, covariance):
-    """Per degree of freedom."""
+    """Normalised estimation error squared (NEES), per degree of freedom."""
     return np.einsum("...i,...ij,...j", error, np.linalg.inv(covariance), error) / 6.0
 
 
@@ -189,7 +189,7 @@ def test_perfect_does_not_drift_along_a_tour(tours):
 
 
 def rpe(T_W_B, T_O_B, length_m):
-    """Mean relative pose error over stretches of a length: [m], [deg]."""
+    """Mean relative pose error over path segments of a given length: [m], [deg]."""
     s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(T_W_B[:, :3, 3], axis=0), axis=1)))
     start = np.arange(0, np.searchsorted(s, s[-1] - length_m), 10)
     end = np.searchsorted(s, s[start] + length_m)

@@ -1,4 +1,4 @@
-"""A recording replays to the map of the live run, in every form; its sensors agree with each other and with the truth."""
+"""Recordings replay to the map of the live run in every format; their sensors agree with each other and with the truth."""
 
 import csv
 import errno
@@ -37,14 +37,14 @@ from worlds.spec import HouseSpec
 CONFIG = RunConfig(
     house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
 )
-"""The shortest of walks with loops."""
+"""The shortest walk that has loops."""
 REST = 20
-"""Frames at rest at the start."""
+"""Number of frames at rest at the start."""
 TRUTH = ("house.json", "rooms.json", "groundtruth.txt", "state_groundtruth_estimate0", "depth*")
 LOSSLESS = [("euroc", "png"), ("tum", "png"), ("ros2", "raw"), ("mcap", "png")]
 SILENT, SLOW = ImuConfig(200.0, 0.0, 0.0, 0.0, 0.0), ImuConfig(20.0)
 IMUS = {("euroc", "jpg"): SILENT, ("ros2", "raw"): SLOW, ("mcap", "png"): SLOW}
-"""Of recordings whose IMU is another than EuRoC's."""
+"""Settings of recordings whose IMU differs from that of EuRoC."""
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +59,13 @@ def live(encoder):
 
 @pytest.fixture(scope="module")
 def frames():
-    """All that any form holds, rendered once."""
+    """The contents of every format, rendered once."""
     return list(prepare(CONFIG).frames(("cam1",), depth=True))
 
 
 @pytest.fixture(scope="module")
 def recordings(frames, tmp_path_factory):
-    """Folders by form and kind of images, each recorded once."""
+    """Folders of recordings by format and kind of images, each recorded once."""
     root, made = tmp_path_factory.mktemp("recordings"), {}
 
     def make(form, images):
@@ -86,7 +86,7 @@ BIASED = replace(SILENT, gyroscope_turn_on=0.01, accelerometer_turn_on=0.2)
 
 @pytest.fixture(scope="module")
 def on_an_arm(tmp_path_factory):
-    """Folders by form, of cameras away from the IMU and distorted, of an IMU with turn-on biases; with their frames."""
+    """Recordings by format, with distorted cameras away from the IMU and an IMU with turn-on biases; and their frames."""
     config, root = replace(CONFIG, rig=ARM), tmp_path_factory.mktemp("arm")
     frames = list(prepare(config, distortion=LENS).frames(("cam1",), depth=True))[::FEWER]
 
@@ -101,12 +101,12 @@ def on_an_arm(tmp_path_factory):
 
 
 FEWER = 5
-"""One of so many frames is kept where only images and calibrations are looked at."""
+"""Every this-many-th frame is kept where a test looks only at images and calibrations."""
 
 
 @pytest.fixture(scope="module")
 def replay(encoder, tmp_path_factory):
-    """The map that `lexis run` makes of a recording's folder, less all files in it that hold truth."""
+    """The map that `lexis run` makes of a recording, without the files that contain the truth."""
 
     def run_command(folder):
         root = tmp_path_factory.mktemp("replay")
@@ -123,7 +123,7 @@ def replay(encoder, tmp_path_factory):
 
 
 def content(lexis_map):
-    """A map as nested plain data, without stamps, numbers of frames and times."""
+    """A map as nested plain data, without stamps, frame numbers and times."""
     skipped = {"stamp", "observation_index", "stage_seconds"}
 
     def plain(value):
@@ -148,7 +148,7 @@ def test_replay_gives_the_map_of_the_live_run_bit_by_bit(form, images, recording
 
 
 def test_jpeg_changes_pixels_and_little_else(recordings, live, replay):
-    """Keyframes follow from the odometry, which is exact; labels from images, which are not."""
+    """Keyframes follow from the odometry, which is exact; labels follow from the images, which are not."""
     replayed = replay(recordings("euroc", "jpg"))
     assert [k.T_O_B.tobytes() for k in replayed.keyframes] == [k.T_O_B.tobytes() for k in live.keyframes]
     assert (replayed.labels == live.labels).mean() > 0.8
@@ -162,7 +162,7 @@ def csv_rows(path):
 
 
 def test_euroc_is_laid_out_as_its_readers_expect(recordings):
-    """Names are stamps, which the lists repeat; headers are EuRoC's; the IMU covers all frames, at rest before them."""
+    """File names are stamps, which the lists repeat; headers are EuRoC's; the IMU covers all frames and the rest before."""
     folder = recordings("euroc", "png")
     stamps = (folder / "timestamps.txt").read_text().split()
     for camera in ("cam0", "cam1"):
@@ -188,7 +188,7 @@ def test_euroc_is_laid_out_as_its_readers_expect(recordings):
 
 @pytest.mark.parametrize("rig", ["in the IMU", "on an arm"])
 def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(rig, recordings, on_an_arm):
-    """Integrate the IMU by the midpoint rule over the whole walk, from rest, with the biases taken off."""
+    """The IMU is integrated by the midpoint rule over the whole walk, from rest, after the biases are subtracted."""
     mav = (recordings("euroc", "jpg") if rig == "in the IMU" else on_an_arm("euroc")) / "mav0"
     imu = np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)
     state = np.array(csv_rows(mav / "state_groundtruth_estimate0" / "data.csv")[1], float)
@@ -209,7 +209,7 @@ def test_integrating_the_files_of_a_noise_free_imu_gives_the_walk_back(rig, reco
 
 
 def test_noise_and_biases_of_the_files_are_what_they_say(recordings):
-    """What was measured, less what a noise-free IMU measures and the biases that are stated, is white."""
+    """The measurements minus those of a noise-free IMU and minus the stated biases are white noise."""
     given, silent = (recordings("euroc", images) / "mav0" for images in ("png", "jpg"))
     imu, ideal = (np.array(csv_rows(mav / "imu0" / "data.csv")[1], float)[:, 1:] for mav in (given, silent))
     biases = np.array(csv_rows(given / "state_groundtruth_estimate0" / "data.csv")[1], float)[:, 11:]
@@ -220,7 +220,7 @@ def test_noise_and_biases_of_the_files_are_what_they_say(recordings):
 
 
 def test_stereo_images_and_depth_agree(recordings):
-    """The right image, fetched to the left one by the depth of another recording and both calibrations, looks the same."""
+    """The right image, warped to the left one with the depth of another recording and both calibrations, looks the same."""
     euroc, tum = recordings("euroc", "png"), recordings("tum", "png")
     left, right = (
         np.array(yaml.safe_load((euroc / "mav0" / name / "sensor.yaml").read_text())["T_BS"]["data"]).reshape(4, 4)
@@ -281,7 +281,7 @@ def test_a_bag_says_the_same_as_euroc(recordings):
 
 
 def test_settings_say_what_the_sensors_are(recordings):
-    """Read by what ORB-SLAM3, VINS-Fusion and OpenVINS read them with; the first wants whole numbers where it has them."""
+    """Settings are parsed as ORB-SLAM3, VINS-Fusion and OpenVINS do it; ORB-SLAM3 needs integers where it expects them."""
     folder = recordings("euroc", "png") / "settings"
     files = {path.stem: cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ) for path in folder.iterdir()}
     left, right = (prepare(CONFIG).cameras[name].T_B_C for name in ("cam0", "cam1"))
@@ -298,7 +298,7 @@ def test_settings_say_what_the_sensors_are(recordings):
     own = files[vins.getNode("cam1_calib").string().removesuffix(".yaml")].getNode("projection_parameters")
     assert own.getNode("fx").real() == k.fx == orb.getNode("Camera2.fx").real()
     assert files["kalibr_imu_chain"].getNode("imu0").getNode("update_rate").real() == 200.0
-    # VINS-Fusion adds the noise of a sample times the time step; over a second that is the density.
+    # VINS-Fusion multiplies the noise of a sample by the time step; over one second that gives the density.
     for name, density in (("acc_n", 2.0e-3), ("acc_w", 3.0e-3), ("gyr_n", 1.6968e-4), ("gyr_w", 1.9393e-5)):
         assert np.sqrt(200) * vins.getNode(name).real() / 200 == pytest.approx(density)
 
@@ -332,7 +332,7 @@ def test_openvins_is_given_its_two_other_files(recordings):
 
 @pytest.mark.parametrize("form", ["euroc", "tum", "mcap"])
 def test_lexis_reads_distorted_recordings_as_a_pinhole_s(form, on_an_arm):
-    """It straightens the images: they are those of the live run, but for what two interpolations blur."""
+    """LEXIS rectifies the images, so they equal those of the live run up to the blur of two interpolations."""
     given, k = list(open_dataset(on_an_arm(form))), CONFIG.camera.intrinsics
     live = list(prepare(replace(CONFIG, rig=ARM)).frames())[::FEWER]
     known = cv2.undistort(np.full((k.height, k.width), 255, np.uint8), k.matrix, np.array(LENS.coefficients)) == 255
@@ -344,12 +344,12 @@ def test_lexis_reads_distorted_recordings_as_a_pinhole_s(form, on_an_arm):
 
 
 def test_the_camera_s_path_is_an_arm_away_from_the_imu_s(on_an_arm):
-    """The true states are of the IMU, whose measurements integrate to them; TUM's truth is of the camera."""
+    """The true states are those of the IMU, whose measurements integrate to them; the truth of TUM is that of the camera."""
     states = np.array(csv_rows(on_an_arm("euroc") / "mav0" / "state_groundtruth_estimate0" / "data.csv")[1], float)
     camera = np.array(file_interface.read_tum_trajectory_file(str(on_an_arm("tum") / "groundtruth.txt")).poses_se3)
     np.testing.assert_allclose(camera, poses_of(states[:, [1, 2, 3, 5, 6, 7, 4]]) @ ARM.front.T_B_C, atol=1e-6)
     aside = camera[:, :3, 3] - states[:, 1:4]
-    assert np.linalg.norm(aside.max(axis=0) - aside.min(axis=0)) > 0.1  # it turns with the body
+    assert np.linalg.norm(aside.max(axis=0) - aside.min(axis=0)) > 0.1  # the offset rotates with the body
 
 
 def test_associations_are_pairs_of_files_of_one_instant(recordings):
@@ -388,7 +388,7 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
 
 @pytest.fixture
 def unlit(monkeypatch):
-    """Frames are black, and cost nothing."""
+    """Replaces rendering: frames are black and cost nothing."""
     size = CONFIG.camera.intrinsics.height, CONFIG.camera.intrinsics.width
     monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
     monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
@@ -423,7 +423,7 @@ def test_a_recording_that_fails_leaves_nothing(tmp_path, unlit, monkeypatch):
 
 @pytest.fixture(scope="module")
 def command(tmp_path_factory):
-    """`lexis-sim record`, all but the folder to write."""
+    """The arguments of `lexis-sim record` except the output folder."""
     house = tmp_path_factory.mktemp("house") / "house.json"
     house.write_text(CONFIG.house.to_json())
     return ["record", "--house", str(house), "--length", "13", "--format", "tum", "-o"]
@@ -483,16 +483,16 @@ def test_defects_of_euroc_are_named(damage, says, recordings, tmp_path):
 
 
 def test_another_odometry_is_read_by_name(recordings):
-    """The true states, as if they were an odometry: any sensor of poses will do."""
+    """Uses the true states as odometry: any source of poses works."""
     folder = recordings("euroc", "png")
     dataset = open_dataset(folder, DatasetConfig(odometry="state_groundtruth_estimate0"))
     take = prepare(CONFIG)
-    np.testing.assert_allclose(dataset.T_O_B[REST:], take.walk.tour.T_W_B, atol=2e-3)  # within a sample of the IMU
+    np.testing.assert_allclose(dataset.T_O_B[REST:], take.walk.tour.T_W_B, atol=2e-3)  # within one sample of the IMU
     assert open_dataset(folder, DatasetConfig(camera="cam1")).camera.T_B_C[1, 3] == pytest.approx(-0.11)
 
 
 def test_distorted_images_are_rectified(recordings, tmp_path):
-    """A distortion in the calibration is taken out of the images, pinhole to pinhole."""
+    """A distortion in the calibration is removed from the images, so that they become pinhole images."""
     shutil.copytree(recordings("euroc", "png") / "mav0", tmp_path / "mav0")
     edit(tmp_path / "mav0" / "cam0" / "sensor.yaml", "[0.0, 0.0, 0.0, 0.0]", "[-0.2, 0.05, 0.0, 0.0]")
     path = next((tmp_path / "mav0" / "cam0" / "data").iterdir())

@@ -1,4 +1,4 @@
-"""The renderer: its images, its life time and its limits. `test_render_truth` is about whether they are true."""
+"""The renderer: its images, its lifetime and its limits. `test_render_truth` checks the contents of the images."""
 
 import os
 from concurrent.futures import ProcessPoolExecutor
@@ -36,7 +36,7 @@ def renderer(house):
 
 
 def test_what_stands_in_front_hides_what_is_behind(poses, renderer):
-    """Furniture, walls and floors are all nearer than the far plane wherever something is seen."""
+    """Furniture, walls and floors are all nearer than the far plane wherever anything is visible."""
     for T_W_B in poses:
         seen = renderer.geom_ids(T_W_B) >= 0
         assert (renderer.depth(T_W_B)[seen] < 40.0).all() and seen.any()
@@ -45,7 +45,7 @@ def test_what_stands_in_front_hides_what_is_behind(poses, renderer):
 def test_a_new_renderer_of_the_same_house_gives_the_same_images(house, poses, renderer):
     with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as other:
         theirs = [other.rgb(T) for T in poses]
-    for T_W_B, image in zip(poses, theirs, strict=True):  # and closing the newer one left the older one whole
+    for T_W_B, image in zip(poses, theirs, strict=True):  # closing the newer renderer left the older one intact
         assert np.array_equal(renderer.rgb(T_W_B), image)
 
 
@@ -75,7 +75,7 @@ def test_closing_an_old_renderer_leaves_a_newer_one_whole(house, poses, renderer
     old, new = CameraRenderer(scene, CAMERA), CameraRenderer(scene, CAMERA)
     expected = old.rgb(poses[0])
     old.close()
-    old.close()  # and twice does no harm
+    old.close()  # closing it twice does no harm
     assert np.array_equal(new.rgb(poses[0]), expected)
     new.close()
     with pytest.raises(GraphicsError, match="closed"):
@@ -92,7 +92,7 @@ def test_images_larger_than_the_scenes_are_refused(house, poses):
 
 
 def bare_room():
-    """As cheap a scene as there is."""
+    """The cheapest possible scene."""
     corners = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0))
     room = RoomSpec(id="room", label="office", polygon_m=corners)
     return build_house(HouseSpec(storeys=(StoreySpec(rooms=(room,), windows=(), furniture=()),)))
@@ -115,7 +115,7 @@ def grown_mb(renderers):
         with CameraRenderer(scene, CAMERA) as renderer:
             renderer.rgb(in_the_middle())
         sizes.append(resident_mb())
-    return sizes[-1] - sizes[min(9, renderers // 2)]  # the first ones fill the driver's caches
+    return sizes[-1] - sizes[min(9, renderers // 2)]  # the first renderers fill the driver's caches
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="reads Linux's /proc")

@@ -1,4 +1,4 @@
-"""The choice of the GL back end: the user's word counts, a crash of a driver does not."""
+"""The choice of the OpenGL back end: the user's setting takes precedence, and a crashing driver does no harm."""
 
 import os
 import subprocess
@@ -18,20 +18,35 @@ def unset(monkeypatch):
     return monkeypatch
 
 
-def test_egl_is_preferred_and_osmesa_is_the_fallback(unset):
+@pytest.fixture
+def probe(unset, tmp_path):
+    """A function that replaces the script which tries a back end in a child process."""
+
+    def replace(script):
+        (tmp_path / "gl_probe.py").write_text(script)
+        unset.setattr(gl, "__file__", str(tmp_path / "gl.py"))
+
+    return replace
+
+
+def test_egl_is_preferred_and_osmesa_is_the_fallback(probe, unset):
     assert list(PROBES) == ["egl", "osmesa"]
-    unset.setattr(gl, "_works", lambda backend: backend == "osmesa")
+    probe("")
+    assert gl.choose_backend() == "egl"
+    unset.delenv("MUJOCO_GL")
+    probe("import sys; sys.exit(sys.argv[1] != 'osmesa')")
     assert gl.choose_backend() == "osmesa"
 
 
-def test_the_users_choice_stands(unset):
+def test_the_users_choice_stands(probe, unset, tmp_path):
     unset.setenv("MUJOCO_GL", "glfw")
-    unset.setattr(gl, "_works", lambda backend: pytest.fail("probed"))
+    probe("from pathlib import Path; Path(__file__).with_name('probed').touch()")
     assert gl.choose_backend() == "glfw"
+    assert not (tmp_path / "probed").exists()
 
 
-def test_without_gl_rendering_says_what_to_install_and_the_rest_goes_on(unset):
-    unset.setattr(gl, "_works", lambda backend: False)
+def test_without_gl_rendering_says_what_to_install_and_the_rest_goes_on(probe):
+    probe("raise SystemExit(1)")
     assert gl.choose_backend() == gl.DISABLED
     with pytest.raises(SimError, match="apt-get install libegl1 libgl1-mesa-dri") as error:
         gl.require_rendering()
@@ -39,11 +54,10 @@ def test_without_gl_rendering_says_what_to_install_and_the_rest_goes_on(unset):
 
 
 @pytest.mark.parametrize("fault", ["import os; os.abort()", "raise SystemExit(1)", "import time; time.sleep(60)"])
-def test_a_driver_that_crashes_or_hangs_harms_nobody(unset, tmp_path, fault):
-    (tmp_path / "gl_probe.py").write_text(fault)
-    unset.setattr(gl, "__file__", str(tmp_path / "gl.py"))
-    unset.setattr(gl, "_PROBE_TIMEOUT_S", 0.5)
-    assert not gl._works("egl")
+def test_a_driver_that_crashes_or_hangs_harms_nobody(probe, unset, fault):
+    probe(fault)
+    unset.setattr(gl, "PROBE_TIMEOUT_S", 0.5)
+    assert gl.choose_backend() == gl.DISABLED
 
 
 def test_a_missing_library_is_no_error(monkeypatch):
@@ -88,7 +102,7 @@ def test_failures_of_opengl_say_what_to_do_in_one_line(failure, advice):
 
 
 def test_a_missing_library_is_found_while_mujoco_is_imported():
-    """In a process of its own, whose loader knows no EGL."""
+    """This runs in a separate process, whose dynamic loader finds no EGL."""
     hide = (
         "import ctypes, sys; load = ctypes.CDLL.__init__\n"
         "def refuse(self, name, *rest, **options):\n"

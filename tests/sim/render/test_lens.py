@@ -1,4 +1,4 @@
-"""A lens bends what a pinhole sees exactly as OpenCV has it, and OpenCV's rectification takes the distortion out again."""
+"""A lens distorts a pinhole image exactly as OpenCV's model does, and OpenCV's rectification removes the distortion."""
 
 import cv2
 import numpy as np
@@ -31,7 +31,7 @@ def distortion(request):
 
 @pytest.fixture(scope="module")
 def seen(distortion):
-    """The same view through a pinhole and through the lens, from several places: frames and the lens."""
+    """The lens, and the same views from several viewpoints through a pinhole and through the lens."""
     house = build_house(sample_house("uh2-apt", 3))
     wide, lens = rendered_camera(CAMERA, distortion), Lens(CAMERA.intrinsics, distortion)
     size = max(wide.intrinsics.width, 240), max(wide.intrinsics.height, 180)
@@ -59,7 +59,7 @@ def test_points_are_bent_as_opencv_bends_them(distortion):
 
 
 def test_rectified_by_opencv_it_is_the_pinhole_s_image(distortion, seen):
-    """It differs by what two interpolations blur, and is shifted by less than a tenth of a pixel everywhere."""
+    """The images differ by the blur of two interpolations, and are shifted by less than a tenth of a pixel everywhere."""
     frames, lens = seen
     k = CAMERA.intrinsics
     known = cv2.undistort(np.full((180, 240), 255, np.uint8), k.matrix, np.array(distortion.coefficients)) == 255
@@ -76,7 +76,7 @@ def test_rectified_by_opencv_it_is_the_pinhole_s_image(distortion, seen):
 
 
 def test_depth_and_ids_are_those_of_the_rays(distortion, seen):
-    """A pixel's ray, found by OpenCV, meets the plane at which the pinhole sees it: exact on planes, but at their edges."""
+    """The ray of a pixel, computed by OpenCV, hits the plane that the pinhole camera sees: exactly so, except at edges."""
     frames, lens = seen
     k = CAMERA.intrinsics
     coefficients = np.array(distortion.coefficients)

@@ -1,4 +1,4 @@
-"""A house as MJCF: MuJoCo reads back the meshes and textures of the scene, and what collides is where the house is solid."""
+"""A house as MJCF: MuJoCo reads back the meshes and textures, and collision geometry is where the house is solid."""
 
 import errno
 from pathlib import Path
@@ -25,7 +25,7 @@ def house():
 def loaded(house, tmp_path_factory):
     path = tmp_path_factory.mktemp("mjcf") / "house.xml"
     write_mjcf(house, path)
-    write_mjcf(house, path)  # and over an earlier one
+    write_mjcf(house, path)  # this one replaces an earlier export
     return mujoco.MjModel.from_xml_path(str(path))
 
 
@@ -64,7 +64,7 @@ def test_a_folder_that_is_not_ours_is_left_alone(house, tmp_path):
 
 @pytest.mark.parametrize("at", [".png", ".xml", ".txt"])
 def test_a_full_disk_leaves_nothing_half_written(at, house, tmp_path, monkeypatch):
-    """Whichever file finds no room: textures without their model would look like a house that was exported."""
+    """Whichever file does not fit, nothing remains: textures without a model would look like a complete export."""
 
     def full(path, *_, **__):
         raise OSError(errno.ENOSPC, "No space left on device", str(path))

@@ -1,8 +1,9 @@
-"""What is rendered is true: against MuJoCo's rays, against the analytic house, and against MuJoCo's own plain renderer.
+"""Rendered images are compared with MuJoCo's ray casting, with the analytic house, and with MuJoCo's own plain renderer.
 
-A pixel is drawn of what is behind its centre, but which of two surfaces that is within a rounding of their common edge: so
-pixels are compared where all their neighbours show the same geom, and few others may differ. Depth comes from a 32-bit
-reversed buffer and vertices rounded to 32 bits in frames of some 10 m: a micrometre, and on grazing walls some times that.
+A pixel shows the surface behind its centre. Near a common edge of two surfaces, rounding decides which one that is. Pixels
+are therefore compared where all their neighbours show the same geom, and few others may differ. Depth comes from a 32-bit
+reversed buffer and from vertices rounded to 32 bits in frames of about 10 m: it is accurate to a micrometre, and to a few
+micrometres on walls seen at a grazing angle.
 """
 
 from dataclasses import replace
@@ -49,7 +50,7 @@ def frames(scene, poses):
 
 
 def rays(T_W_B):
-    """From the camera through every pixel, as long as they are deep, by the camera model that LEXIS is given."""
+    """Rays from the camera through every pixel, scaled to unit depth, by the camera model that LEXIS uses."""
     v, u = np.mgrid[: SIZE[1], : SIZE[0]]
     T_W_C = T_W_B @ CAMERA.T_B_C
     in_camera = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(CAMERA.intrinsics.matrix).T
@@ -57,7 +58,7 @@ def rays(T_W_B):
 
 
 def cast(scene, start, directions):
-    """What each ray meets first: geom, and how far in lengths of the direction."""
+    """The first hit of each ray: its geom, and its distance in multiples of the direction's length."""
     count = len(directions)
     geoms, distances = np.zeros(count, np.int32), np.zeros(count)
     flat = np.ascontiguousarray(directions.reshape(-1))
@@ -84,7 +85,7 @@ def test_depth_and_ids_are_those_of_rays(scene, poses, frames):
         agreeing.append(np.mean(geoms[where] == ids[where]))
         same = hit & (geoms == ids)
         worst.append(np.quantile(np.abs(distances - depth)[same] / depth[same], 0.999))
-    # Thin parts of one object lie behind each other under one id, so that a few of a thousand pixels are on inner edges.
+    # Thin parts of one object overlap under one id, so that a few per mille of the pixels lie on edges inside objects.
     assert np.mean(agreeing) > 0.999 and max(worst) < 1e-3
     assert np.median(worst) < 1e-4
 
@@ -109,7 +110,7 @@ def test_shell_pixels_lie_on_the_faces_of_the_house(house, scene, poses, frames)
 
 
 def test_floors_and_ceilings_are_where_the_polygons_are(house, scene, poses, frames):
-    """Of the plan alone: no mesh, no surface."""
+    """Uses the floor plan alone: no mesh and no surfaces."""
     rooms = {room.id: room for room in house.rooms}
     for T_W_B, frame in zip(poses, frames, strict=True):
         start, directions = rays(T_W_B)
@@ -118,13 +119,13 @@ def test_floors_and_ceilings_are_where_the_polygons_are(house, scene, poses, fra
             name, _, kind = scene.object_of_geom[geom].rpartition("/")
             if kind == "floor" and name in rooms:
                 x, y, z = points[frame.geom_ids == geom].T
-                # Grown by what is under the doors, half a wall.
+                # Enlarged by half a wall: the floor under the doors.
                 assert shapely.contains_xy(rooms[name].polygon.buffer(0.051, join_style="mitre"), x, y).all()
                 assert np.abs(z - rooms[name].floor_m).max() < 1e-4
 
 
 def test_rooms_are_segmented_as_the_polygons_say(house, scene, poses, frames):
-    """A pixel of a floor, or of furniture, shows a place that is in the pixel's room."""
+    """A pixel of a floor or of furniture shows a point that lies in the pixel's room."""
     room_of = room_of_geom(house, scene)
     standing = np.array([name.endswith("/floor") or "/" not in name for name in scene.object_of_geom])
     checked = agreeing = 0
@@ -135,12 +136,12 @@ def test_rooms_are_segmented_as_the_polygons_say(house, scene, poses, frames):
         points = (start + directions * frame.depth[..., None])[where]
         agreeing += np.sum(room_at(house, points + [0.0, 0.0, 1e-3]) == room_of[frame.geom_ids[where]])
         checked += len(points)
-    # What hangs over an edge, as a rug in a door way, is in the room that it belongs to.
+    # An object that extends over an edge, such as a rug in a doorway, counts for the room that it belongs to.
     assert checked > 0.2 * len(poses) * SIZE[0] * SIZE[1] and agreeing > 0.99 * checked
 
 
 def test_a_camera_in_a_room_by_the_polygons_is_in_it_by_rays():
-    """Down is the room's floor, up its ceiling, and what is around is its walls or behind one of its openings."""
+    """The ray down hits the room's floor, the ray up its ceiling, and the others its walls or pass through its openings."""
     spec = sample_house("home", 3)
     bare = tuple(storey.model_copy(update={"furniture": (), "windows": ()}) for storey in spec.storeys)
     house = build_house(spec.model_copy(update={"storeys": bare}))
@@ -183,7 +184,7 @@ class _Everything(Visibility):
 
 
 def test_pictures_are_those_of_a_plain_renderer(house, poses):
-    """Of a model with a geom for every part: within 2 grey levels on 99.9 % of the pixels of every view."""
+    """The reference model has a geom for every part. Within 2 grey levels on 99.9 % of the pixels of every view."""
     plain = PlainRenderer(house, CAMERA)
     assert plain.model.ngeom >= 1000
     with CameraRenderer(build_scene(house, SIZE, FOVY), CAMERA) as renderer:

@@ -1,4 +1,4 @@
-"""Rigs: every camera projects known corners where its intrinsics and place say; a fisheye is as true as its pinholes."""
+"""Camera rigs: every camera projects known corners according to its calibration, a fisheye as exactly as a pinhole."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ EYE = (2.5, 2.0, 0.9)
 
 @pytest.fixture(scope="module")
 def box_room():
-    """A bare room of 5 x 4 m, with something square all around its middle."""
+    """An empty room of 5 x 4 m with a square object in the middle of each side."""
     room = RoomSpec(id="room", label="office", polygon_m=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)))
     boxes = tuple(
         FurnitureSpec(
@@ -57,7 +57,7 @@ def test_corners_are_seen_where_they_project_to(box_room, name):
                     if points[:, 2].min() < 0.1 or (low < 2).any() or (high > np.array([k.width, k.height]) - 3).any():
                         continue
                     v, u = np.nonzero(frames[camera].geom_ids == scene.object_of_geom.index(thing))
-                    # A pixel is the thing's if its centre is: all of these lie within, and the outermost within a pixel.
+                    # A pixel shows the object if its centre does, so the outermost are less than a pixel inside its edges.
                     seen_low, seen_high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
                     assert ((seen_low > low - 0.05) & (seen_low < low + 1.3)).all()
                     assert ((seen_high < high + 0.05) & (seen_high > high - 1.3)).all()
@@ -115,7 +115,7 @@ def test_equidistant_rays():
     assert np.allclose(np.linalg.norm(rays, axis=-1), 1.0)
     assert np.allclose(rays[100, 100], [0, 0, 1])
     angle = np.degrees(np.arccos(rays[100, :, 2]))
-    assert np.allclose(np.diff(angle[100:]), 180 / 201)  # the same everywhere
+    assert np.allclose(np.diff(angle[100:]), 180 / 201)  # identical in every direction
     assert valid[100].all() and not valid[0, 0] and rays[100, 150, 0] > 0 and rays[150, 100, 1] > 0
 
 
@@ -137,10 +137,10 @@ def test_a_fisheye_sees_what_rays_meet(fov_deg):
                 scene.model, scene.data, T_W_C[:3, 3], directions, None, 1, -1, geoms, distances, None, len(geoms), 1e3
             )
             same = (geoms == frame.geom_ids[valid]) & (geoms >= 0)
-            # The label of a pixel is that of its face's nearest pixel: up to half a pixel off where two geoms meet.
+            # The label of a pixel is that of the nearest pixel of a cube face: up to half a pixel off where two geoms meet.
             assert same.sum() > 0.96 * (geoms >= 0).sum()
             error = np.abs(frame.depth[valid] - distances)[same] / distances[same]
             flat = np.array([scene.object_of_geom[geom].endswith(("floor", "ceiling")) for geom in geoms[same]])
-            # Exact on planes; between two geoms, that of a ray half a pixel off.
+            # Exact on planes; where two geoms meet, the depth is that of a ray half a pixel off.
             assert np.quantile(error[flat], 0.9) < 1e-5 and np.quantile(error, 0.95) < 0.02
             assert (frame.depth[~valid] == 0).all() and (frame.geom_ids[~valid] == -1).all()

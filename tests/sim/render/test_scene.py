@@ -1,4 +1,4 @@
-"""How a house looks: appearance changes looks alone, twins look alike, repeats repeat exactly, light is as asked."""
+"""The look of a house: appearance changes only the look, twins look alike, textures repeat exactly, lighting is as set."""
 
 import cv2
 import numpy as np
@@ -21,7 +21,7 @@ def rectangle(x0, y0, x1, y1):
 
 
 def row_of_offices(furniture=(), **appearance):
-    """Two twins of 5 x 4 m, each with a door to the corridor north of them; a third office has no seed of its own."""
+    """Two equal offices of 5 x 4 m, each with a door to the corridor north of them; a third one has no seed of its own."""
     rooms = [RoomSpec(id=f"office {i}", label="office", polygon_m=rectangle(5.0 * i, 0.0, 5.0 * i + 5.0, 4.0), seed=seed)
              for i, seed in enumerate((7, 7, None))]  # fmt: skip
     rooms.append(RoomSpec(id="corridor", label="corridor", polygon_m=rectangle(0.0, 4.0, 15.0, 6.0)))
@@ -57,7 +57,7 @@ def test_appearance_changes_no_shape(appearance):
     before, after = visuals(build_house(spec)), visuals(build_house(other))
     assert [part.name for part in before.parts] == [part.name for part in after.parts]
     for old, new in zip(before.parts, after.parts, strict=True):
-        if not old.shows.startswith("window/"):  # the bars of a window are a matter of taste
+        if not old.shows.startswith("window/"):  # the window bars are a random detail
             assert np.array_equal(old.corners, new.corners)
 
 

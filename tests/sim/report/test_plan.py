@@ -1,4 +1,4 @@
-"""Floor plans: SVG and PNG show the same, the right way up, and a house's plan is the house's geometry."""
+"""Drawings of floor plans: SVG and PNG show the same, with the right orientation, and agree with the house's geometry."""
 
 import re
 
@@ -27,7 +27,7 @@ COLOURS = {"kitchen": "#ff0000", "office": "#0000ff"}
 
 @pytest.fixture
 def plan() -> FloorPlan:
-    """A kitchen, and an office that lies north of it."""
+    """The plan of a kitchen and of an office north of it."""
     kitchen = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
     return FloorPlan(0, 0.0, (PlannedRoom("k", "kitchen", kitchen), PlannedRoom("o", "office", kitchen + np.array([0, 4]))))
 
@@ -132,7 +132,7 @@ def test_names_stand_in_their_rooms(preset, seed):
     house = build_house(sample_house(preset, seed, clutter=0.0))
     for plan in floor_plans(house):
         rooms = [Polygon(room.outline) for room in plan.rooms]
-        south = min(room.bounds[1] for room in rooms)  # of it are the legend and the scale
+        south = min(room.bounds[1] for room in rooms)  # the legend and the scale are south of it
         marks = plan_drawing(plan, label_colours(ROOM_LABELS)).marks
         names = [mark for mark in marks if mark.style == "name" and mark.points[0, 1] > south]
         assert len(names) >= len(rooms)

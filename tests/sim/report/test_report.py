@@ -1,4 +1,4 @@
-"""The report: complete, self-contained, true to its data, and never half-written."""
+"""The report is complete, self-contained, true to its data, and never half-written."""
 
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -63,7 +63,7 @@ def example(
 
 
 class Page(HTMLParser):
-    """Collects the elements of a page and sees that they are closed in order."""
+    """Collects the elements of a page, and checks that they are closed in order."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -147,7 +147,7 @@ def test_a_better_trajectory_is_owed_to_loops_and_not_to_the_alignment(rng):
     data = example(rng, wrong=0)
     table = data.keyframes
     turned = table.true_poses.copy()
-    turned[:, 1, 3] += 0.05 * (turned[:, 0, 3] - turned[0, 0, 3])  # what an alignment takes away almost whole
+    turned[:, 1, 3] += 0.05 * (turned[:, 0, 3] - turned[0, 0, 3])  # an error that alignment removes almost completely
     worse = table.true_poses.copy()
     worse[:, 1, 3] += rng.normal(0, 0.1, len(worse))
     data = replace(data, keyframes=replace(table, odometry_poses=turned, optimised_poses=worse))
@@ -181,7 +181,7 @@ def test_stretches_that_loop_closing_bent_are_told_of_though_the_whole_is_better
     truth[:, 0, 3] = np.arange(200) * 0.5
     drifted, optimised = truth.copy(), truth.copy()
     drifted[:, 1, 3] = 0.4 * np.sin(truth[:, 0, 3] * 2 * np.pi / 100)
-    optimised[:, 1, 3] = 0.2 * (np.arange(200) // 16 % 2)  # steps 8 m apart
+    optimised[:, 1, 3] = 0.2 * (np.arange(200) // 16 % 2)  # steps of 8 m
     bent = replace(data, keyframes=replace(table, true_poses=truth, odometry_poses=drifted, optimised_poses=optimised))
     texts = {finding.good: finding.text for finding in findings(bent) if "8 m (RPE)" in finding.text}
     assert list(texts) == [False] and texts[False].endswith("which is worse.")

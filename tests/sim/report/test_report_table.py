@@ -1,4 +1,4 @@
-"""Figures of result.json: each has a definition, and what is absent is a dash, never a zero."""
+"""The figures of result.json: each has a definition, and a missing one is shown as a dash, never as zero."""
 
 import io
 
@@ -48,7 +48,7 @@ def test_every_figure_of_the_contract_is_defined():
         (0.123456, "{}", "0.1235"),
     ],
 )
-def test_forms(value, form, text):
+def test_figures_are_formatted_as_declared(value, form, text):
     assert shown(value, form) == text
 
 

@@ -1,4 +1,4 @@
-"""What a driving robot believes drifts as the odometry that the map was made with."""
+"""The pose estimate of a driving robot drifts in the same way as the odometry that the map was made with."""
 
 import math
 
@@ -20,7 +20,7 @@ def driven(config, rng):
 
 @pytest.fixture(scope="module")
 def true_poses():
-    """The same arc, exact."""
+    """The same arc without errors."""
     T = np.tile(np.eye(4), (STEPS + 1, 1, 1))
     yaw = TURN * np.arange(STEPS + 1)
     T[:, 0, 0], T[:, 0, 1], T[:, 1, 0], T[:, 1, 1] = np.cos(yaw), -np.sin(yaw), np.sin(yaw), np.cos(yaw)
@@ -43,7 +43,7 @@ def test_it_drifts_as_much_as_the_odometry_of_a_tour(true_poses, rng, preset):
     others = np.array([simulate_odometry(true_poses, stamps, config, rng).T_O_B[-1] for _ in range(RUNS)])
     yaw = np.arctan2(others[:, 1, 0], others[:, 0, 0])
     theirs = np.column_stack([others[:, 0, 3], others[:, 1, 3], np.mod(yaw, 2 * np.pi)])
-    # Of 200 runs, a standard deviation is known to 5 %, a ratio of two to 7 %.
+    # With 200 runs, a standard deviation is known to 5 %, and the ratio of two of them to 7 %.
     np.testing.assert_allclose(mine.std(axis=0), theirs.std(axis=0), rtol=0.2)
 
 

@@ -1,4 +1,4 @@
-"""A body in MuJoCo that drives by what it believes of its pose."""
+"""A body in MuJoCo that drives by its own pose estimate."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def home():
 
 
 def go(house, *waypoints, drift=None, off=(0.0, 0.0, 0.0), seed=0, blind=False):
-    """From the first waypoint, facing the second, believing to be `off` from there."""
+    """Drive from the first waypoint, facing the second, with a pose estimate that is wrong by `off`."""
     points = np.array([(*point, 0.0)[:3] for point in waypoints])
     toward = points[min(1, len(points) - 1)] - points[0]
     yaw = float(np.arctan2(toward[1], toward[0]))
@@ -66,7 +66,7 @@ def test_the_robot_goes_round_what_the_map_does_not_know():
 
 
 def test_passing_the_end_of_a_plan_is_not_arriving():
-    """As below a room upstairs that is the plan's goal."""
+    """A path may pass below its end, for example below a room upstairs that is the goal of the plan."""
     driven = go(two_rooms(), (1.0, 1.5), (6.0, 1.5), (1.1, 1.5), (1.1, 0.8), (2.0, 0.8), (2.0, 1.0))
     assert driven.length_m > 10.0
     assert not driven.touched
@@ -86,14 +86,14 @@ def test_a_drift_that_leads_a_blind_robot_into_the_jamb_is_made_good_by_the_scan
     assert (seeing.room, seeing.touched) == ("kitchen", ())
 
 
-def test_without_a_way_the_robot_stops_in_front_of_the_wall():
+def test_without_a_path_the_robot_stops_in_front_of_the_wall():
     result = go(two_rooms(door=False), (1.0, 1.5), (7.0, 1.5))
     assert (result.room, result.touched) == ("office", ())
 
 
 @pytest.mark.parametrize(("wall_ends_at", "goes_round"), [(0.7, True), (1.4, False)])
-def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_far_one(wall_ends_at, goes_round):
-    """As behind the wall between two flights of stairs, where the drifted route runs."""
+def test_a_wall_is_passed_round_its_near_end_but_not_round_a_far_one(wall_ends_at, goes_round):
+    """An example is the wall between two flights of stairs into which the drifted route runs."""
     around, start = LocalMap(LEAST_M), np.array([0.0, 0.6])
     route = np.linspace(start, [0.0, 0.6 - HORIZON_M], 18)
     wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
@@ -106,7 +106,7 @@ def test_what_lies_behind_a_wall_is_sought_round_its_near_end_and_not_round_a_fa
 
 
 @pytest.mark.parametrize("stands_m", [1.0, 1.05])
-def test_the_robot_looks_for_another_way_when_it_has_come_to_the_end_of_one(stands_m):
+def test_the_robot_tries_another_detour_where_the_first_one_ends(stands_m):
     """A wall across the route seems to have no end at first; then its end comes into view."""
     controller = Controller(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]))
     pose = DeadReckoning(0.0, 0.0, 0.0, OdometryConfig(), np.random.default_rng(0))
@@ -124,7 +124,7 @@ def test_the_robot_looks_for_another_way_when_it_has_come_to_the_end_of_one(stan
 
 
 @pytest.mark.parametrize("away_m", [0.26, 0.3, 0.6])
-def test_no_way_leads_through_a_wall(away_m):
+def test_no_path_leads_through_a_wall(away_m):
     around = LocalMap(LEAST_M)
     wall = np.stack([np.full(200, away_m), np.linspace(-2.0, 2.0, 200)], axis=1)
     around.add(wall, 0.0, 0.0, 0.0, 0.0)
@@ -132,8 +132,8 @@ def test_no_way_leads_through_a_wall(away_m):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_of_two_ways_round_something_the_one_by_the_route_is_taken(side):
-    """Though the other one is no longer, and nothing says that it is barred."""
+def test_the_detour_closer_to_the_route_is_taken(side):
+    """The other path is no longer than this one, and nothing shows that it is blocked."""
     around, start = LocalMap(LEAST_M), np.zeros(2)
     y = np.arange(-0.6, 0.6, 0.02)
     around.add(np.stack([np.full(len(y), 0.8), y], axis=1), 0.0, 0.0, 0.0, 0.0)
@@ -151,8 +151,8 @@ def test_stairs_are_climbed_and_descended_without_a_touch(home):
         assert result.path[-1, 2] == pytest.approx(home.storeys[storey].floor_m, abs=1e-6)
 
 
-def test_what_is_believed_has_no_bearing_on_where_contacts_are(home):
-    """A robot that is lost by a metre cannot fare through walls: every place of its path is free of contacts."""
+def test_contacts_do_not_depend_on_the_pose_estimate(home):
+    """A robot that is lost by a metre cannot drive through walls: every pose of its path is free of contacts."""
     walkable = Walkable(home)
     a, b = (int(walkable.nodes_in(room.id)[0]) for room in (home.rooms[0], home.rooms[1]))
     result = go(home, *walkable.path(a, b), off=(0.7, -0.7, 0.3), drift=ODOMETRY_PRESETS["degraded"])

@@ -1,4 +1,4 @@
-"""A motion's derivatives are those of its position and attitude, and the pace keeps every limit."""
+"""The derivatives of a motion agree with its position and attitude, and its speed keeps every limit."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ H = 1e-4
 
 
 def walked(points, kind="none", limits=LIMITS, seed=0):
-    """A motion along a line of points, looking ahead."""
+    """A motion along a polyline, facing ahead."""
     line = np.array(points, dtype=np.float64)
     s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
     at = np.linspace(0.0, s[-1], round(s[-1] / 0.01) + 1)
@@ -60,7 +60,7 @@ def test_attitude_is_that_of_the_rotation(motion, times):
 
 
 def test_acceleration_has_no_jumps(motion):
-    """Halving the step halves the largest change: the second derivative is continuous, and has a bounded slope itself."""
+    """Halving the step halves the largest change: the second derivative is continuous and has a bounded slope."""
     wide, narrow = (
         np.abs(np.diff(motion.acceleration(np.arange(0.0, motion.duration_s, step)), axis=0)).max() for step in (2e-3, 1e-3)
     )
@@ -80,7 +80,7 @@ def test_it_begins_and_ends_at_rest_and_stays_there(motion):
     [
         [[0, 0, 0], [5, 0, 0]],
         [[0, 0, 0], [2, 0, 0], [2, 2, 0]],
-        [[0, 0, 0], [2.005, 0, 0], [0, 0, 0]],  # turns between two points
+        [[0, 0, 0], [2.005, 0, 0], [0, 0, 0]],  # it turns between two points
         [[0, 0, 0], [2, 0, 0], [4, 0, 1.4], [6, 0, 1.4]],
         [[0, 0, 0], [0.05, 0, 0]],
     ],
@@ -101,8 +101,8 @@ def test_every_limit_is_kept_at_every_time(points, limits):
     np.testing.assert_allclose(motion.position(np.array([0.0, motion.duration_s])), [points[0], points[-1]], atol=1e-9)
 
 
-def test_a_straight_way_is_walked_nearly_as_fast_as_can_be():
-    """Half a second's loss to the smoothness at each end, and the change of speed at 70 % of what is allowed."""
+def test_a_straight_path_is_walked_nearly_as_fast_as_possible():
+    """Smoothing may cost half a second at each end, and the speed changes at 70 % of the allowed acceleration."""
     motion = walked([[0, 0, 0], [7, 0, 0]])
     fastest = 7.0 / LIMITS.speed_m_s + LIMITS.speed_m_s / LIMITS.acceleration_m_s2
     assert fastest <= motion.duration_s <= fastest + 1.0

@@ -1,4 +1,4 @@
-"""The start manoeuvre excites an IMU on the spot, keeps the walker's limits, and leaves the walk after it as it is."""
+"""The start manoeuvre excites an IMU on the spot, keeps the walker's limits, and leaves the walk after it unchanged."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def walk(plan):
 
 
 def lead(motion, walk):
-    """How long the manoeuvre takes [s]."""
+    """Duration of the manoeuvre [s]."""
     return motion.duration_s - walk.duration_s
 
 
@@ -56,7 +56,7 @@ def test_the_walk_follows_unchanged(motion, walk):
 
 @pytest.mark.parametrize(("rate_hz", "share"), [(10, 0.6), (20, 0.5), (30, 0.3)])
 def test_the_mean_acceleration_changes_from_frame_to_frame(rate_hz, share, motion, walk):
-    """It changes by at least 0.5 m/s² over many frames, of which ORB-SLAM3 needs one to initialise its IMU."""
+    """It changes by at least 0.5 m/s² in many frames; ORB-SLAM3 needs one such frame to initialise its IMU."""
     imu = ideal_imu(motion, 600.0)
     frames = round(lead(motion, walk) * rate_hz)
     per_frame = 600 // rate_hz
@@ -64,7 +64,7 @@ def test_the_mean_acceleration_changes_from_frame_to_frame(rate_hz, share, motio
     assert (norm(np.diff(means, axis=0)) >= 0.5).mean() > share
 
 
-def test_it_turns_and_moves_the_body_but_little(motion, walk):
+def test_the_manoeuvre_turns_and_moves_the_body_only_a_little(motion, walk):
     t = np.arange(0.0, lead(motion, walk), 0.005)
     away = norm(motion.position(t) - motion.position(np.zeros(1)))
     assert 0.02 < away.max() < 0.04
@@ -74,7 +74,7 @@ def test_it_turns_and_moves_the_body_but_little(motion, walk):
 
 
 def test_the_body_keeps_clear_of_everything_solid(house, motion, walk):
-    """The body keeps its radius from everything solid, less the few centimetres that it swings."""
+    """The body keeps its radius away from everything solid, minus the few centimetres by which it sways."""
     feet = motion.position(np.arange(0.0, lead(motion, walk), 0.02))
     solids = [(w.footprint, w.bottom_m, w.top_m) for w in house.walls]
     solids += [(f.footprint, f.position[2], f.position[2] + f.size[2]) for f in house.furniture if f.solid]
@@ -103,7 +103,7 @@ def test_the_limits_of_the_walker_are_kept(weaker, plan):
 
 @pytest.mark.parametrize("frequency_hz", [50.0])
 def test_derivatives_are_continuous_where_the_walk_begins(frequency_hz, motion, walk):
-    """The acceleration is that of the positions, at the seam too."""
+    """The acceleration agrees with the positions, also where the manoeuvre ends and the walk begins."""
     t = lead(motion, walk) + np.arange(-1.0, 1.0, 1.0 / frequency_hz)
     h = 1e-3
     numeric = (motion.position(t + h) - 2 * motion.position(t) + motion.position(t - h)) / h**2

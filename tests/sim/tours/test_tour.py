@@ -95,7 +95,7 @@ def test_it_ends_where_it_began_and_never_leaves_the_rooms(house, tour):
 
 
 def test_on_stairs_the_feet_follow_the_walking_line(house, rooms_tour):
-    """Sideways within 15 cm, and within 5 cm of its height: less than a third of a riser."""
+    """The path is within 15 cm sideways and within 5 cm in height: less than a third of a riser."""
     feet = rooms_tour.motion.position(times(rooms_tour, 0.05))
     for flight in house.stairs:
         line = shapely.LineString(flight.walking_line[:, :2])
@@ -128,7 +128,7 @@ def test_view_is_level_unless_it_is_asked_to_follow_the_stairs(preset, rooms_tou
 
 
 def aligned_earlier(tour, sign, storeys=np.inf):
-    """Share of the later half of poses that were near, 10 s or more before, looking the same (+1) or opposite (-1) way."""
+    """Share of later poses that were near a pose at least 10 s earlier, with equal (+1) or opposite (-1) heading."""
     position, forward = tour.T_W_B[:, :3, 3], tour.T_W_B[:, :2, 0]
     own = np.flatnonzero(position[:, 2] < storeys)[::5]
     near = np.linalg.norm(position[own, None] - position[None, own], axis=-1) < 1.0

@@ -1,4 +1,4 @@
-"""Kept arrays: made once, and refused where they were made of anything but what is asked for."""
+"""Cached arrays: made once, and refused where they were made from anything other than what is asked for."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ HOUSE = HouseDraw("uh2-apt", TRAINING_SEEDS[0])
 
 @pytest.fixture
 def path(tmp_path):
-    """A file of arrays, in a folder that was made for it."""
+    """A file for arrays in a folder of its own."""
     file = tmp_path / "folder" / "a.npz"
     cached_arrays(file, ORIGINS, lambda: {"n": np.arange(3), "x": np.eye(2)})
     return file

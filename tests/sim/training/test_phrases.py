@@ -1,4 +1,4 @@
-"""Captions: they say what they are about, and never what is held out."""
+"""Captions: they name what they describe, and never a held-out phrase."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Places: which frames show one, and the loss that brings them together."""
+"""Places: the frames that show one, and the loss that brings their embeddings together."""
 
 import numpy as np
 import torch
@@ -39,8 +39,8 @@ def test_pairs_are_mutual_exclusive_and_the_same_wherever_the_house_stands():
         assert np.array_equal(pairs, pairs.T) and np.array_equal(pairs, elsewhere)
 
 
-def test_the_loss_is_the_surprise_at_finding_the_own_place():
-    """Against a plain softmax: over the frame's own place and all others, one pair at a time."""
+def test_the_loss_is_the_cross_entropy_of_the_own_place():
+    """Compared with a plain softmax over the frame's own place and all others, one pair at a time."""
     rng = np.random.default_rng(1)
     T, houses = _poses(rng.uniform(0, 5, (30, 2)), rng.uniform(-0.5, 0.5, 30)), np.zeros(30, int)
     same, apart = pairs_of_places(T, houses, houses)

@@ -1,4 +1,4 @@
-"""The fit of answers' probabilities: questions know their answers, known parameters are found again, figures are right."""
+"""The fit of answer probabilities: questions have known answers, known parameters are recovered, figures are correct."""
 
 import zlib
 
@@ -33,7 +33,7 @@ from worlds.labels import ROOM_LABELS
 
 
 class HashingEncoder:
-    """Every text is a vector of its own."""
+    """Encodes every text as a vector of its own."""
 
     name, fingerprint = ENCODER.name, ENCODER.fingerprint
 
@@ -50,7 +50,7 @@ class HashingEncoder:
 
 @pytest.fixture
 def views():
-    """Two kitchens and a bedroom, five frames each; a bed is seen well in the bedroom and from afar in a kitchen."""
+    """Two kitchens and a bedroom with five frames each; a bed is seen well in the bedroom and from afar in a kitchen."""
     shares = np.zeros((15, len(THINGS)), np.float32)
     shares[12, THINGS.index("double bed")], shares[2, THINGS.index("double bed")] = 0.3, 0.002
     labels = np.repeat([ROOM_LABELS.index(name) for name in ("kitchen", "kitchen", "bedroom")], 5)
@@ -82,7 +82,7 @@ def test_nothing_is_fitted_in_words_that_are_held_out(views, rng):
 
 
 def drawn(rng, calibration, questions=6_000):
-    """Questions to houses of one room whose truth has the probabilities of the calibration."""
+    """Questions about houses of one room, with the truth drawn from the probabilities of the calibration."""
     texts = tuple(f"text {i % 50}" for i in range(questions))
     embeddings = HashingEncoder().encode_texts(texts)
     similarities = rng.normal(0.3, 0.2, (1, questions))
@@ -93,7 +93,7 @@ def drawn(rng, calibration, questions=6_000):
     return QuestionBatch(texts, (NAME,) * questions, embeddings, similarities, np.where(rng.random(p.shape) < p, YES, NO))
 
 
-def test_what_truth_was_drawn_with_is_found_again(rng):
+def test_the_parameters_that_truth_was_drawn_with_are_recovered(rng):
     true = Calibration(ENCODER.fingerprint, ROOM_LABELS, base=0.2, slope=0.3, temperature=0.08)
     fitted = fit_calibration(HashingEncoder(), [drawn(rng, true)])
     assert (fitted.base, fitted.slope) == pytest.approx((0.2, 0.3), abs=0.05)
@@ -128,7 +128,7 @@ def test_houses_to_fit_to_are_kept_for_tuning_and_the_first_ones_stay():
     assert tuning_houses(5, 0) == draws[:5] != tuning_houses(5, 1)
 
 
-def test_it_is_written_beside_the_weights_once_for_these(views, tmp_path, monkeypatch):
+def test_a_calibration_is_written_beside_its_weights_only_once(views, tmp_path, monkeypatch):
     walked = []
     monkeypatch.setattr(query_calibration, "room_views", lambda draw: walked.append(draw) or views)
     for _ in range(2):

@@ -1,4 +1,4 @@
-"""Stage 1: the teacher computes BERT, the target tells rooms apart, the tower learns and loads into open_clip."""
+"""Stage 1: the teacher computes BERT, the target separates rooms, the tower learns it and loads into open_clip."""
 
 import json
 import zlib
@@ -25,7 +25,7 @@ SMALL = {"context_length": 24, "vocab_size": 49408, "width": 16, "heads": 2, "la
 
 @pytest.fixture(scope="module")
 def bert(tmp_path_factory):
-    """torch's own encoder with random weights, and a folder that holds the same under BERT's names."""
+    """torch's own encoder with random weights, and a folder that holds the same weights under BERT's names."""
     torch.manual_seed(0)
     layer = nn.TransformerEncoderLayer(WIDTH, HEADS, 1536, 0.0, "gelu", 1e-12, batch_first=True)
     network = nn.TransformerEncoder(layer, LAYERS, enable_nested_tensor=False).eval()
@@ -89,7 +89,7 @@ def test_a_missing_teacher_says_what_to_install(tmp_path, monkeypatch):
 def test_the_target_tells_rooms_apart_better_than_the_teacher():
     rng = np.random.default_rng(0)
     rooms = np.repeat(np.arange(8), 40)
-    spread = np.where(np.arange(32) < 4, 3.0, 0.3)  # what varies most says nothing about the room
+    spread = np.where(np.arange(32) < 4, 3.0, 0.3)  # the direction of largest variance carries no information about the room
     centres = rng.normal(size=(8, 32)) * 0.4
     x = (centres[rooms] + rng.normal(size=(320, 32)) * spread).astype(np.float32)
     captions_ = LabelledCaptions(tuple(map(str, range(320))), rooms, np.full(320, 1 / 320))
@@ -100,7 +100,7 @@ def test_the_target_tells_rooms_apart_better_than_the_teacher():
 
 
 def _nearest_centre(x, rooms):
-    """Accuracy of the most similar class mean."""
+    """Accuracy of classification by the most similar class mean."""
     x = x / np.linalg.norm(x, axis=1, keepdims=True)
     means = np.stack([x[rooms == room].mean(axis=0) for room in range(rooms.max() + 1)])
     return np.mean((x @ (means / np.linalg.norm(means, axis=1, keepdims=True)).T).argmax(axis=1) == rooms)
@@ -120,7 +120,7 @@ def test_no_text_of_the_corpus_holds_a_held_out_phrase_of_several_words():
 
 
 class BagOfWords:
-    """A teacher that means the sum of its words' random vectors."""
+    """A teacher whose embedding of a text is the sum of random vectors of its words."""
 
     words = ("kitchen", "[SEP]", "##ette")
 

@@ -1,4 +1,4 @@
-"""The image tower's training: frames tell the truth, houses stay apart, both stages learn, resume and ship."""
+"""Training of the image tower: frames agree with the truth, houses stay separate, both stages learn, resume and export."""
 
 import json
 import pickle
@@ -22,11 +22,11 @@ from sim.training.command import TrainingRun, train_encoder
 from sim.training.dense import DenseLearner, told_right
 from sim.training.export import model_config, start_trunk_from
 from sim.training.fit import Progress, Schedule, fit
-from sim.training.frames import BARE, THINGS, Frames, Views, frames_at, frames_in, frames_of_house, rendered
+from sim.training.frames import BARE, THINGS, Frames, frames_at, frames_in, frames_of_house, rendered
 from sim.training.houses import HELD_OUT_LOOKS, TEST_SEEDS, TRAINING_SEEDS, TUNING_SEEDS, HouseDraw, draw_houses
 from sim.training.temperature import best_temperature, calibration_error
 from sim.training.text_tower import EMBED_DIM, TEXT_CFG, DistilConfig, save_text_tower
-from sim.training.viewpoints import IMAGE_SIZE
+from sim.training.viewpoints import IMAGE_SIZE, ViewpointConfig
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.labels import ROOM_LABELS
@@ -37,7 +37,7 @@ HOUSE = HouseDraw("uh2-apt", TRAINING_SEEDS[0])
 
 @pytest.fixture(scope="module")
 def frames():
-    return frames_of_house(HOUSE, Views(spacing_m=1.5))
+    return frames_of_house(HOUSE, ViewpointConfig(spacing_m=1.5))
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_what_is_in_view_adds_up(frames):
 
 def test_frames_are_the_same_each_time_and_are_kept(tmp_path):
     frames = frames_of_house(HOUSE)
-    for again in (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2)):  # rendered, then loaded
+    for again in (Frames.joined(list(rendered([HOUSE], tmp_path))) for _ in range(2)):  # first rendered, then loaded
         assert np.array_equal(frames.images, again.images) and np.array_equal(frames.things, again.things)
     (file,) = tmp_path.iterdir()
     for workers in (1, 2):
@@ -106,7 +106,7 @@ def test_a_house_that_is_never_entered_has_no_frames():
 
 
 def test_patches_move_with_the_image():
-    """A thing whose patch is also painted in the image is found where the image shows it, mirrored and zoomed alike."""
+    """An object whose patch is also painted in the image is found where the image shows it, after mirroring and zooming."""
     n, things = 32, np.zeros((32, 3, 4, len(THINGS)), np.uint8)
     images = np.zeros((n, 96, 128, 3), np.uint8)
     rng = np.random.default_rng(0)
@@ -208,7 +208,7 @@ def test_what_is_damaged_in_the_work_folder_is_named_on_one_line(name, content, 
 
 def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_path):
     path = tmp_path / "text-tower.safetensors"
-    path.write_bytes(b"damaged")  # what comes after the settings
+    path.write_bytes(b"damaged")  # the part after the settings
     run = TrainingRun(1, 1, work=tmp_path)
     for same in ({}, {"workers": 1}, {"teacher": tmp_path}, {"out": tmp_path / "b.safetensors"}):
         with pytest.raises(SimError, match="no text tower"):
@@ -224,7 +224,7 @@ def test_a_work_folder_is_of_one_run_whatever_workers_teacher_and_output(tmp_pat
             train_encoder(replace(run, **{name: value}), Console(quiet=True))
 
 
-def test_settling_finds_rooms_by_text_and_leaves_the_trunk_alone(frames, text):
+def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, text):
     align = AlignLearner(DenseLearner(frames).module, text, frames, wordings=(2, 1))
     align.module.eval()
     dense = {name: value.clone() for name, value in align.module.dense.state_dict().items()}
@@ -263,7 +263,7 @@ def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_pa
     untrained = AlignLearner(DenseLearner(seen).module.eval(), text, seen, wordings=(2, 1)).accuracy(seen)
     embedded = np.array([encoder.encode_image(image) for image in seen.images])
     assert told_right(embedded @ encoder.encode_rooms(ROOM_LABELS).T, seen.rooms) > untrained + 0.1
-    dense = DenseLearner(frames_of_house(HOUSE, Views(most=2))).module
+    dense = DenseLearner(frames_of_house(HOUSE, ViewpointConfig(most=2))).module
     start_trunk_from(run.out, dense)
     torch.testing.assert_close(dense.trunk.state_dict()["stem.conv.weight"], weights["visual.trunk.stem.conv.weight"])
     with pytest.raises(SimError, match="no image tower"):

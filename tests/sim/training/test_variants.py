@@ -1,4 +1,4 @@
-"""Held-out variants of furniture: never in training, everywhere they can be in tests, and nothing else moves."""
+"""Held-out variants of furniture never occur in training and always do where tests ask for them; nothing else changes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Layouts: rooms tile their storey, storeys stand on each other, and every room is joined to the others."""
+"""Layouts: rooms tile their storey, storeys stand on each other, and every room is connected to the others."""
 
 import itertools
 

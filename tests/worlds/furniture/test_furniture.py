@@ -1,4 +1,4 @@
-"""Laws of the catalogue: every declared kind builds inside its box, from known materials, and its neighbours exist."""
+"""Laws of the catalogue: every kind builds inside its box, of known materials, and the kinds that it names exist."""
 
 import numpy as np
 import pytest

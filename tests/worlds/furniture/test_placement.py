@@ -12,7 +12,7 @@ from shapely.ops import unary_union
 
 from worlds.errors import HouseError
 from worlds.furniture.catalogue import CATALOGUE
-from worlds.furniture.placing.furnish import _kinds_for, furnish, is_solid
+from worlds.furniture.placing.furnish import furnish, is_solid, kinds_for
 from worlds.furniture.placing.kept_free import PASSAGE_M
 from worlds.furniture.placing.room_plan import FLAT_M
 from worlds.furniture.registry import KINDS, furniture
@@ -25,12 +25,12 @@ BODY_M = 0.319
 
 
 def _seeded(seed):
-    """A generator for every room."""
+    """A function that gives every room a generator."""
     return lambda room: np.random.default_rng([seed, crc32(room.id.encode())])
 
 
 def _pair(label, corners, door=((0.0, 0.6), (0.0, 1.5)), kind="door"):
-    """A room and a corridor west of it."""
+    """A room, and a corridor to the west of it."""
     room = RoomSpec(id="room", label=label, polygon_m=corners)
     corridor = RoomSpec(id="hall", label="corridor", polygon_m=((-1.5, 0.0), (0.0, 0.0), (0.0, 4.0), (-1.5, 4.0)))
     return StoreySpec(
@@ -48,14 +48,14 @@ BENT_CORRIDOR = ((0.0, 0.0), (7.0, 0.0), (7.0, 1.6), (1.6, 1.6), (1.6, 6.0), (0.
 
 
 def _leaf(hinge, into, angle):
-    """A room and a corridor with a door whose leaf hangs so."""
+    """A room and a corridor, with a door whose leaf has the given hinge, side and angle."""
     storey = _pair("bedroom", _rectangle(4.2, 4.0))
     leaf = LeafSpec(hinge=hinge, into=into, angle_rad=angle)
     return storey.model_copy(update={"openings": (storey.openings[0].model_copy(update={"leaf": leaf}),)})
 
 
 def _bent_corridor():
-    """An L-shaped corridor with rooms at both ends."""
+    """An L-shaped corridor with a room at each end."""
     rooms = (
         RoomSpec(id="bent", label="corridor", polygon_m=BENT_CORRIDOR),
         RoomSpec(id="east", label="office", polygon_m=((7.0, 0.0), (10.0, 0.0), (10.0, 4.0), (7.0, 4.0))),
@@ -93,7 +93,7 @@ HOARDED = ("living room 4.2 x 4.0", "kitchen 4.2 x 4.0", "L-shaped bedroom", "be
 
 @pytest.fixture(params=[*((name, 1.5) for name in STOREYS), *((name, 4.0) for name in HOARDED)], scope="module", ids=str)
 def case(request):
-    """Name of a storey, clutter."""
+    """The name of a storey and a clutter."""
     return request.param
 
 
@@ -164,7 +164,7 @@ def test_a_body_gets_from_opening_to_opening_and_about_the_room(case, furnished)
         )
 
 
-def test_what_a_leaf_sweeps_is_empty(furnished):
+def test_the_swing_area_of_a_leaf_is_empty(furnished):
     storey, pieces = furnished
     for opening in storey.openings:
         if opening.leaf is None:
@@ -185,7 +185,7 @@ def _sector(storey, opening):
     return next(p for arc in arcs if (p := Polygon([hinge, *arc])).representative_point().within(into))
 
 
-def test_what_is_higher_than_a_sill_is_not_before_it():
+def test_nothing_higher_than_a_sill_stands_in_front_of_it():
     low = 0
     for kind, seed in [(kind, seed) for kind in ("window", "half wall", "counter") for seed in range(6)]:
         storey = _pair("kitchen", _rectangle(4.2, 4.0))
@@ -264,7 +264,7 @@ def test_twins_are_furnished_alike(label, corners):
 
 
 @pytest.mark.parametrize("name", ["kitchen 4.2 x 4.0", "L-shaped office", "children's room 4.2 x 4.0", "bent corridor"])
-def test_what_stands_at_some_clutter_stands_at_any_higher(name):
+def test_pieces_present_at_some_clutter_are_present_at_any_higher(name):
     sparse_to_full = [set(furnish(STOREYS[name], _seeded(8), clutter)) for clutter in (0.3, 0.8, 1.0, 1.7, 2.5, 4.0)]
     for fewer, more in pairwise(sparse_to_full):
         assert fewer < more
@@ -274,7 +274,7 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     names = [f"{label} 4.2 x 4.0" for label in ("living room", "bedroom", "office", "gym")]
 
     def all_pieces():
-        _kinds_for.cache_clear()
+        kinds_for.cache_clear()
         rooms = [(name, seed) for name in names for seed in range(4)]
         pieces = [(room, piece) for room in rooms for piece in furnish(STOREYS[room[0]], _seeded(room[1]))]
         return {(room, p.kind, p.position_m, p.yaw_rad, p.size_m, p.seed) for room, p in pieces}
@@ -284,12 +284,12 @@ def test_another_kind_leaves_the_draws_of_the_rest_alone():
     furniture("gong", width=(0.3, 0.3), depth=(0.3, 0.3), height=(0.3, 0.3), rooms=rooms)(lambda size, rng: ())
     after = all_pieces()
     del KINDS["gong"]
-    _kinds_for.cache_clear()
+    kinds_for.cache_clear()
     assert sum(kind == "gong" for _, kind, *_ in after) > 5
     assert len(before & after) > 0.9 * len(before)
 
 
-def test_clutter_scales_what_lies_about():
+def test_clutter_scales_the_number_of_loose_pieces():
     storeys = [STOREYS[f"{label} 4.2 x 4.0"] for label in ("kitchen", "garage", "children's room")]
 
     def count(clutter):
@@ -310,7 +310,7 @@ def test_clutter_scales_what_lies_about():
         ("garage", {"workbench"}),
     ],
 )
-def test_rooms_nearly_always_hold_what_makes_them(label, kinds):
+def test_rooms_nearly_always_hold_their_typical_furniture(label, kinds):
     rooms = [
         {piece.kind for piece in furnish(_pair(label, _rectangle(4.2, 4.0)), _seeded(s)) if piece.room == "room"}
         for s in range(12)
@@ -319,7 +319,7 @@ def test_rooms_nearly_always_hold_what_makes_them(label, kinds):
         assert sum(kind in room for room in rooms) >= 9, kind
 
 
-def test_a_piece_that_cannot_be_is_named():
+def test_an_invalid_piece_is_named():
     def house(**changes):
         piece = {"id": "0.1.0 plant", "kind": "plant", "room": "hall", "size_m": (0.3, 0.3, 0.3), "yaw_rad": 0.0, "seed": 0}
         given = FurnitureSpec(position_m=(-1.0, 1.0, 0.0), **piece | changes)

@@ -1,4 +1,4 @@
-"""Door leaves: they hang at their hinge, swing into their room, and stand in the way."""
+"""Door leaves hang at their hinge, swing into their room, and are obstacles."""
 
 import math
 import pickle
@@ -19,7 +19,7 @@ def one_door(axis, backwards, leaf):
     """Two rooms of 4 x 4 m, side by side along x or y, with a door in the wall between them."""
     squares = (((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)), ((4.0, 0.0), (8.0, 0.0), (8.0, 4.0), (4.0, 4.0)))
     ends = [(4.0, 1.5), (4.0, 2.4)]
-    if axis == 0:  # turned by a quarter
+    if axis == 0:  # rotated by a quarter turn
         squares = tuple(tuple((-y, x) for x, y in square) for square in squares)
         ends = [(-y, x) for x, y in ends]
     rooms = tuple(RoomSpec(id=i, label="office", polygon_m=square) for i, square in zip("ab", squares, strict=True))

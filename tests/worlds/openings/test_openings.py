@@ -1,4 +1,4 @@
-"""Where openings are put: in the wall that the two rooms share, clear of corners and of each other; leaves swing freely."""
+"""Placement of openings: in the wall that two rooms share, clear of corners and of each other; leaves swing freely."""
 
 import math
 from collections import Counter
@@ -32,7 +32,7 @@ def rectangle(name, x0, y0, x1, y1, label="office"):
 
 
 def ell_layout(kinds, corridor_m=1.8):
-    """A corridor with an L-shaped room around one end of it and two rooms on its other side."""
+    """A corridor with an L-shaped room around one of its ends and two rooms on its other side."""
     w, d = 8.0, 4.0
     c, top = corridor_m, corridor_m + d
     rooms = (
@@ -46,7 +46,7 @@ def ell_layout(kinds, corridor_m=1.8):
 
 
 def hub_layout(kinds, size_m=2.3):
-    """A small office between four corridors, whose doors all would like to swing into it."""
+    """A small office between four corridors, whose doors would all preferably swing into the office."""
     s = size_m
     around = [("w", -2.0, 0.0, 0.0, s), ("e", s, 0.0, s + 2, s), ("s", 0.0, -2.0, s, 0.0), ("n", 0.0, s, s, s + 2)]
     rooms = (rectangle("hub", 0.0, 0.0, s, s), *(rectangle(*side, label="corridor") for side in around))
@@ -54,7 +54,7 @@ def hub_layout(kinds, size_m=2.3):
 
 
 kinds = st.tuples(*[st.sampled_from(KINDS)] * 4)
-# Made in the test: beartype checks items that it picks with the `random` module, which strategies must not touch.
+# Made in the test: beartype checks randomly chosen items with the `random` module, which strategies must not touch.
 layouts = st.builds(partial, st.just(hub_layout), kinds) | st.builds(
     partial, st.just(ell_layout), kinds, st.sampled_from((1.3, 1.8, 2.4))
 )
@@ -76,7 +76,7 @@ def test_openings_lie_in_the_shared_wall_clear_of_corners_and_each_other(make_la
         assert opening.kind not in PASSABLE or high - low >= 0.7 - 1e-9
         spans.append((axis, at, low, high, opening.kind == "open"))
     for (*line, low, high, a_open), (*other, start, stop, b_open) in combinations(spans, 2):
-        apart = 0.0 if a_open and b_open else APART_M  # where no wall is left at all, openings touch
+        apart = 0.0 if a_open and b_open else APART_M  # where no wall is left between them, openings touch
         assert line != other or max(low, start) - min(high, stop) >= apart - 1e-9
 
 
@@ -91,7 +91,7 @@ def test_every_link_can_be_walked_through(make_layout, seed):
 
 @given(layouts, seeds)
 def test_leaves_swing_freely_and_stand_wide_open(make_layout, seed):
-    """The sector a leaf sweeps, by an independent construction, meets no wall and no other leaf's."""
+    """The swing area of a leaf, constructed independently, meets no wall and no swing area of another leaf."""
     layout = make_layout()
     rooms = {r.id: r for r in layout.rooms}
     sectors = []

@@ -1,4 +1,4 @@
-"""Openness: measured two ways, reached to within 0.05 wherever asked for, with nothing but openings changed."""
+"""Openness: measured in two ways, reached to within 0.05 for every target, and nothing but openings changes."""
 
 import itertools
 
@@ -15,7 +15,7 @@ from worlds.truth import boundary_openness, openness
 from worlds.validation import validate
 
 TARGETS = (0.0, 0.07, 0.25, 0.5, 0.72, 0.93, 1.0)
-# Made in the tests: beartype checks items that it picks with the `random` module, which strategies must not touch.
+# Made in the tests: beartype checks randomly chosen items with the `random` module, which strategies must not touch.
 presets, seeds = st.sampled_from(PRESETS), st.integers(0, 500)
 
 
@@ -37,7 +37,7 @@ def opening(kind, low, high, **more):
         (opening("half wall", 0.0, 4.0, sill_m=1.0), 0.6),
         (opening("counter", 1.0, 2.0, sill_m=1.0, height_m=2.0), 0.1),
         (opening("open", 0.0, 4.0), 1.0),
-        # Half an ellipse, 2 m wide and 0.4 m high, on 1.6 m.
+        # Half an ellipse, 2 m wide and 0.4 m high, above sides of 1.6 m.
         (opening("arch", 1.0, 3.0, height_m=2.0), (2.0 * 1.6 + 3.141592653589793 * 1.0 * 0.4 / 2) / 10.0),
     ],
     ids=lambda value: getattr(value, "kind", ""),

@@ -1,4 +1,4 @@
-"""Windows: only in outer walls, clear of corners and of each other, by the room's own seed."""
+"""Windows: only in outer walls, clear of corners and of each other, drawn with the room's own seed."""
 
 import itertools
 
@@ -50,7 +50,7 @@ def test_the_object_stands_on_the_inner_face_and_looks_into_the_room(house):
 
 
 def test_rooms_look_as_they_should():
-    """Many draws: living rooms have large windows, bathrooms small and high ones, storage rooms none."""
+    """In many draws, living rooms have large windows, bathrooms small and high ones, and storage rooms none."""
     sizes = {}
     for label in ("living room", "bathroom", "storage room"):
         room = RoomSpec(id=label, label=label, polygon_m=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)))

@@ -1,4 +1,4 @@
-"""Plans drawn elsewhere: our own come back as they were, sloppy ones are put right, and what cannot be meant is refused."""
+"""Imported plans: our own exports come back unchanged, imprecise plans are corrected, and invalid ones are refused."""
 
 import json
 import math
@@ -55,13 +55,13 @@ def gaps(spec):
 
 
 def corners_of(spec):
-    """Every room's corners, wherever its polygon starts."""
+    """The corners of every room, independent of where its polygon starts."""
     return {name: (level, label, frozenset(polygon)) for name, (level, label, polygon) in rooms(spec).items()}
 
 
 @pytest.mark.parametrize("preset", ["home", "ori", "uh2-apt", "random"])
 @pytest.mark.parametrize("seed", [1, 2])
-def test_what_we_export_comes_back(tmp_path, preset, seed):
+def test_exported_plans_are_imported_unchanged(tmp_path, preset, seed):
     house = sample_house(preset, seed)
     path = tmp_path / "plan.geojson"
     path.write_text(to_geojson(house))
@@ -95,7 +95,7 @@ def test_without_doors_every_room_is_reached_through_the_corridor(tmp_path):
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), corridor))
     assert [set(o.rooms) for o in plan.spec.storeys[0].openings] == [{"corridor", "kitchen"}, {"corridor", "office"}]
     assert plan.notes == (
-        "no openings are drawn; made up, so that every room can be reached: "
+        "no openings are drawn; added, so that every room can be reached: "
         "kitchen - corridor (door), office - corridor (door)",
     )
 
@@ -104,24 +104,24 @@ HALL = room("corridor", [[0, 3], [8, 3], [8, 5], [0, 5]])
 IN_HALL = {**DOOR, "geometry": {"type": "Point", "coordinates": [2, 3]}}
 
 
-def test_rooms_that_the_drawn_doors_do_not_reach_get_made_up_ones(tmp_path):
+def test_rooms_that_the_drawn_doors_do_not_reach_get_added_ones(tmp_path):
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, IN_HALL))
     drawn, added = plan.spec.storeys[0].openings
     assert set(drawn.rooms) == {"kitchen", "corridor"} and (drawn.start_m, drawn.end_m) == ((1.55, 3.0), (2.45, 3.0))
     assert set(added.rooms) == {"office", "corridor"}
     (note,) = plan.notes
     assert note == (
-        "the drawn openings do not reach every room; made up, so that every room can be reached: office - corridor (door)"
+        "the drawn openings do not reach every room; added, so that every room can be reached: office - corridor (door)"
     )
 
 
-def test_no_door_is_made_up_where_the_drawn_ones_suffice(tmp_path):
+def test_no_door_is_added_where_the_drawn_ones_suffice(tmp_path):
     doors = [IN_HALL, {**DOOR, "geometry": {"type": "Point", "coordinates": [6, 3]}}]
     plan = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, *doors))
     assert len(plan.spec.storeys[0].openings) == 2 and plan.notes == ()
 
 
-def test_one_looks_but_does_not_walk_over_a_counter(tmp_path):
+def test_a_counter_is_not_a_passage(tmp_path):
     counter = {**DOOR, "properties": {"kind": "counter"}}
     added = import_plan(written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), counter)).spec.storeys[0].openings
     assert [opening.kind for opening in added] == ["counter", "door"]
@@ -131,7 +131,7 @@ def test_only_the_drawn_doors_count_if_that_is_asked_for(tmp_path):
     path = written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), HALL, IN_HALL)
     message = refusal(path, only_drawn=True)
     assert "not reachable on foot (body radius 0.25 m): office" in message
-    assert message.endswith("the plan stands without --only-drawn (in Python only_drawn=False)")
+    assert message.endswith("the plan is valid without --only-drawn (in Python only_drawn=False)")
     both = written(tmp_path, room("kitchen", LEFT), room("office", RIGHT), DOOR)
     assert import_plan(both, only_drawn=True).spec == import_plan(both).spec
 
@@ -163,12 +163,12 @@ def test_rooms_drawn_at_the_inner_faces_of_their_walls_meet_in_the_middle(tmp_pa
     path = written(tmp_path, room("kitchen", LEFT), room("office", apart), DOOR)
     message = refusal(path)
     assert "leave a gap of 0.12 m" in message or "no wall between two rooms" in message
-    assert message.endswith("; the plan stands with --snap 0.15 (in Python snap_m=0.15)")
+    assert message.endswith("; the plan is valid with --snap 0.15 (in Python snap_m=0.15)")
     (storey,) = import_plan(path, snap_m=0.15).spec.storeys
     assert {x for r in storey.rooms for x, _ in r.polygon_m} == {0.0, 4.06, 8.12}
 
 
-def test_rooms_as_far_apart_as_what_snaps_meet(tmp_path):
+def test_rooms_that_are_exactly_snap_m_apart_meet(tmp_path):
     upper = room("corridor", [[0, 3.1], [8, 3.1], [8, 5], [0, 5]])  # 3.1 - 3 is more than 0.1
     (storey,) = import_plan(
         written(tmp_path, room("kitchen", [[0, 0], [8, 0], [8, 3], [0, 3]]), upper), snap_m=0.1
@@ -195,7 +195,7 @@ def test_svg_shapes_transforms_and_y_down(tmp_path):
     assert set(kitchen.polygon_m) == {(1.0, -3.5), (5.0, -3.5), (5.0, -0.5), (1.0, -0.5)}
     (door,) = plan.spec.storeys[0].openings
     assert {door.start_m, door.end_m} == {(5.0, -1.5), (5.0, -2.4)}
-    assert plan.notes == ("passed over, because they say neither a label nor a kind: <path> on line 6",)
+    assert plan.notes == ("ignored, because they name neither a label nor a kind: <path> on line 6",)
 
 
 INKSCAPE = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="210mm" height="297mm" viewBox="0 0 210 297"'
@@ -218,14 +218,14 @@ def test_labels_and_layers_of_inkscape_count(tmp_path):
     assert set(plan.spec.storeys[0].openings[0].rooms) == {"Kitchen", "Anna's room"}
     swing, note = plan.notes
     assert swing.endswith("neither a label nor a kind: <path> 'swing' on line 8")
-    assert note.endswith("made up, so that every room can be reached: office - Kitchen (door)")
+    assert note.endswith("added, so that every room can be reached: office - Kitchen (door)")
 
 
 def test_a_group_with_several_shapes_does_not_say_which_is_the_room(tmp_path):
     body = '<g class="kitchen"><rect width="400" height="300"/><rect id="sink" width="60" height="50"/></g>'
     notes = import_plan(svg(tmp_path, body + '<rect class="gym" x="400" width="400" height="300"/>')).notes
     assert notes == (
-        "passed over, because they say neither a label nor a kind: "
+        "ignored, because they name neither a label nor a kind: "
         "<rect> on line 1 at (0, 0); <rect> 'sink' on line 1 at (0, 0)",
     )
 
@@ -267,7 +267,7 @@ def test_pages_and_lengths_have_units(tmp_path, head, unit):
     assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3)) and np.max(gym.polygon_m) == pytest.approx(8)
 
 
-def test_a_plan_on_a_sheet_of_paper_wants_a_scale(tmp_path):
+def test_a_plan_at_the_size_of_paper_needs_a_scale(tmp_path):
     body = '<rect id="kitchen" width="40" height="30"/><rect id="gym" x="40" width="40" height="30"/>'
     message = refusal(svg(tmp_path, body, INKSCAPE))
     assert "is 0.08 x 0.03 m on its page" in message and "give --metres-per-unit" in message
@@ -276,7 +276,7 @@ def test_a_plan_on_a_sheet_of_paper_wants_a_scale(tmp_path):
     assert np.allclose(np.ptp(kitchen.polygon_m, axis=0), (4, 3))
 
 
-def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tmp_path):
+def test_svg_words_that_resemble_a_known_one_are_named_once_with_their_place(tmp_path):
     body = """
       <rect id="kitchen" width="400" height="300"/><rect class="gym" x="400" width="400" height="300"/>
       <rect class="wall Kitchn" x="900" width="9" height="9"/><rect class="kitchn" x="950" width="9" height="9"/>
@@ -284,15 +284,15 @@ def test_svg_words_that_nearly_mean_something_are_named_once_with_their_place(tm
       <rect class="wall" width="9" height="9"/><path id="path371" d="M0 0 h9"/>"""
     notes = import_plan(svg(tmp_path, body)).notes
     assert notes[:4] == (
-        "<rect> 'wall Kitchn' on line 3: 'kitchn' means nothing (did you mean 'kitchen'?); passed over",
-        "<rect> 'door' on line 4: 'door' is an opening: a line, polyline or path, not a rect; passed over",
-        "<line> 'Office_2' on line 4: 'office' is a room: a rect, polygon, polyline or path, not a line; passed over",
-        "passed over, because they say neither a label nor a kind: "
+        "<rect> 'wall Kitchn' on line 3: 'kitchn' is unknown (did you mean 'kitchen'?); ignored",
+        "<rect> 'door' on line 4: 'door' is an opening: a line, polyline or path, not a rect; ignored",
+        "<line> 'Office_2' on line 4: 'office' is a room: a rect, polygon, polyline or path, not a line; ignored",
+        "ignored, because they name neither a label nor a kind: "
         "<rect> 'wall Kitchn' on line 3 at (900, 0); <rect> 'kitchn' on line 3 at (950, 0); "
         "<rect> 'door' on line 4 at (395, 100); <line> 'Office_2' on line 4 at (0, 0); <rect> 'wall' on line 5 at (0, 0); "
         "<path> 'path371' on line 5 at (0, 0)",
     )
-    assert not any("'wall' means nothing" in note for note in notes)
+    assert not any("'wall' is unknown" in note for note in notes)
 
 
 def test_misspelt_properties_of_geojson_are_named(tmp_path):
@@ -300,15 +300,15 @@ def test_misspelt_properties_of_geojson_are_named(tmp_path):
     other = {**room("gym", LEFT), "properties": {"lable": "gym", "colour": "red"}}
     plan = import_plan(written(tmp_path, hall, room("office", RIGHT), other))
     assert plan.notes[:3] == (
-        "features[0]: 'storry' means nothing (did you mean 'storey'?); passed over",
-        "features[2]: 'lable' means nothing (did you mean 'label'?); passed over",
-        "passed over, because they have neither a label nor a kind: features[2]",
+        "features[0]: 'storry' is unknown (did you mean 'storey'?); ignored",
+        "features[2]: 'lable' is unknown (did you mean 'label'?); ignored",
+        "ignored, because they have neither a label nor a kind: features[2]",
     )
 
 
-def test_what_was_passed_over_is_said_where_the_rest_is_no_house(tmp_path):
+def test_ignored_shapes_are_named_where_the_plan_is_invalid(tmp_path):
     lost = refusal(svg(tmp_path, '<rect class="kitchn" width="400" height="300"/>'))
-    assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' means nothing (did you mean" in lost
+    assert "has 0 rooms with a label" in lost and "<rect> 'kitchn' on line 1: 'kitchn' is unknown (did you mean" in lost
     far = '<rect id="gym" width="400" height="300"/><rect id="office" x="900" width="400" height="300"/>'
     lost = refusal(svg(tmp_path, far + '<rect id="corrider" x="400" width="500" height="300"/>'))
     assert "not reachable" in lost and "(did you mean 'corridor'?)" in lost
@@ -328,12 +328,15 @@ def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
             "features[0] ('my gym'): the wall from corner 1 (4.00",
         ),
         ([room("gym", [[0, 0], [4e-5, 0], [4e-5, 3e-5], [0, 3e-5]]), room("gym", LEFT)], "at least 4 corners farther apart"),
-        ([room("gym", [[7, 50], [7 + 4e-5, 50], [7 + 4e-5, 50 + 3e-5], [7, 50 + 3e-5]])], "in degrees, it seems"),
+        (
+            [room("gym", [[7, 50], [7 + 4e-5, 50], [7 + 4e-5, 50 + 3e-5], [7, 50 + 3e-5]])],
+            "seems to have coordinates in degrees",
+        ),
         ([room("gym", LEFT), room("office", [[3, 0], [8, 0], [8, 3], [3, 3]]), DOOR], "overlap"),
         ([room("gym", LEFT), room("office", [[9, 0], [12, 0], [12, 3], [9, 3]])], "not reachable"),
         ([room("gym", LEFT, storey=9)], "features[0]: storey '9'; valid: 0 (the lowest) to 7"),
         ([room("gym", LEFT, storey=1)], "no rooms on storey 0"),
-        ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is no pair of coordinates"),
+        ([room("gym", [[0, 0], [4, "x"], [4, 3]])], "features[0]: [4, 'x'] is not a pair of coordinates"),
         ([DOOR], "has 0 rooms with a label; valid: 1 to 200"),
         ([room("gym", LEFT), room("office", RIGHT), {**DOOR, "properties": {"kind": "portal"}}], "unknown kind of opening"),
         (
@@ -348,7 +351,7 @@ def test_guesses_are_few_however_many_words_are_wrong(tmp_path):
         ([room("gym", [p for k in range(40) for p in ([k, k % 2], [k + 1, k % 2])] + [[40, 9], [0, 9]])], "4 to 64"),
     ],
 )
-def test_drawings_that_cannot_be_meant_are_refused_with_their_place(tmp_path, features, message):
+def test_invalid_drawings_are_refused_with_their_place(tmp_path, features, message):
     assert message in refusal(written(tmp_path, *features))
 
 
@@ -362,7 +365,7 @@ def test_a_door_far_from_any_wall_is_refused_and_one_to_the_outside_left_out(tmp
         written(tmp_path, *pair, DOOR, door(2, 1.5))
     )
     plan = import_plan(written(tmp_path, *pair, DOOR, door(2, 0)))
-    assert plan.notes == ("features[3]: leads out of the house; left out",) and len(plan.spec.storeys[0].openings) == 1
+    assert plan.notes == ("features[3]: leads out of the house; ignored",) and len(plan.spec.storeys[0].openings) == 1
 
 
 LAUGHS = (
@@ -382,7 +385,7 @@ BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;
         ("<svg>" + "<g/>" * 100_001 + "</svg>", "more than 100000"),
         ("<html/>", "outermost element is <html>"),
         ("<svg><g></svg>", "is not SVG: mismatched tag at line 1"),
-        ("<svg/>", "does not say its scale"),
+        ("<svg/>", "does not state its scale"),
         ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0 C 1 1 2 2 3 3 Z"/></svg>', "has a curve (CubicBezier)"),
         ('<svg data-metres-per-unit="1"><path id="gym" d="M0 0 L garbage Z"/></svg>', "its coordinates cannot be read"),
         ('<svg data-metres-per-unit="1"><path id="gym" d="L 4 0 L 4 3 Z"/></svg>', "has 0 corners"),
@@ -432,7 +435,7 @@ def test_a_use_that_refers_to_nothing_draws_nothing(tmp_path):
     assert all(plan == plans[0] for plan in plans)
 
 
-def test_every_malformed_field_of_a_drawn_door_is_told(tmp_path):
+def test_every_malformed_field_of_a_drawn_door_is_reported(tmp_path):
     house = to_geojson(sample_from_rooms(("kitchen", "bedroom"), seed=3))
     drawing = json.loads(house)
     door = next(feature for feature in drawing["features"] if "kind" in feature["properties"])

@@ -1,4 +1,4 @@
-"""Stairs of all kinds in houses of a few rooms: walkable steps, exact heights, one shape whichever way the cell lies."""
+"""Stairs of all kinds in small houses: walkable steps, exact heights, the same shape in every orientation of the cell."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ HALL_M = 2.0
 
 
 def house(kind, storeys=2, height=2.6, cell=None, ways=None):
-    """Four halls round a cell of stairs, open to one another. The climb begins in the south."""
+    """Four halls around a stair cell, open to one another. The climb begins in the south."""
     length, width = cell or cell_needed(kind, height + 0.3, 0.25, 0.9)
     x0, y0, x1, y1 = HALL_M, HALL_M, round(HALL_M + width, 6), round(HALL_M + length, 6)
     far_x, far_y, middle = x1 + HALL_M, y1 + HALL_M, (x0 + x1) / 2
@@ -164,7 +164,7 @@ def test_head_room_along_the_whole_line_of_a_stack(kind):
 
 
 def turned(spec, change):
-    """The house with every plan point changed; polygons stay counter-clockwise."""
+    """The house with every point of its plan transformed; polygons stay counter-clockwise."""
 
     def edit(storeys):
         for storey in storeys:
@@ -257,7 +257,7 @@ def test_an_opening_beside_its_flight_is_refused(kind, ways, message):
 
 
 def test_a_flight_over_the_head_of_another_is_refused():
-    """A straight flight that begins where the lower one ends runs through it."""
+    """A straight flight that begins where the lower one ends would run through it."""
 
     def begin_at_the_far_end(storeys):
         south, north = storeys[1]["openings"][-2:]
@@ -275,7 +275,7 @@ def test_a_low_door_to_the_stairs_is_refused():
 
 
 def test_what_an_opening_leaves_beside_the_flight_has_a_floor_and_a_rail():
-    """Upstairs the whole front of the cell is open; the half over the first flight is a drop."""
+    """Upstairs the whole front of the cell is open; the half above the first flight is a drop."""
     front = ("south", "stairs", (2.05, 2.0), (3.75, 2.0))
     wide, narrow = (stairs_of(house("U", ways=ways))[0] for ways in ({"down": front}, {}))
     more = set(wide.floors) - set(narrow.floors)

@@ -1,4 +1,4 @@
-"""A house as GLB: the same surfaces, read back by an independent reader."""
+"""A house as GLB has the same surfaces when an independent reader loads it."""
 
 import io
 

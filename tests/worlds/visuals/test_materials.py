@@ -1,4 +1,4 @@
-"""Laws of textures: shape and colour as asked, drawn anew each time, never periodic, rich in features at any distance."""
+"""Laws of textures: shape and colour as given, newly drawn each time, never periodic, rich in features at any distance."""
 
 import cv2
 import numpy as np
@@ -56,7 +56,7 @@ def test_no_shift_brings_a_texture_back_to_itself(pattern):
 
 
 def _seen_from(image, distance_m):
-    """A wall of 8 x 2.5 m at 64 px/m as a 480 px wide, 100 degree camera sees its middle squarely, 8 bit noise added."""
+    """The middle of a wall of 8 x 2.5 m at 64 px/m, seen frontally by a 100 degree camera 480 px wide, with image noise."""
     scale = 480 / 2 / np.tan(np.radians(50)) / distance_m / 64
     view = cv2.resize(
         _grey(image), None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
@@ -110,7 +110,7 @@ def test_unknown_names_and_sizes_are_refused():
     rng = np.random.default_rng(0)
     with pytest.raises(WorldsError, match="velvet"):
         texture("velvet", COLOUR, rng, (8, 8), (1.0, 1.0))
-    with pytest.raises(WorldsError, match="positive"):
+    with pytest.raises(WorldsError, match="valid: above 0"):
         texture("wood", COLOUR, rng, (8, 8), (0.0, 1.0))
     with pytest.raises(WorldsError, match="dungeon"):
         finish_of("dungeon", rng)

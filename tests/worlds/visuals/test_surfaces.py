@@ -1,4 +1,4 @@
-"""The visible shell: the boundary of what is solid, without a gap, and no place of a texture used twice."""
+"""The visible shell is the complete boundary of everything solid, and no two faces share a place in a texture."""
 
 from collections import defaultdict
 
@@ -28,7 +28,7 @@ def faces(house):
 
 
 def is_solid(house, points):
-    """Whether points lie in walls or slabs: from walls, arches and polygons, not from the faces."""
+    """Whether points lie in walls or slabs, computed from walls, arches and polygons and not from the faces."""
     boxes = [(*wall.bounds, wall.bottom_m, wall.top_m) for wall in house.walls if not wall.spandrel]
     solid = inside(points, boxes)
     for wall in (wall for wall in house.walls if wall.spandrel):
@@ -74,8 +74,8 @@ def test_faces_part_solid_from_free(house, faces, rng):
     assert not is_solid(house, places + 1e-5 * normals).any()
 
 
-def test_what_a_ray_meets_first_is_where_the_solid_begins(house, faces, rng):
-    """So no face is missing, and none floats: rays from anywhere in a room in any direction."""
+def test_the_first_face_on_a_ray_is_where_the_solid_begins(house, faces, rng):
+    """Rays from anywhere in a room in any direction show that no face is missing and that none floats."""
     rooms = [room for room in house.rooms if not room.outdoor]
     starts, ways = [], rng.normal(size=(100, 3))
     while len(starts) < len(ways):
@@ -110,7 +110,7 @@ def test_an_opening_ends_below_and_above_where_its_kind_says(kind, rng):
 
 
 def first_hits(quads, starts, ways):
-    """Distance to the first face on each ray, inf where there is none, and whether its front is met."""
+    """The distance to the first face on each ray (inf if there is none), and whether its front is hit."""
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     a, b, c = (triangles[:, k] for k in range(3))
     normal = np.cross(b - a, c - a)

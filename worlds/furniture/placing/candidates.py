@@ -1,4 +1,7 @@
-"""Where a piece could go, best first, before anything is checked: one generator per kind of place."""
+"""Candidate poses for a piece, best first, with one generator per kind of place (`worlds.furniture.kinds.Place`).
+
+The candidates are not checked for collisions: `RoomPlan.first_free` takes the first that fits.
+"""
 
 from collections.abc import Callable, Iterator
 from itertools import chain
@@ -10,20 +13,26 @@ from worlds.furniture.placing.piece import Piece, Pose
 from worlds.furniture.placing.room_plan import RoomPlan
 
 WALL_GAP_M = 0.006
+"""Gap between a wall and a piece with its back to it [m]."""
 _ABUT_M = 0.002
+"""Gap between pieces that stand side by side [m]."""
 _FLOOR_TRIES = 14
 _TOP_TRIES = 8
 _WALL_TRIES = 12
 _UNDER_M = 0.02
-"""What hangs over a piece keeps at least so much off its top [m]."""
+"""Least distance between a piece and one that hangs above it [m]."""
 
 
 def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
-    """Poses for a piece of `kind` and `size`, best first, all as high; `host` is what it stands at, on or under."""
+    """Poses for a piece of `kind` and `size`, best first, all at the same height.
+
+    `host` is the piece that it stands at or on, or hangs above; None if its place needs none.
+    """
     return _BY_PLACE[type(kind.place)](plan, kind.place, size, host, draws)
 
 
 def _against_wall(plan: RoomPlan, place: AgainstWall, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
+    # (score, index of the wall, distance along it): a random number plus a bonus for wall ends and preferred neighbours.
     scored: list[tuple[float, int, float]] = []
     half, random, corner = size.width / 2, draws.random, 1.0 if place.corner else 0.35
     margin = HALF_WALL_M + WALL_GAP_M + half
@@ -51,7 +60,8 @@ def _on_floor(plan: RoomPlan, place: OnFloor, size: Size, host: Piece | None, dr
         for _ in range(_FLOOR_TRIES):
             yield Pose(random() * width, random() * depth, draws.index(4))
         return
-    # A long piece in the middle of a room lies along the room.
+    # In the middle of a room, the longer side of a piece runs along the longer side of the room. Candidates start at the
+    # centre and spread out; the later ones are also tried at a right angle.
     lengthwise = int(width < depth) if size.width >= size.depth else int(width >= depth)
     for i in range(_FLOOR_TRIES + 1):
         spread = 0.0 if i == 0 else 0.1 + 0.05 * i
@@ -117,12 +127,13 @@ def _on_ceiling(plan: RoomPlan, place: OnCeiling, size: Size, host: Piece | None
 
 
 def _backed(plan: RoomPlan, index: int, t: float, depth: float, z: float) -> Pose:
-    """With its back to a wall, at distance `t` along it."""
+    """The pose with the back to a wall, at distance `t` along it [m]."""
     side = plan.runs[index].side
     return Pose(*side.at(t, HALF_WALL_M + WALL_GAP_M + depth / 2), side.turn, z, index)
 
 
 def _evenly(length: float, each: float) -> list[float]:
+    """Positions of as many seats of width `each` as fit along a side of `length`, about its middle [m]."""
     count = max(1, int(length / (each + 0.1)))
     return [(i + 0.5) * length / count - length / 2 for i in range(count)]
 

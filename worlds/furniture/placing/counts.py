@@ -1,6 +1,6 @@
-"""How many pieces of a kind there are, as the clutter from which on each of them is there.
+"""Numbers of pieces: for each piece of a kind, the value of `clutter` from which on it is present.
 
-What stands at some clutter stands at any higher one: pieces are added in that order, and left out below it.
+A piece that is present at some clutter is therefore present at any higher one.
 """
 
 from collections.abc import Iterator
@@ -10,14 +10,18 @@ from worlds.furniture.kinds import AgainstWall, Hoarded, Kind, OnFloor, OnTop
 from worlds.furniture.placing.draws import Draws
 
 USUAL = 1.0
-"""The clutter of a usual home."""
+"""Value of `clutter` of a usual home."""
 _LOOSE_M2 = 0.4
-"""What stands on the floor and covers less lies about: there is more of it in a cluttered room."""
+"""Area below which a piece on the floor counts as loose [m²]. Cluttered rooms have more loose pieces than usual ones."""
 _ROOM_M2 = 12.0
+"""Area of the room that `Hoarded.per_clutter` applies to [m²]."""
 
 
 def appearances(kind: Kind, label: str, area_m2: float, draws: Draws) -> Iterator[tuple[float, int]]:
-    """(clutter from which on it is there, number) of each piece of a kind in a room with `label`, from number 1 on."""
+    """For each piece of a kind in a room with `label`: (clutter from which on it is present, its number, counted from 1).
+
+    The sequence is infinite for `Hoarded` and loose kinds; for the others it ends at the clutter of a usual home.
+    """
     expected, luck, more = kind.rooms[label], draws.random(), draws.random()
     if isinstance(expected, Hoarded):
         step = 1.0 if isinstance(kind.place, OnTop) else _ROOM_M2 / area_m2

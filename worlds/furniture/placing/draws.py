@@ -1,4 +1,4 @@
-"""`Draws`: a random stream of its own for every piece, so that a change to one leaves the others' draws alone."""
+"""`Draws`: a separate random stream for every piece, so that a change to one piece does not change the draws of others."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -11,7 +11,7 @@ _MASK = _POOL - 1
 
 
 def pool(rng: Generator) -> tuple[float, ...]:
-    """The numbers in [0, 1) that all streams of a room are made of."""
+    """The numbers in [0, 1) that all streams of a room draw from."""
     return tuple(rng.random(_POOL).tolist())
 
 
@@ -26,9 +26,10 @@ def _text(name: str, number: int) -> bytes:
 
 
 class Draws:
-    """Numbers uniform in [0, 1): the room's pool, walked from a start and with an odd stride that the key gives.
+    """A stream of uniform numbers from a room's pool, read from a start and with a stride that follow from the key.
 
-    That is much faster than a generator per piece, and needs no order between pieces.
+    The stride is odd and the length of the pool is a power of two, so a stream visits the whole pool before it repeats.
+    This is much faster than a generator per piece, and the draws do not depend on the order of the pieces.
     """
 
     __slots__ = ("_at", "_pool", "_stride")
@@ -38,14 +39,14 @@ class Draws:
         self._pool, self._at, self._stride = numbers, key & _MASK, key >> 11 | 1
 
     def random(self) -> float:
-        """The next number."""
+        """The next number, uniform in [0, 1)."""
         self._at = at = (self._at + self._stride) & _MASK
         return self._pool[at]
 
     def uniform(self, low: float, high: float) -> float:
-        """Between `low` and `high`."""
+        """A number uniform in [low, high)."""
         return low + (high - low) * self.random()
 
     def index(self, count: int) -> int:
-        """One of 0 ... `count` - 1."""
+        """An integer from 0 to `count` - 1."""
         return int(count * self.random())

@@ -1,4 +1,4 @@
-"""`FreeFloor`: where a body can go in a room while it fills with furniture."""
+"""`FreeFloor`: the floor of a room that a walking body can reach, updated as furniture is added."""
 
 import math
 from collections.abc import Sequence
@@ -10,23 +10,26 @@ from jaxtyping import UInt8
 from worlds.furniture.placing.room_shape import Point, Rectangle, RoomShape, grown
 
 BODY_RADIUS_M = 0.32
-"""More than the 0.25 m of a walker: the grid that it walks on, 10 cm wide and anywhere, has to have a way wherever this
-one has."""
+"""Radius of the body that has to pass [m].
+
+It is larger than the 0.25 m of the walker, because the walker's grid has 10 cm cells at arbitrary offsets: the margin makes
+sure that a path on this grid exists on that one as well.
+"""
 CELL_M = 0.1
 HALF_WALL_M = 0.05
 _REACH = int(BODY_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
-"""Blocked cells round the room's bounding box: windows round a place stay inside the grid."""
+"""Width of the rim of blocked cells around the bounding box, so that a window around any place stays inside the grid."""
 _BODY = np.ones((2 * _REACH + 1,) * 2, np.uint8)
 _Cells = UInt8[np.ndarray, "rows columns"]
 _Cell = tuple[int, int]
 
 
 class FreeFloor:
-    """The cells that the centre of a body can get to from the room's ways in."""
+    """Grid of the cells that the centre of a body can reach from the passages into the room."""
 
     def __init__(self, shape: RoomShape, entries: Sequence[Point], leaves: Sequence[Rectangle] = ()) -> None:
-        """`entries` are places in front of the ways in; door `leaves` are in the way as long as that leaves a way."""
+        """`entries` are points in front of the passages. Door `leaves` are obstacles unless they block too much floor."""
         self._area = shape.area_m2 / CELL_M**2
         self._box = width, depth = (math.ceil(shape.size[0] / CELL_M - 1e-6), math.ceil(shape.size[1] / CELL_M - 1e-6))
         bare = np.zeros((depth + 2 * _RIM, width + 2 * _RIM), np.uint8)
@@ -39,7 +42,10 @@ class FreeFloor:
             self.block(leaf, 0.5)
 
     def block(self, place: Rectangle, share: float) -> bool:
-        """Put something at `place` if the ways in stay joined and a body still covers `share` of the room's area."""
+        """Block `place` if all passages stay connected and a body still covers `share` of the room's area.
+
+        Returns whether that holds; otherwise the floor is unchanged.
+        """
         rows, columns = window = self._cells(grown(place, BODY_RADIUS_M))
         if not self._free[window].any():
             return self._covered >= share * self._area
@@ -61,13 +67,16 @@ class FreeFloor:
         return True
 
     def _stays_in_one(self, rows: slice, columns: slice) -> bool:
-        """Whether the free cells round a window hang together outside of it: then nothing can be cut off."""
+        """Whether the free cells on the ring around a window are connected: then blocking the window cuts nothing off.
+
+        They are if the ring, read around, changes from blocked to free at most once. This local test avoids a flood fill.
+        """
         a = self._free[rows.start - 1 : rows.stop + 1, columns.start - 1 : columns.stop + 1]
         ring = a[0].tobytes() + a[1:-1, -1].tobytes() + a[-1, ::-1].tobytes() + a[-2:0:-1, 0].tobytes()
         return b"\1" in ring and (ring + ring[:1]).count(b"\0\1") <= 1
 
     def _lost(self, rows: slice, columns: slice) -> int:
-        """How many cells a body no longer covers when its centre may not be in a window."""
+        """Number of cells that a body no longer covers once its centre must stay out of a window."""
         around = self._free[rows.start - _RIM : rows.stop + _RIM, columns.start - _RIM : columns.stop + _RIM]
         without = around.copy()
         without[_RIM:-_RIM, _RIM:-_RIM] = 0
@@ -76,7 +85,7 @@ class FreeFloor:
         return int(np.count_nonzero(before)) - int(np.count_nonzero(after))
 
     def _cells(self, r: Rectangle) -> tuple[slice, slice]:
-        """The cells of the room's bounding box whose centres lie in the rectangle."""
+        """Slices of the cells of the room's bounding box whose centres lie in the rectangle."""
         (x0, y0, x1, y1), (width, depth) = r, self._box
         return _between(y0, y1, depth), _between(x0, x1, width)
 
@@ -102,9 +111,9 @@ def _nearest_free(free: _Cells, entries: Sequence[Point]) -> frozenset[_Cell]:
 
 
 def _reached(free: _Cells, doors: frozenset[_Cell]) -> tuple[_Cells, int]:
-    """The free cells joined to the doors (to nothing: the largest region), and how many cells a body covers from them.
+    """The free cells connected to all doors, and the number of cells that a body covers from them.
 
-    None and 0 if the doors are not joined.
+    Without doors, it is the largest connected region. If the doors are not connected, no cell is free and the number is 0.
     """
     region = _joined_to(free, *doors) if doors else _largest(free)
     return region, int(np.count_nonzero(cv2.dilate(region, _BODY)))

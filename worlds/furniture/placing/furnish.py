@@ -1,4 +1,13 @@
-"""`furnish`: fill the rooms of a storey with what the catalogue says belongs there, keeping every room walkable."""
+"""`furnish`: fills the rooms of a storey with furniture from the catalogue and keeps every room walkable.
+
+For each room, the pieces of a usual home come first, whatever the clutter, and then the additional ones:
+
+1. Pieces that stand by themselves, the required and the large ones first, each followed by its required seats.
+2. Details: other seats, things on top of pieces, on walls and under the ceiling.
+3. Pieces above the usual clutter, in the order of the clutter from which on they are present.
+
+This order makes rooms comparable: a piece that is present at some clutter is present, in the same place, at any higher one.
+"""
 
 import heapq
 import math
@@ -21,8 +30,9 @@ from worlds.labels import STAIRS
 from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec, WindowSpec
 
 WALKABLE_SHARE = 0.4
-"""Of a room's area, what a body can still cover in a usual home."""
+"""Share of a room's area that a body can still cover in a usual home."""
 _SHARE_PER_CLUTTER = 0.04
+"""Decrease of that share per unit of clutter above the usual."""
 _HEAD_ROOM_M = 0.05
 _SMALLEST = (0.0, 0.0, 0.0)
 _YAWS = (0.0, math.pi / 2, math.pi, -math.pi / 2)
@@ -35,10 +45,15 @@ def furnish(
     prefix: str = "0",
     windows: Sequence[WindowSpec] = (),
 ) -> tuple[FurnitureSpec, ...]:
-    """Furniture for all rooms of a storey; none for `clutter` 0, the usual for 1, more things lying about above.
+    """Furniture for all rooms of a storey. Stairs stay empty.
 
-    `rng_of` gives every room its generator; rooms that are alike and have equal generators are furnished alike. What is
-    there at some clutter is there at any higher one, under the same id. Ids start with `prefix`. Stairs stay bare.
+    Args:
+        storey: the storey to furnish.
+        rng_of: gives the generator of each room. Equal rooms with equal generators are furnished equally.
+        clutter: 0 for no furniture, 1 for that of a usual home, more for additional loose things. A piece that is present at
+            some clutter is present at any higher one, under the same id.
+        prefix: start of the ids of the furniture.
+        windows: the windows of the storey.
     """
     specs: list[FurnitureSpec] = []
     for index, room in enumerate(storey.rooms):
@@ -55,26 +70,22 @@ def furnish(
 
 
 def is_solid(kind: str) -> bool:
-    """Whether pieces of `kind` block the way. Raises `WorldsError` for an unknown kind."""
+    """Whether a person cannot walk through pieces of `kind`. Raises `WorldsError` for an unknown kind."""
     return kind_of(kind).solid
 
 
 class _Furnisher:
-    """Fills one room.
-
-    First with all that a usual home has, the needed and the large before the rest; then with what there is more of in a
-    cluttered one, by the clutter from which on it is there.
-    """
+    """Fills one room: first with everything that a usual home has, then with the additional pieces of a cluttered one."""
 
     def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
         self._plan, self._numbers, self._clutter = plan, numbers, clutter
-        self._kinds = _kinds_for(plan.label)
+        self._kinds = kinds_for(plan.label)
         self._pieces: list[Piece] = []
         self._by_kind: dict[str, list[Piece]] = defaultdict(list)
         self._more: list[_Queued] = []
 
     def furnished(self) -> list[Piece]:
-        """The pieces in the order in which they were placed, with all of a usual home even if the clutter is less."""
+        """The pieces in the order of placing. All pieces of a usual home are included even if the clutter is lower."""
         for kind in self._kinds.standing:
             for piece in self._usual(kind, None):
                 for seat in self._kinds.seats.get(kind.name, ()):
@@ -91,7 +102,7 @@ class _Furnisher:
         return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
 
     def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
-        """Place what a usual home has of a kind (per host), and queue the rest."""
+        """Place the pieces of a kind that a usual home has (per host), and queue the first of the additional ones."""
         placed: list[Piece] = []
         each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
         for since, number in each:
@@ -109,7 +120,7 @@ class _Furnisher:
             heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
 
     def _add_queued(self, next_one: "_Queued") -> None:
-        """Place it, and queue what follows: the next of its kind, and what belongs to it."""
+        """Place a queued piece; then queue the next piece of its kind and the first one of each kind of guest."""
         since, _, kind, number, host, rest = next_one
         piece = self._place(kind, number, host, since)
         if piece is None:
@@ -124,7 +135,7 @@ class _Furnisher:
                 break
 
     def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
-        """Try a random size, then the smallest; None if neither finds a place."""
+        """Place a piece with a random size, or else with the smallest; None if there is no room for either."""
         draws = self._draws(kind, number, host)
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
@@ -149,7 +160,7 @@ def _key(kind: Kind, number: int, host: Piece | None) -> int:
 
 
 class _Queued(NamedTuple):
-    """A piece that is there from some clutter above the usual on, and those of its kind that follow."""
+    """A piece that is present from a clutter above the usual on, with the further pieces of its kind (`rest`)."""
 
     since: float
     key: int
@@ -160,26 +171,30 @@ class _Queued(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Kinds:
-    """The kinds of a room, in the order of placing."""
+class RoomKinds:
+    """The kinds that belong in rooms with one label, in the order of placing."""
 
     standing: tuple[Kind, ...]
-    """What stands by itself."""
+    """Kinds that stand by themselves."""
     seats: Mapping[str, tuple[Kind, ...]]
-    """By the name of their host: what goes with it at once."""
+    """Required kinds around a host, by the host's name; they are placed right after it."""
     details: tuple[Kind, ...]
-    """What comes last."""
+    """Kinds that are placed last."""
     guests: Mapping[str, tuple[Kind, ...]]
-    """By the name of their host: all that stands at, on or under it."""
+    """All kinds that stand at or on a host, or hang above it, by the host's name."""
 
 
 @cache
-def _kinds_for(label: str) -> _Kinds:
+def kinds_for(label: str) -> RoomKinds:
+    """The kinds of the catalogue that belong in rooms with `label`.
+
+    The result is cached: call `kinds_for.cache_clear()` after the catalogue has changed.
+    """
     here = sorted((kind for kind in CATALOGUE.values() if label in kind.rooms), key=lambda kind: _rank(kind, label))
     seats = [kind for kind in here if isinstance(kind.place, Around) and _is_required(kind, label)]
     standing = tuple(kind for kind in here if _stage(kind) == 1)
     details = tuple(kind for kind in here if _stage(kind) > 1 and kind not in seats)
-    return _Kinds(standing, _by_host(seats), details, _by_host(here))
+    return RoomKinds(standing, _by_host(seats), details, _by_host(here))
 
 
 def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
@@ -188,7 +203,7 @@ def _by_host(kinds: Sequence[Kind]) -> dict[str, tuple[Kind, ...]]:
 
 
 def host_names(kind: Kind) -> tuple[str, ...]:
-    """The kinds that a piece of `kind` stands at, on or under; none if it needs none."""
+    """The kinds that a piece of `kind` can stand at or on, or hang above; empty if it needs no host."""
     match kind.place:
         case OnTop(hosts=names) | Around(hosts=names) | OnWall(above=names):
             return names
@@ -196,7 +211,10 @@ def host_names(kind: Kind) -> tuple[str, ...]:
 
 
 def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
-    """What comes later has to make do: the required first, then what needs the centre of the room, then the large."""
+    """Sort key of the order of placing: required kinds first, then those for the centre of the room, then the large ones.
+
+    Kinds that come later have less room to choose from.
+    """
     central = kind.solid and isinstance(kind.place, OnFloor) and kind.place.spot == "centre"
     return _stage(kind), not _is_required(kind, label), not central, -kind.width[1] * kind.depth[1]
 
@@ -219,7 +237,7 @@ def _stage(kind: Kind) -> int:
 
 
 def _size(kind: Kind, shares: tuple[float, float, float], room_height: float) -> Size:
-    """The kind's size at `shares` of its ranges, no higher than the room."""
+    """The size at `shares` in [0, 1] of the ranges of the kind, no higher than the room."""
     width, depth, height = map(_at_share, (kind.width, kind.depth, kind.height), shares)
     return Size(width, depth, min(height, round(room_height - _HEAD_ROOM_M, 3)))
 
@@ -229,7 +247,7 @@ def _at_share(interval: Range, share: float) -> float:
 
 
 def _spec(piece: Piece, plan: RoomPlan, room: RoomSpec, name: str) -> FurnitureSpec:
-    """Not validated: that is done once, where the spec of a whole house is made."""
+    """The spec of a piece, not validated: validation happens once, when the spec of the whole house is made."""
     (x0, y0), pose, size = plan.shape.origin, piece.pose, piece.size
     return FurnitureSpec.model_construct(
         id=name,

@@ -1,4 +1,4 @@
-"""What the openings and windows of a room ask of its furniture."""
+"""The space in a room that furniture has to leave free for openings, door leaves and windows."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,53 +10,56 @@ from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, Rectangl
 from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
 OPENING_DEPTH_M = 0.9
+"""Depth of the floor that stays free in front of a passage [m]."""
 OPENING_MARGIN_M = 0.15
+"""Margin on each side of a passage that stays free as well [m]."""
 PASSAGE_M = 1.3
-"""Of an opening wider than that, this much is kept clear, at the end that is nearer to another way out."""
+"""Largest width of an opening that is kept free [m]. A wider one is kept free at the end nearer to another passage."""
 SIGHT_DEPTH_M = 0.35
-"""What is higher than the sill of a window, half wall or counter stays so far from it."""
+"""Distance that furniture higher than the sill keeps from a window, half wall or counter [m]."""
 _SWING_MARGIN_M = 0.06
 _LEAF_HALF_M = 0.02
 _STANDS_OPEN_RAD = 1.2
-"""A leaf that is opened that far is left so; a body would push one that is ajar."""
+"""A leaf opened farther than this is an obstacle [rad]; a body would push aside one that is only ajar."""
 
 
 class Space(NamedTuple):
-    """A box that is taken or has to stay free."""
+    """A box that is occupied or has to stay free."""
 
     rectangle: Rectangle
-    """[m]"""
+    """Extent in plan [m]."""
     low: float
+    """Height of its underside above the floor [m]."""
     high: float
-    """Above the floor [m]."""
+    """Height of its top above the floor [m]."""
 
 
 @dataclass(frozen=True)
 class WallRun:
-    """A side of the room, and the stretches of wall along it."""
+    """A side of the room, with the stretches of wall along it."""
 
     side: Side
     free: tuple[Interval, ...]
-    """Distances from its start between the openings that one can walk through [m]."""
+    """Stretches between the passages, as distances from the start of the side [m]."""
 
 
 @dataclass(frozen=True)
 class KeptFree:
-    """Of one room, in its own coordinates."""
+    """The space that stays free in one room, in the room's own coordinates."""
 
     runs: tuple[WallRun, ...]
     zones: tuple[Rectangle, ...]
-    """Floor that stays free of what blocks the way: in front of passages."""
+    """Floor that stays free of solid pieces: in front of passages and in the swing area of door leaves."""
     spaces: tuple[Space, ...]
-    """That stay empty: where leaves swing, before windows, over half walls and counters."""
+    """Boxes that stay empty: swing areas of leaves, and in front of windows, half walls and counters above their sills."""
     entries: tuple[Point, ...]
-    """A place in front of every passage."""
+    """A point in front of every passage [m]."""
     leaves: tuple[Rectangle, ...]
-    """Where the leaves of doors that stand open are."""
+    """Footprints of door leaves that stand open."""
 
 
 def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> KeptFree:
-    """Read a room's openings and windows; `room` is one of `storey`."""
+    """The space that the openings and windows of a room need; `room` and `windows` belong to `storey`."""
     gaps: dict[Side, list[Interval]] = {side: [] for side in shape.sides}
     zones, spaces, entries, leaves = [], [], [], []
     for opening in storey.openings:
@@ -92,7 +95,10 @@ def _before(shape: RoomShape, start: Point, end: Point, low: float, high: float)
 
 
 def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[tuple[Rectangle, Rectangle]]:
-    """The rectangle round the sector that the leaf sweeps, opened at least square to the wall; the one round the leaf."""
+    """For each side of the room on which the door lies: the bounding rectangles of the swing area and of the open leaf.
+
+    The swing area is taken as if the leaf opened at least to a right angle.
+    """
     ends = opening.start_m, opening.end_m
     width, hinged = opening.width_m, ends if leaf.hinge == "start" else ends[::-1]
     back = _SWING_MARGIN_M + width * max(0.0, -math.cos(leaf.angle_rad))
@@ -106,7 +112,7 @@ def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[
 
 
 def _passage(opening: OpeningSpec, all_openings: Sequence[OpeningSpec]) -> tuple[Point, Point]:
-    """The part of an opening that is kept clear on both sides: both rooms come to the same answer."""
+    """The part of an opening that stays free on both sides. It depends on neither room, so both keep the same part free."""
     a, b, width = opening.start_m, opening.end_m, opening.width_m
     if width <= PASSAGE_M:
         return a, b

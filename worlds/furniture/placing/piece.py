@@ -1,4 +1,4 @@
-"""`Piece`: a piece of furniture in its place in a room."""
+"""`Piece`: a piece of furniture with its pose in a room."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -8,17 +8,18 @@ from worlds.furniture.placing.room_shape import AXES, Point, Rectangle
 
 
 class Pose(NamedTuple):
-    """A place for a piece, in the room's coordinates."""
+    """The position and rotation of a piece, in the room's coordinates."""
 
     x: float
-    """Centre of the foot print [m]."""
+    """x of the centre of the footprint [m]."""
     y: float
+    """y of the centre of the footprint [m]."""
     turn: int
-    """Quarter turns: the piece's x axis is `AXES[turn]`, its front faces the next of them; -3 ... 3."""
+    """Rotation in quarter turns, -3 ... 3: the piece's x axis points along `AXES[turn]`, its front along the next axis."""
     z: float = 0.0
-    """Of the underside, above the floor [m]."""
+    """Height of the underside above the floor [m]."""
     run: int | None = None
-    """The wall at its back, an index into `RoomPlan.runs`."""
+    """Index into `RoomPlan.runs` of the wall at the back of the piece, if any."""
 
     def moved(self, x: float, y: float) -> Point:
         """The room coordinates of (x, y) in the piece's frame [m]."""
@@ -26,26 +27,26 @@ class Pose(NamedTuple):
         return self.x + x * tx + y * nx, self.y + x * ty + y * ny
 
     def covers(self, size: Size) -> Rectangle:
-        """The foot print of a piece of `size` [m]."""
+        """The footprint of a piece of `size` [m]."""
         half_x, half_y = (size.depth / 2, size.width / 2) if self.turn % 2 else (size.width / 2, size.depth / 2)
         return self.x - half_x, self.y - half_y, self.x + half_x, self.y + half_y
 
     def ahead(self, size: Size, depth: float) -> Rectangle:
-        """The floor `depth` deep in front of that [m]."""
+        """The rectangle of floor in front of a piece of `size`, as wide as the piece and `depth` deep [m]."""
         (ax, ay), (bx, by) = self.moved(-size.width / 2, size.depth / 2), self.moved(size.width / 2, size.depth / 2 + depth)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Piece:
-    """A piece that has found its place."""
+    """A piece that has been placed."""
 
     kind: Kind
     size: Size
     pose: Pose
     key: int
-    """Of the streams of what stands at, on or under it."""
+    """Key of its random stream, from which those of pieces at, on or above it are derived."""
     seed: int
-    """Of its colours and variants."""
+    """Seed of its colours and variants."""
     since: float
-    """The clutter from which on it is there."""
+    """The clutter from which on the piece is present."""

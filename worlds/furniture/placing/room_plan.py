@@ -1,4 +1,4 @@
-"""`RoomPlan`: what is still free in one room while it is being furnished; all axis-aligned rectangles, in its own frame."""
+"""`RoomPlan`: the free space of one room while it is being furnished, as axis-aligned rectangles in the room's own frame."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -11,12 +11,16 @@ from worlds.furniture.placing.room_shape import EPS_M, Rectangle, RoomShape, gro
 from worlds.spec import RoomSpec, StoreySpec, WindowSpec
 
 FLAT_M = 0.03
-"""What is lower may lie under furniture."""
+"""Pieces up to this height (rugs, mats) may lie under other furniture [m]."""
 _TRIES = 5
+"""Candidates per piece for which the walkable floor is checked, the costly part of placing."""
 
 
 class RoomPlan:
-    """The free floor, walls and space of a room. Solid pieces must not meet in plan; others must not meet in space."""
+    """The free floor, walls and space of a room.
+
+    Solid pieces must not overlap each other in plan. Other pieces must not overlap anything in space.
+    """
 
     def __init__(self, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec] = ()) -> None:
         """`room` is one of `storey`; `windows` are the storey's."""
@@ -25,7 +29,7 @@ class RoomPlan:
         ways = kept_free_of(self.shape, room, storey, windows)
         self.runs = ways.runs
         self.at_wall: dict[int | None, list[Piece]] = defaultdict(list)
-        """What stands on the floor against each of the `runs`."""
+        """The pieces that stand on the floor against each of the `runs`, by index."""
         self._inside = grown((0.0, 0.0, *self.shape.size), EPS_M - HALF_WALL_M)
         self._notches = [grown(notch, HALF_WALL_M) for notch in self.shape.notches]
         self._zones: list[tuple[Rectangle, Piece | None]] = [(zone, None) for zone in ways.zones]
@@ -35,9 +39,10 @@ class RoomPlan:
         self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
 
     def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
-        """The first of some poses of equal height at which a piece fits.
+        """The first of `poses`, which all have the same height, at which a piece fits; None if there is none.
 
-        A solid piece has to leave a body the room's ways in and `share` of its area; then its floor is taken at once.
+        A solid piece must leave all passages connected and `share` of the room's area walkable. Its floor is marked as
+        occupied at once; `add` has to follow.
         """
         obstacles: list[Rectangle] | None = None
         tries = _TRIES
@@ -58,7 +63,7 @@ class RoomPlan:
         return None
 
     def add(self, piece: Piece) -> None:
-        """Take the space of a piece; what it needs clear stays so for all but its guests."""
+        """Mark the space of a piece as occupied. The clearance in front of it stays free, except for its guests (chairs)."""
         kind, size, pose = piece.kind, piece.size, piece.pose
         place = pose.covers(size)
         if pose.z + size.height <= FLAT_M:
@@ -79,7 +84,7 @@ class RoomPlan:
         taken = self._notches + [s.rectangle for s in self._spaces if s.low < high and s.high > low]
         if not kind.solid:
             return taken + [s.rectangle for s in self._solids if s.low < high and s.high > low]
-        # A guest (a chair at a desk) may stand in the zone that is kept clear for its host.
+        # A guest (such as a chair at a desk) may stand in the clearance of its host.
         guest_of = host if isinstance(kind.place, Around) else None
         zones = [zone for zone, owner in self._zones if owner is None or owner is not guest_of]
         return taken + [s.rectangle for s in self._solids] + zones

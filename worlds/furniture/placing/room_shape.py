@@ -1,4 +1,4 @@
-"""`RoomShape`: the outline of a room in its own coordinates, whose origin is the low corner of its bounding box."""
+"""`RoomShape`: the outline of a room in its own coordinates, with the origin at the least x and y of its bounding box."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,15 +7,15 @@ from itertools import pairwise
 from worlds.spec import RoomSpec
 
 Rectangle = tuple[float, float, float, float]
-"""x0, y0, x1, y1 [m]"""
+"""Bounds x0, y0, x1, y1 [m]."""
 Interval = tuple[float, float]
 Point = tuple[float, float]
 
 EPS_M = 1e-4
 AXES: tuple[Point, ...] = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
-"""Where the x axis of a piece points after so many quarter turns; its front is a quarter turn further on."""
+"""Direction of the x axis of a piece after 0 to 3 quarter turns; its front faces a quarter turn further on."""
 _DIGITS = 6
-"""Coordinates are rounded to the micrometre, so that rooms alike but for their place are alike to the last bit."""
+"""Decimals that coordinates are rounded to, so that rooms that differ only in position are identical to the last bit."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class Side:
     """A side of a room: a directed line with the room on its left."""
 
     start: Point
-    """[m]"""
+    """First corner [m]."""
     turn: int
-    """Its direction is `AXES[turn]`; a piece with its back to the wall is turned as much."""
+    """Direction of the side, `AXES[turn]`; a piece with its back to the wall has the same rotation."""
     length: float
-    """[m]"""
+    """Length of the side [m]."""
 
     def at(self, t: float, off: float) -> Point:
         """The point at distance `t` along the side and `off` into the room [m]."""
@@ -35,17 +35,17 @@ class Side:
         return self.start[0] + t * tx + off * nx, self.start[1] + t * ty + off * ny
 
     def along(self, point: Point) -> float:
-        """How far along the side a point is [m]."""
+        """Distance of a point from the start, measured along the side [m]."""
         tx, ty = AXES[self.turn]
         return (point[0] - self.start[0]) * tx + (point[1] - self.start[1]) * ty
 
     def rectangle(self, low: float, high: float, depth: float) -> Rectangle:
-        """What lies before the stretch `low` ... `high` of the side, `depth` into the room [m]."""
+        """The rectangle in front of the stretch `low` ... `high` of the side, `depth` into the room [m]."""
         (ax, ay), (bx, by) = self.at(low, 0.0), self.at(high, depth)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
     def interval(self, a: Point, b: Point) -> Interval | None:
-        """Where the segment a - b lies on the side, as distances from its start; None if it does not [m]."""
+        """The part of the segment a - b that lies on the side, as distances from its start; None if there is none [m]."""
         off = 1 if self.turn % 2 == 0 else 0
         if abs(a[off] - self.start[off]) > EPS_M or abs(b[off] - self.start[off]) > EPS_M:
             return None
@@ -59,9 +59,9 @@ class RoomShape:
     """A rectilinear room."""
 
     origin: Point
-    """The low corner of the bounding box, in the storey's coordinates [m]."""
+    """Corner of the bounding box with least x and y, in the storey's coordinates [m]."""
     corners: tuple[Point, ...]
-    """[m]"""
+    """Corners in the room's own coordinates [m]."""
 
     @staticmethod
     def of(room: RoomSpec) -> "RoomShape":
@@ -76,18 +76,18 @@ class RoomShape:
 
     @cached_property
     def size(self) -> Point:
-        """Of the bounding box [m]."""
+        """Size of the bounding box [m]."""
         return max(x for x, _ in self.corners), max(y for _, y in self.corners)
 
     @cached_property
     def area_m2(self) -> float:
-        """[m²]."""
+        """Area of the room [m²]."""
         corners = self.corners
         return 0.5 * abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise((*corners, corners[0]))))
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
-        """In the polygon's order."""
+        """The sides, in the order of the polygon."""
         sides = []
         for (x0, y0), (x1, y1) in pairwise((*self.corners, self.corners[0])):
             turn = (0 if x1 > x0 else 2) if y0 == y1 else (1 if y1 > y0 else 3)
@@ -96,7 +96,7 @@ class RoomShape:
 
     @cached_property
     def notches(self) -> tuple[Rectangle, ...]:
-        """Rectangles that cover the bounding box, less the room [m]."""
+        """Rectangles that cover the part of the bounding box outside the room [m]."""
         if len(self.corners) == 4:
             return ()
         xs, ys = (sorted(set(values)) for values in zip(*self.corners, strict=True))

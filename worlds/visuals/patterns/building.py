@@ -1,4 +1,4 @@
-"""What floors, walls and ceilings are made of."""
+"""Patterns for floors, walls and ceilings, and the outdoor ones: brick, paving, grass."""
 
 import cv2
 import numpy as np
@@ -12,12 +12,12 @@ _PETALS = 5
 
 
 def bare(surface: TextureArea, rng: Generator) -> Shade:
-    """Even paint that shows next to nothing: a slow change of shade across metres."""
+    """Even paint with almost no texture: the shade changes slowly over metres."""
     return 0.98 + 0.012 * surface.noise(rng, 3.0, octaves=1)
 
 
 def plain(surface: TextureArea, rng: Generator) -> Shade:
-    """Paint: faint mottling, with here and there a scuff."""
+    """Paint with faint mottling and a few scuff marks."""
     shade = 0.97 + 0.085 * surface.noise(rng, 0.24, octaves=4, gain=1.0)
     _marks(shade, surface, rng, per_m2=7.0, length_m=0.07, strength=0.3)
     return shade
@@ -45,12 +45,12 @@ def wood(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def parquet(surface: TextureArea, rng: Generator) -> Planes:
-    """Short blocks with strongly different tints."""
+    """Parquet of short blocks that differ strongly in brightness."""
     return _boards(surface, rng, width_m=0.1, length_m=0.55, tint=0.012, light=0.15, joint=0.6)
 
 
 def tile(surface: TextureArea, rng: Generator) -> Planes:
-    """Square tiles in a grid, each glazed a little differently, with a few that are decorated."""
+    """Square tiles in a grid. Each is glazed a little differently, and a few are decorated."""
     side = rng.uniform(0.15, 0.3)
     joint = rng.choice([0.62, 1.25])
     laid = courses(rng, surface, side, side, vary=0.0, aligned=True)
@@ -62,7 +62,7 @@ def tile(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def brick(surface: TextureArea, rng: Generator) -> Planes:
-    """Stretcher bond with uneven bricks."""
+    """Brickwork in rows with uneven bricks."""
     laid = courses(rng, surface, 0.085, 0.24, vary=0.12)
     planes = laid.spread(rng, light=0.15, tint=0.012, joint=1.3)
     planes *= 1.0 + 0.12 * surface.noise(rng, 0.06, octaves=3, gain=0.9)
@@ -70,7 +70,7 @@ def brick(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def paving(surface: TextureArea, rng: Generator) -> Planes:
-    """Slabs of uneven length, with gravel between them."""
+    """Paving slabs of uneven length with dark joints."""
     laid = courses(rng, surface, 0.4, 0.55, vary=0.35)
     planes = laid.spread(rng, light=0.12, tint=0.006, joint=0.55)
     planes *= 1.0 + 0.11 * surface.noise(rng, 0.2, octaves=5, gain=0.85)
@@ -78,19 +78,19 @@ def paving(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def carpet(surface: TextureArea, rng: Generator) -> Shade:
-    """Pile: strong fine noise over soft blotches."""
+    """Carpet pile: strong fine noise over soft blotches."""
     return 1.0 + 0.14 * surface.noise(rng, 0.08, octaves=4, gain=1.0) + 0.05 * surface.noise(rng, 0.5, octaves=2)
 
 
 def marble(surface: TextureArea, rng: Generator) -> Shade:
-    """Veins where a noise field changes its sign."""
+    """Marble: dark veins run where a noise field changes its sign."""
     veins = np.abs(surface.noise(rng, 0.45, octaves=6, gain=0.62))
     shade: Shade = 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
     return shade
 
 
 def wallpaper(surface: TextureArea, rng: Generator) -> Planes:
-    """Stripes of uneven width with hand-set blossoms of a few colours; no two alike."""
+    """Stripes of uneven width with scattered flowers in a few colours; no two flowers are alike."""
     stripes = courses(rng, TextureArea(1, surface.width, 1.0, surface.width_m), 50.0, rng.uniform(0.08, 0.25), vary=0.35)
     planes = stripes.spread(rng, light=0.05, tint=0.02, joint=0.93)
     planes = planes * (1.0 + 0.04 * surface.noise(rng, 0.2, octaves=4))
@@ -105,7 +105,7 @@ def wallpaper(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def grass(surface: TextureArea, rng: Generator) -> Planes:
-    """Tufts, worn spots and daisies."""
+    """Lawn with tufts, worn spots and daisies."""
     tufts = surface.noise(rng, 0.12, octaves=4, gain=0.9)
     worn = surface.noise(rng, 1.2, octaves=4)
     planes = np.stack([1.0 + 0.22 * tufts + 0.22 * worn, 1.0 + 0.2 * tufts + 0.08 * worn, 1.0 + 0.2 * tufts])
@@ -145,7 +145,7 @@ def _blossom(planes: Planes, rng: Generator, at: tuple[float, float], radius: fl
 
 
 def _petals(centres: Float64[np.ndarray, "n 2"], rng: Generator, px_per_m: float) -> Int32[np.ndarray, "n petals corners 2"]:
-    """Outlines [px] of flowers of 6 to 14 cm: petals around each centre, turned and sized at random."""
+    """Outlines [px] of the petals of flowers 6 to 14 cm wide, randomly sized and rotated, around `centres` [px]."""
     radius = rng.uniform(0.03, 0.07, (len(centres), 1, 1, 1)) * px_per_m
     turn = rng.uniform(0.0, 2 * np.pi, (len(centres), 1)) + 2 * np.pi / _PETALS * np.arange(_PETALS)
     around = np.linspace(0.0, 2 * np.pi, 9)[:-1]

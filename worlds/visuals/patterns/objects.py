@@ -1,4 +1,4 @@
-"""What furniture and things are made of or covered with."""
+"""Patterns for furniture and small objects: materials, and motifs such as pictures and screens."""
 
 import math
 
@@ -11,7 +11,7 @@ from worlds.visuals.patterns.texture_area import Planes, Shade, TextureArea, cou
 
 
 def fabric(surface: TextureArea, rng: Generator) -> Planes:
-    """Woven cloth: threads both ways and a few woven stripes."""
+    """Woven cloth: threads in both directions and stripes."""
     threads = surface.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0)
     threads += surface.transposed.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0).T
     bands = courses(rng, surface, rng.uniform(0.06, 0.2), 50.0, vary=0.0)
@@ -28,7 +28,7 @@ def metal(surface: TextureArea, rng: Generator) -> Shade:
 
 
 def ceramic(surface: TextureArea, rng: Generator) -> Shade:
-    """Glaze: soft reflections and small flaws."""
+    """Glazed ceramic with soft reflections and small flaws."""
     shade = 0.97 + 0.06 * surface.noise(rng, 0.25, octaves=4)
     for x, y in surface.scatter(rng, 12.0, most=40):
         cv2.circle(shade, (int(x), int(y)), max(1, int(rng.uniform(0.006, 0.02) * surface.px_per_m)), 0.78, -1)
@@ -36,7 +36,7 @@ def ceramic(surface: TextureArea, rng: Generator) -> Shade:
 
 
 def glass(surface: TextureArea, rng: Generator) -> Shade:
-    """A pane: slanted reflections over a gradient."""
+    """A window pane: slanted reflections over a gradient."""
     slope = np.linspace(1.15, 0.9, surface.height, dtype=np.float32)[:, None]
     shade = slope + 0.03 * surface.noise(rng, 0.2, octaves=4)
     for _ in range(4):
@@ -50,14 +50,14 @@ def glass(surface: TextureArea, rng: Generator) -> Shade:
 
 
 def leaves(surface: TextureArea, rng: Generator) -> Planes:
-    """Foliage: layers of leaves, the deep ones dark."""
+    """Foliage in layers; the deeper leaves are darker."""
     depth = np.round(2.2 * surface.noise(rng, 0.12, octaves=3, gain=0.9)) / 2.2
     edge = surface.noise(rng, 0.05, octaves=2)
     return np.stack([1.0 + 0.3 * depth + 0.12 * edge, 1.0 + 0.26 * depth + 0.08 * edge, 1.0 + 0.3 * depth])
 
 
 def books(surface: TextureArea, rng: Generator) -> Planes:
-    """Rows of spines of all colours, with titles."""
+    """Rows of book spines of all colours, with titles."""
     shelf_m = surface.height_m / max(1, round(surface.height_m / 0.3))
     planes = courses(rng, surface, shelf_m, 0.045, vary=0.5).spread(rng, light=0.22, tint=0.3, joint=0.15)
     printed = surface.transposed.noise(rng, 0.03, octaves=2, stretch=3.0).T > 1.1
@@ -71,7 +71,7 @@ def books(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def picture(surface: TextureArea, rng: Generator) -> Planes:
-    """A painting or a poster: a landscape, a portrait or bold shapes, some with a title; the rest is brush work."""
+    """A painting or a poster: a landscape, a portrait or bold shapes, some with a title, all with brush strokes."""
     height, width = surface.height, surface.width
     image = np.empty((height, width, 3), np.float32)
     horizon = int(height * rng.uniform(0.3, 0.8))
@@ -85,7 +85,7 @@ def picture(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def screen(surface: TextureArea, rng: Generator) -> Planes:
-    """A lit display: windows, lines of text, a picture."""
+    """A lit display with windows and lines of text."""
     height, width = surface.height, surface.width
     planes = np.empty((3, height, width), np.float32)
     planes[:] = rng.uniform(0.3, 0.8, (3, 1, 1)) * (1.0 + 0.15 * surface.noise(rng, 0.2, octaves=4))
@@ -107,7 +107,7 @@ def keyboard(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def food(surface: TextureArea, rng: Generator) -> Planes:
-    """Shelves of tins, jars, bottles and packets of all heights, with lids and labels, before a dark back."""
+    """Shelves of jars, bottles and packets of all heights, with lids and labels, in front of a dark background."""
     image = np.full((surface.height, surface.width, 3), 0.22, np.float32)
     shelves, scale = max(1, round(surface.height_m / 0.28)), surface.px_per_m
     for shelf in range(shelves):
@@ -179,7 +179,7 @@ def _landscape(image: _Image, rng: Generator) -> None:
 
 
 def _portrait(image: _Image, rng: Generator) -> None:
-    """Head, hair and shoulders before a plain ground."""
+    """Head, hair and shoulders in front of the background."""
     height, width, _ = image.shape
     x, y, size = width // 2, int(0.42 * height), 0.17 * min(height, width)
     head = (int(0.75 * size) + 1, int(size) + 1)
@@ -192,7 +192,7 @@ def _portrait(image: _Image, rng: Generator) -> None:
 
 
 def _title(image: _Image, rng: Generator) -> None:
-    """Two or three words on a strip."""
+    """A strip with blocks that look like letters."""
     height, width, _ = image.shape
     low, high = (0.04, 0.16) if rng.random() < 0.5 else (0.82, 0.94)
     image[int(low * height) : int(high * height) + 1] = _hue(rng)
@@ -232,7 +232,8 @@ def _text(window: Planes, rng: Generator) -> None:
 
 
 _LIDS = ((0.0, 0.0), (0.1, 0.85), (0.32, 0.7))
-"""Of packets, jars and bottles: how much narrower the top is, and where it begins (packets have none)."""
+"""For packets, jars and bottles: inset of the lid on each side and height at which it begins, as shares of the width and the
+height. Packets have no lid."""
 
 
 def _packet(
@@ -243,7 +244,7 @@ def _packet(
     body: tuple[float, ...],
     paper: tuple[float, ...],
 ) -> None:
-    """A thing of `size` (width, height) [px] with its lower left corner at `foot`; `kind` is a row of `_LIDS`."""
+    """Paint a packet of `size` (width, height) [px], its lower left corner at `foot`; `kind` is an index into `_LIDS`."""
     (left, bottom), (width, height), (inset, lid) = foot, size, _LIDS[kind]
 
     def band(low: float, high: float, inset: float, colour: tuple[float, ...]) -> None:

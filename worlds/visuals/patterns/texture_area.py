@@ -1,4 +1,4 @@
-"""`TextureArea`: a rectangle of pixels that knows its size in metres, and the random fields that patterns are mixed from."""
+"""`TextureArea`: a rectangle of pixels with its size in metres, and the random fields that patterns are composed of."""
 
 import math
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from jaxtyping import Bool, Float32, Int64
 from numpy.random import Generator
 
 Shade = Float32[np.ndarray, "height width"]
-"""What multiplies the colour of a surface, about 1."""
+"""Factors about 1 by which the colour of a surface is multiplied."""
 Planes = Float32[np.ndarray, "3 height width"]
 """A shade for each of red, green and blue."""
 
 
 @dataclass(frozen=True)
 class TextureArea:
-    """`height` x `width` [px] that cover `height_m` x `width_m` [m]."""
+    """An area of `height` x `width` pixels that covers `height_m` x `width_m` metres."""
 
     height: int
     width: int
@@ -25,7 +25,7 @@ class TextureArea:
 
     @property
     def transposed(self) -> "TextureArea":
-        """The same surface on its side."""
+        """The same area with its two axes exchanged."""
         return TextureArea(self.width, self.height, self.width_m, self.height_m)
 
     @property
@@ -36,11 +36,11 @@ class TextureArea:
     def noise(
         self, rng: Generator, cell_m: float, octaves: int = 4, gain: float = 0.7, stretch: float = 1.0
     ) -> Float32[np.ndarray, "{self.height} {self.width}"]:
-        """Value noise of zero mean and about unit variance, drawn afresh so that no two surfaces share a detail.
+        """Value noise of zero mean and about unit variance, drawn anew so that no two surfaces share a detail.
 
-        The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width); each next one is half as wide and
-        `gain` as strong; octaves below two pixels are left out. It costs little more than its finest octave, since each
-        octave is added on its own grid before that grid is enlarged.
+        The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width). Each further octave has cells half
+        as wide and `gain` times the amplitude; octaves with cells below two pixels are left out. The sum so far is enlarged
+        to the grid of the next octave, so that the whole costs little more than the finest octave alone.
         """
         columns, rows = self.width_m / (cell_m * stretch), self.height_m / cell_m
         field: Shade = np.zeros((2, 2), np.float32)
@@ -61,30 +61,30 @@ class TextureArea:
         return enlarged
 
     def scatter(self, rng: Generator, per_m2: float, most: int = 250) -> list[tuple[float, float]]:
-        """Random points (x, y) [px], about `per_m2` to the square metre, at least one and at most `most`."""
+        """Random points (x, y) [px]: about `per_m2` per square metre, at least one and at most `most`."""
         count = min(max(1, int(rng.poisson(per_m2 * self.width_m * self.height_m))), most)
         return [(x * self.width, y * self.height) for x, y in rng.random((count, 2)).tolist()]
 
 
 @dataclass(frozen=True, eq=False)
 class Courses:
-    """A surface laid in rows of pieces (bricks, tiles, planks), each piece with its own number."""
+    """A surface laid in rows (courses) of pieces such as bricks, tiles or planks; the pieces of a row are numbered."""
 
     row_of: Int64[np.ndarray, " height"]
-    """Row of each line of pixels."""
+    """Row that each line of pixels belongs to."""
     piece_of: Int64[np.ndarray, "rows width"]
-    """Piece within its row, for each row and column of pixels."""
+    """Number of the piece within its row, for each row and each column of pixels."""
     line_joint: Bool[np.ndarray, " height"]
-    """Lines of pixels that lie in a joint between rows."""
+    """Whether a line of pixels lies in the joint between two rows."""
     pieces: int
-    """At most so many to a row."""
+    """Upper bound on the number of pieces in a row."""
 
     def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
-        """A random brightness (deviation `light`) and hue (`tint`) for each piece; joints have the shade `joint`."""
+        """Draw brightness (deviation `light`) and hue (deviation `tint`) of each piece; joints have the shade `joint`."""
         rows = len(self.piece_of)
         shades = 1.0 + rng.normal(0.0, light, (rows, self.pieces, 1)) + rng.normal(0.0, tint, (rows, self.pieces, 3))
         table = shades.astype(np.float32)[np.arange(rows)[:, None], self.piece_of]
-        # Each joint has its own depth, or a grid of equal joints would look the same everywhere.
+        # Each joint gets a shade of its own: a grid of equal joints would look the same everywhere.
         ends = np.diff(self.piece_of, axis=1, prepend=self.piece_of[:, :1]) != 0
         table[ends] = joint + rng.normal(0.0, 0.06, (int(ends.sum()), 1))
         planes = np.ascontiguousarray(table.transpose(2, 0, 1)).take(self.row_of, axis=1)
@@ -95,9 +95,9 @@ class Courses:
 def courses(
     rng: Generator, surface: TextureArea, course_m: float, piece_m: float, vary: float, aligned: bool = False
 ) -> Courses:
-    """Rows of height `course_m` [m] with pieces about `piece_m` [m] long whose lengths vary by the share `vary`.
+    """Rows of height `course_m` [m] with pieces about `piece_m` [m] long, whose lengths vary by up to the share `vary`.
 
-    `aligned` rows have their joints one above the other, as tiles have.
+    With `aligned`, the joints of all rows lie one above the other, as between tiles.
     """
     scale_y, scale_x = surface.height_m / surface.height, surface.width_m / surface.width
     row_of = ((np.arange(surface.height) + 0.5) * scale_y / course_m + rng.random()).astype(np.int64)
