@@ -3,11 +3,12 @@
 from dataclasses import MISSING, fields
 
 
-def unchecked(kind, **values):
+def unchecked(settings, /, **values):
     """An instance of a class of settings, as a user without type checks makes it."""
-    made = object.__new__(kind)
-    for field in fields(kind):
-        default = field.default_factory() if field.default is MISSING else field.default
-        object.__setattr__(made, field.name, values.get(field.name, default))
+    made = object.__new__(settings)
+    for field in fields(settings):
+        if field.init:
+            default = field.default_factory() if field.default is MISSING else field.default
+            object.__setattr__(made, field.name, values.get(field.name, default))
     made.__post_init__()
     return made
