@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, Parser, add_command, add_completion, positive, run_command, tell_of_replacement
+from lexis.command_line import Commands, Parser, add_command, add_completion, positive, run_command, warn_of_replacement
 from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
@@ -165,7 +165,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from lexis.datasets.dataset import DatasetConfig, open_dataset
     from lexis.slam import Slam
 
-    tell_of_replacement(arguments.out, JSON_FILE)
+    warn_of_replacement(arguments.out, JSON_FILE)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
     names = _rooms(arguments.rooms)
@@ -215,11 +215,11 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 def _query(arguments: argparse.Namespace) -> int:
     from lexis.query.answers import ask
-    from lexis.query.calibration import calibration_of
+    from lexis.query.calibration import find_calibration
 
     lexis_map = load_map(arguments.map)
     encoder = _map_encoder(lexis_map, arguments.encoder)
-    answer = ask(lexis_map, arguments.text, encoder, calibration_of(encoder, arguments.calibration))
+    answer = ask(lexis_map, arguments.text, encoder, find_calibration(encoder, arguments.calibration))
     names = instance_names(lexis_map.rooms)
     best = answer.rooms[0]
     if answer.unknown:
@@ -241,7 +241,7 @@ def _query(arguments: argparse.Namespace) -> int:
 def _relabel(arguments: argparse.Namespace) -> int:
     from lexis.map.relabelling import relabel
 
-    tell_of_replacement(arguments.out, JSON_FILE)
+    warn_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
     names = _rooms(arguments.rooms)
     renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder))

@@ -123,7 +123,7 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def tell_of_replacement(out: Path, marker: str) -> None:
+def warn_of_replacement(out: Path, marker: str) -> None:
     """Before long work, check that `out` can be replaced, and print a note if it holds an earlier result.
 
     The file `marker` in the folder identifies such a result. Raises LexisError as `check_replaceable` does.

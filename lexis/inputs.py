@@ -94,7 +94,7 @@ def check_observation(
         )
 
 
-def with_own_poses(observation: Observation) -> Observation:
+def with_copied_poses(observation: Observation) -> Observation:
     """The observation with copies of its pose and covariance, because the caller may reuse the original arrays.
 
     The image is not copied: LEXIS only keeps what it computes from the image while the observation is processed.

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from lexis.config import PlaceRecognitionConfig
-from lexis.maths.ties import reaches, settled
+from lexis.maths.ties import reaches, rounded
 from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 
@@ -37,11 +37,11 @@ def propose(
     if not eligible:
         return ()
     position = graph.T_W_B[query.id, :3, 3]
-    distances = settled(np.linalg.norm([room.mean - position for room in eligible], axis=1))
+    distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
     ids = np.array(members[closest.id])
     similarity = graph.embeddings[ids].astype(np.float64) @ query.embedding
-    best = np.argsort(-settled(similarity), kind="stable")[: config.candidates]
+    best = np.argsort(-rounded(similarity), kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 
 

@@ -1,6 +1,6 @@
 """Paths between rooms over the pose graph (paper, Sec. IV, planning application).
 
-1. Choose the keyframe of each room where a path may begin or end (`innermost`), well away from the room's boundary.
+1. Choose the keyframe of each room where a path may begin or end (`path_end`), well away from the room's boundary.
 2. Connect keyframes that a robot can travel between (`adjacency`): consecutive ones, ones of the same room, and loops.
 3. Find the shortest path over this graph by Dijkstra's algorithm (`plan`).
 """
@@ -18,7 +18,7 @@ from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
 from lexis.map.room_names import find_rooms, instance_names
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 from lexis.types import LexisMap, RoomInstance
 
 MAX_STEP_M = 3.0
@@ -47,12 +47,12 @@ class Plan:
     start: RoomInstance
     goal: RoomInstance
     keyframes: tuple[int, ...]
-    """Ids from start to goal. The first and the last may be keyframes of neighbouring rooms; see `innermost`."""
+    """Ids from start to goal. The first and the last may be keyframes of neighbouring rooms; see `path_end`."""
     length_m: float
     """Sum of the straight-line distances between consecutive keyframes of the path [m]."""
 
 
-class Inside(NamedTuple):
+class PathEnd(NamedTuple):
     """The keyframe where a path to a room ends."""
 
     room: RoomInstance
@@ -66,7 +66,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
     A label stands for all its instances, and the path connects the start and goal that are the shortest path apart. Doubtful
     instances are ignored unless the label has no other: most of them are a few mislabelled keyframes in a room of another
-    label. The path begins and ends well inside the rooms (`innermost`).
+    label. The path begins and ends well inside the rooms (`path_end`).
 
     Raises:
         PlanError: there is no such room in the map, or no path between the two.
@@ -81,7 +81,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
     return Plan(starts[s].room, goals[g].room, keyframes, float(lengths[s, g]))
 
 
-def innermost(map: LexisMap, room: RoomInstance) -> Inside:
+def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
     """The keyframe where a path to a room ends: one with clear evidence of the room, far from the room's boundary.
 
     1. Take as candidates the room's own keyframes and those at the places that the room's images show. The latter are needed
@@ -93,8 +93,8 @@ def innermost(map: LexisMap, room: RoomInstance) -> Inside:
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)
     margins = _margins(map, room, candidates, WEAK * float(evidence.max()))
-    best = int(np.argmax(settled(np.where(evidence > 0.0, evidence * margins, evidence))))
-    return Inside(room, int(candidates[best]), float(evidence[best]))
+    best = int(np.argmax(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))
+    return PathEnd(room, int(candidates[best]), float(evidence[best]))
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
@@ -128,9 +128,9 @@ def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
     return tuple(path if start == last else reversed(path))
 
 
-def _ends(map: LexisMap, name: str) -> list[Inside]:
+def _ends(map: LexisMap, name: str) -> list[PathEnd]:
     """The ends of paths in the rooms of that name, without doubtful rooms. Raises PlanError for an unknown name."""
-    ends = [innermost(map, room) for room in find_rooms(map.rooms, name)]
+    ends = [path_end(map, room) for room in find_rooms(map.rooms, name)]
     if not ends:
         raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
     clear = DOUBTFUL * max(end.evidence for end in ends)
@@ -182,7 +182,7 @@ def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"],
     if room.floor is not None:
         outside |= map.floors[around] == NO_FLOOR
     distances = cKDTree(positions[around[outside]]).query(positions[keyframes], distance_upper_bound=MARGIN_M)[0]
-    return settled(np.minimum(distances, MARGIN_M))
+    return rounded(np.minimum(distances, MARGIN_M))
 
 
 def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]) -> Float64[np.ndarray, "k"]:
@@ -193,7 +193,7 @@ def _evidence(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"]
     similarities = _similarities_at(map, map.T_W_B[keyframes, :3, 3])
     label = map.room_names.index(room.label)
     others = np.delete(similarities, label, axis=1).max(axis=1, initial=-1.0)
-    return settled(similarities[:, label] - others)
+    return rounded(similarities[:, label] - others)
 
 
 def _similarities_at(map: LexisMap, places: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "k rooms"]:

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float, Float64, Int
 
 from lexis.config import LabelConfig
-from lexis.maths.ties import nearest_others, settled
+from lexis.maths.ties import nearest_others, rounded
 from lexis.stairs import on_stairs
 
 Positions = Float64[np.ndarray, "n 3"]
@@ -43,7 +43,7 @@ def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "
 
 def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
     """Index of the prompt that an image resembles most, which is its label before refinement."""
-    return int(settled(similarities(embedding[None], text)).argmax())
+    return int(rounded(similarities(embedding[None], text)).argmax())
 
 
 def label_keyframes(
@@ -61,7 +61,7 @@ def label_keyframes(
         room_names: the vocabulary.
         config: whether to refine, the number of neighbours C, and the thresholds of a climb.
     """
-    similarities = settled(similarities)
+    similarities = rounded(similarities)
     baseline = similarities.argmax(axis=1)
     if not config.refine:
         return RoomLabels(baseline, baseline)
@@ -97,5 +97,5 @@ def propagate(labels: Labels, similarities: Similarities, positions: Positions, 
     ballots = np.arange(n)[:, None] * rooms + labels[nearest]
     votes = np.bincount(ballots.ravel(), minlength=n * rooms).reshape(n, rooms)
     most_common = votes == votes.max(axis=1, keepdims=True)
-    resemblance = np.where(most_common, settled(similarities[nearest].sum(axis=1)), -np.inf)
+    resemblance = np.where(most_common, rounded(similarities[nearest].sum(axis=1)), -np.inf)
     return np.where(most_common[np.arange(n), labels], labels, resemblance.argmax(axis=1))

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 from lexis.types import RoomInstance
 
 Positions = Float64[np.ndarray, "n 3"]
@@ -66,7 +66,7 @@ class _Clusters:
 
     def join(self, position: Float64[np.ndarray, "3"], distance_m: float, new_id: int) -> int:
         """Add a keyframe to the nearest cluster within `distance_m`, or start cluster `new_id`; return the cluster's id."""
-        distances = settled(np.linalg.norm(np.array(self.means).reshape(-1, 3) - position, axis=1))
+        distances = rounded(np.linalg.norm(np.array(self.means).reshape(-1, 3) - position, axis=1))
         nearest = int(distances.argmin()) if len(distances) else -1
         if nearest < 0 or distances[nearest] > distance_m:
             self.ids.append(new_id)

@@ -22,7 +22,7 @@ from dataclasses import replace
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
-from lexis.inputs import check_camera, check_observation, check_room_names, with_own_poses
+from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_poses
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.perception import Encoder, embedding_of, features_of
@@ -85,7 +85,7 @@ class Slam:
             ObservationError: the observation does not fit the camera or the sequence.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
-        observation = with_own_poses(observation)
+        observation = with_copied_poses(observation)
         self._previous = observation
         frame = self._selector.select(observation)
         if frame is None:

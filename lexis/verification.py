@@ -23,7 +23,7 @@ from lexis.config import VerificationConfig
 from lexis.features import mutual_matches
 from lexis.maths.projection import project, project_jacobian
 from lexis.maths.se3 import between, inverse, rotation_angle, skew, transform
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 
@@ -68,10 +68,10 @@ def verify(
     """
     located = Locator(query, graph.keyframes, camera, config)
     edges = [located.from_match(match) for match in candidates]
-    return admitted([edge for edge in edges if edge is not None], graph, config)
+    return plausible_edges([edge for edge in edges if edge is not None], graph, config)
 
 
-def admitted(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
+def plausible_edges(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
     """The edges of a query that agree with the current estimate, most inliers first, at most `max_edges` of them."""
     T_W_B, path_m = graph.T_W_B, graph.path_m
     plausible = [
@@ -138,7 +138,7 @@ class Locator:
             ids.append(pairs[:, 0])
             points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))
         # Rounded, because the last digits depend on the processor, and RANSAC may find another pose when they change.
-        return _Correspondences(np.concatenate(ids), settled(np.concatenate(points)))
+        return _Correspondences(np.concatenate(ids), rounded(np.concatenate(points)))
 
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
         if keyframe.id not in self._matches:

@@ -30,8 +30,8 @@ from worlds.walls import (
     arch_curve,
     boundaries,
     corners,
-    extent,
     split_at_openings,
+    wall_extent,
     wall_spans,
 )
 
@@ -212,7 +212,7 @@ def _walls(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Piec
         meeting = corners([boundary for boundary, _ in pieces])
         for boundary, opening in pieces:
             height = _wall_height(heights, boundary, indoors)
-            ends = extent(boundary, meeting)
+            ends = wall_extent(boundary, meeting)
             for low, high in wall_spans(opening, height):
                 yield Wall(level, boundary, *ends, heights.floor_m + low, heights.floor_m + high)
             if opening is not None and opening.kind == "arch":

@@ -11,7 +11,7 @@ import numpy as np
 from worlds.errors import WorldsError
 from worlds.floor_plans.building_kinds import KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
-from worlds.floor_plans.programmes import Habits, StoreyProgramme
+from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
@@ -88,7 +88,7 @@ def sample_from_rooms(
     if others.count("balcony") > storeys:
         raise WorldsError(f"{others.count('balcony')} balconies were asked for; valid: at most one per storey ({storeys})")
     rngs = _generators(seed)
-    habits = Habits(open_plan=0.5, twins=0.3)
+    habits = LayoutShares(open_plan=0.5, twins=0.3)
     programmes = programmes_of(by_storey(others, storeys, ("bedroom", "children's room"), rngs[0]), habits, None, rngs[0])
     programmes = tuple(replace(p, spine=spine or "corridor") for p in programmes)
     return _finished(f"rooms-{seed}", seed, programmes, PlanStyle(), rngs, openness, clutter)

@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.reading import read_text
-from worlds.spec_errors import MAX_MISTAKES, explain, read_json, refusal
+from worlds.spec_errors import MAX_MISTAKES, explain, mistakes_error, read_json
 from worlds.valid_names import did_you_mean, listed
 
 MAX_ROOMS = 200
@@ -250,7 +250,7 @@ class HouseSpec(_Data):
         try:
             return cls.model_validate_json(text, strict=True)
         except ValidationError as error:
-            raise refusal(source, explain(error, data, json_schema())) from None
+            raise mistakes_error(source, explain(error, data, json_schema())) from None
 
     @classmethod
     def load(cls, path: Path | str) -> "HouseSpec":

@@ -132,7 +132,7 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
     return [f"{_place(path, data)}is {_shown(value)}; valid: {valid_here}"]
 
 
-def refusal(source: str, mistakes: Sequence[str]) -> SpecError:
+def mistakes_error(source: str, mistakes: Sequence[str]) -> SpecError:
     """The error for a file with mistakes: the first mistake is the message, the others are notes; long lines are cut."""
     room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
     first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)

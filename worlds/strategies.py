@@ -13,7 +13,16 @@ from hypothesis import strategies as st
 from hypothesis.errors import InvalidArgument
 from hypothesis.strategies import SearchStrategy
 
-from worlds.floor_plans.grown_plan import MIN_SIZE_DM, MIN_WIDTH_DM, DoorState, GrownRoom, Shape, Start, Way, grow
+from worlds.floor_plans.grown_plan import (
+    MIN_SIZE_DM,
+    MIN_WIDTH_DM,
+    DoorState,
+    OpeningRequest,
+    RoomRequest,
+    Shape,
+    Start,
+    grow,
+)
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import openness_of, with_openness
 from worlds.spec import HouseSpec, OpeningKind
@@ -106,16 +115,18 @@ def _opened(drawn: SearchStrategy[HouseSpec], low: float, high: float) -> Search
     return st.builds(with_openness, drawn, target).filter(lambda spec: low - 0.05 <= openness_of(spec) <= high + 0.05)
 
 
-def _rooms(label: SearchStrategy[str], way: SearchStrategy[Way], starts: Sequence[Start]) -> SearchStrategy[GrownRoom]:
+def _rooms(
+    label: SearchStrategy[str], way: SearchStrategy[OpeningRequest], starts: Sequence[Start]
+) -> SearchStrategy[RoomRequest]:
     """Draw requests for rooms, either plain or with all options.
 
     Plain rooms exist for shrinking: Hypothesis deletes at most five consecutive draws at once, which is what a plain room
     takes in a list.
     """
     size = st.integers(MIN_SIZE_DM, _MAX_SIZE_DM)
-    plain = st.builds(GrownRoom, label, size, size)
+    plain = st.builds(RoomRequest, label, size, size)
     elaborate = st.builds(
-        GrownRoom,
+        RoomRequest,
         label,
         size,
         size,
@@ -123,15 +134,15 @@ def _rooms(label: SearchStrategy[str], way: SearchStrategy[Way], starts: Sequenc
         shape=st.sampled_from(get_args(Shape)),
         height_m=st.sampled_from(_HEIGHTS_M),
         way_in=way,
-        other=st.one_of(st.just(Way(None)), way),
+        other=st.one_of(st.just(OpeningRequest(None)), way),
         from_south=st.booleans(),
     )
     return st.one_of(plain, elaborate, elaborate, elaborate)
 
 
-def _ways(kinds: Sequence[str], doors: Sequence[str]) -> SearchStrategy[Way]:
+def _ways(kinds: Sequence[str], doors: Sequence[str]) -> SearchStrategy[OpeningRequest]:
     return st.builds(
-        Way,
+        OpeningRequest,
         kind=_choices("kinds", kinds, KINDS),
         width_dm=st.integers(MIN_WIDTH_DM, _MAX_WIDTH_DM),
         offset_dm=st.integers(0, _MAX_SIZE_DM),

@@ -176,7 +176,7 @@ def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
     return ends[0] & ends[1]
 
 
-def extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
+def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
     """Lower and upper end of a wall along a piece of boundary [m].
 
     The wall is half a thickness longer than the piece at each end that is one of the `corners` in `meeting`.

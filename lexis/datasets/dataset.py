@@ -17,7 +17,7 @@ from lexis.datasets.recorded import DatasetConfig, Recorded, odometry_at
 from lexis.datasets.ros2 import METADATA, is_bag, read_bag
 from lexis.datasets.tum_rgbd import CAMERA, IMAGE_LIST, ODOMETRY, read_tum_dataset, write_dataset
 from lexis.errors import DatasetError
-from lexis.files.workshop import restore
+from lexis.files.temporary_folder import recover
 from lexis.maths.se3 import between, rotation_angle
 from lexis.types import Camera, Observation, Poses
 
@@ -58,7 +58,7 @@ class Dataset:
 def open_dataset(directory: Path, config: DatasetConfig | None = None) -> Dataset:
     """Open a recorded run. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     config = config or DatasetConfig()
-    restore(directory)
+    recover(directory)
     _check_contents(directory, config)
     if is_euroc(directory):
         recorded = read_euroc(directory, config)

@@ -20,8 +20,8 @@ from jaxtyping import Float64
 
 from lexis.datasets.recorded import (
     DatasetConfig,
+    OdometryTrack,
     Recorded,
-    Track,
     check_ascending,
     check_distortion,
     image_file,
@@ -92,12 +92,12 @@ def _read_camera(path: Path) -> tuple[Camera, Float64[np.ndarray, "k"]]:
     return camera, distortion
 
 
-def _read_odometry(folder: Path) -> tuple[Track, Float64[np.ndarray, "n 6 6"] | None]:
+def _read_odometry(folder: Path) -> tuple[OdometryTrack, Float64[np.ndarray, "n 6 6"] | None]:
     path = folder / "data.csv"
     rows = np.array([_numbers(path, *line) for line in _rows(path, 8)])
     check_ascending(str(path), rows[:, 0])
     poses, T_B_S = poses_of(rows[:, [1, 2, 3, 5, 6, 7, 4]]), _sensor_pose(folder)
-    track = Track(str(path), rows[:, 0], poses if np.array_equal(T_B_S, np.eye(4)) else poses @ inverse(T_B_S))
+    track = OdometryTrack(str(path), rows[:, 0], poses if np.array_equal(T_B_S, np.eye(4)) else poses @ inverse(T_B_S))
     if rows.shape[1] != _WITH_COVARIANCE:
         return track, None
     covariances = rows[:, 8:].reshape(-1, 6, 6)

@@ -40,7 +40,7 @@ class DatasetConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class OdometryTrack:
     """Odometry poses at their own stamps, which may differ from those of the images."""
 
     source: str
@@ -59,12 +59,12 @@ class Recorded:
     """Stamps of the images, ascending [s]."""
     images: Callable[[], Iterator[Image]]
     """Iterates over the images in order. Raises DatasetError if one is unreadable or does not have the camera's size."""
-    odometry: Track
+    odometry: OdometryTrack
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
     """Covariances of the odometry's increments since the previous image [rad², m²]; None if the dataset has none."""
 
 
-def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
+def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:
     """Interpolate T_O_B to the stamps `at` of images [s], linearly for positions and by slerp for orientations.
 
     A pose with exactly the stamp of an image is used unchanged. Raises DatasetError if an image is outside the time of the
@@ -93,7 +93,7 @@ def odometry_at(track: Track, at: Float64[np.ndarray, "n"], max_gap_s: float) ->
     return result
 
 
-def check_poses(track: Track) -> None:
+def check_poses(track: OdometryTrack) -> None:
     """Raise DatasetError unless all coordinates of an odometry are at most `MAX_POSITION_M`."""
     far = ~(np.abs(track.T_O_B[:, :3, 3]) <= MAX_POSITION_M).all(axis=1)
     if far.any():
@@ -145,10 +145,10 @@ def decode_image(content: UInt8[np.ndarray, "n"], where: str, camera: Camera) ->
         pixels = None
     if pixels is None:
         raise DatasetError(f"{where}: is not a readable PNG or JPEG")
-    return fitting(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
+    return check_size(np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8), where, camera)
 
 
-def fitting(image: Image, where: str, camera: Camera) -> Image:
+def check_size(image: Image, where: str, camera: Camera) -> Image:
     """Return the image unchanged. Raises DatasetError if it does not have the camera's size."""
     height, width = image.shape[:2]
     if (width, height) != (camera.intrinsics.width, camera.intrinsics.height):

@@ -24,12 +24,12 @@ from jaxtyping import Float64
 
 from lexis.datasets.recorded import (
     DatasetConfig,
+    OdometryTrack,
     Recorded,
-    Track,
     check_ascending,
     check_distortion,
+    check_size,
     decode_image,
-    fitting,
     rectifier,
 )
 from lexis.errors import DatasetError, LexisError, one_line
@@ -159,7 +159,7 @@ class _Bag:
             reader.close()
 
 
-def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
+def _read_odometry(bag: _Bag, topic: str) -> tuple[OdometryTrack, str]:
     """The odometry and the name of its child frame, the body."""
     messages = list(bag.messages(bag.first_of(topic), _ODOMETRY))
     where = f"{bag.path}: {topic}"
@@ -169,7 +169,7 @@ def _read_odometry(bag: _Bag, topic: str) -> tuple[Track, str]:
     bad = ~np.isfinite(rows).all(axis=1) | ~(np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) <= 1e-3)
     if bad.any():
         raise DatasetError(f"{where}: message {int(np.argmax(bad))} has no finite position with a unit quaternion")
-    return Track(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
+    return OdometryTrack(where, stamps, poses_of(rows)), str(messages[0].child_frame_id)
 
 
 def _read_covariances(bag: _Bag, topic: str, expected: int) -> Float64[np.ndarray, "n 6 6"] | None:
@@ -234,4 +234,4 @@ def _as_image(message: Message, where: str, camera: Camera) -> Image:
     if message.encoding not in _CHANNELS or message.data.size != message.height * message.width * channels:
         raise DatasetError(f"{where}: encoding {message.encoding!r}; valid: {', '.join(_CHANNELS)}, without padding")
     pixels = np.asarray(message.data, np.uint8).reshape(message.height, message.width, channels)
-    return fitting(_CHANNELS[message.encoding](pixels), where, camera)
+    return check_size(_CHANNELS[message.encoding](pixels), where, camera)

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.datasets.recorded import DatasetConfig, Recorded, Track, image_file, read_image, rectifier
+from lexis.datasets.recorded import DatasetConfig, OdometryTrack, Recorded, image_file, read_image, rectifier
 from lexis.errors import DatasetError, LexisError
 from lexis.files.camera import CameraData
 from lexis.files.reading import FileKind, numbered_lines, read_model
@@ -44,7 +44,7 @@ def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
     def images() -> Iterator[Image]:
         return (rectified(read_image(path, camera)) for path in paths)
 
-    track = Track(str(odometry), *read_tum(odometry))
+    track = OdometryTrack(str(odometry), *read_tum(odometry))
     # The file of covariances belongs to the default odometry and does not describe another one.
     covariances = _read_covariances(directory / COVARIANCE, stamps) if config.odometry in (None, ODOMETRY) else None
     return Recorded(camera, stamps, images, track, covariances)

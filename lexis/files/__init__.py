@@ -1,7 +1,7 @@
 """Files: read with care where they come from outside, and written whole or not at all.
 
-`reading` and `arrays` read files that nobody vouches for; `replace` (with `swap` and `workshop`) writes a file or folder
-beside its place and renames it; `tum_trajectory` and `camera` are two small formats.
+`reading` and `arrays` read files that nobody vouches for; `replace` (with `swap` and `temporary_folder`) writes a file or
+folder beside its place and renames it; `tum_trajectory` and `camera` are two small formats.
 """
 
 import lazy_loader

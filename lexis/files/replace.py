@@ -1,6 +1,6 @@
 """Atomic writing of files and folders, which appear complete or not at all: write beside the target, then rename.
 
-1. Write the new file or folder into a hidden folder beside the target (`lexis.files.workshop`), on the same file system, so
+1. Write the new file or folder into a hidden folder beside the target (`temporary_folder`), on the same file system, so
    that it can be renamed.
 2. Sync it to the disk, so that a power cut cannot leave a renamed but empty file.
 3. Rename it to the target. For a folder that exists, exchange the two names (`lexis.files.swap`), so that the target exists
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from lexis.errors import LexisError
 from lexis.files.swap import swap, sync, sync_folder
-from lexis.files.workshop import clear, workshop
+from lexis.files.temporary_folder import remove_abandoned, temporary_folder
 
 _TRIES = 100
 """Number of attempts to replace a folder that other processes keep replacing too."""
@@ -36,7 +36,7 @@ def replaced_file(path: Path) -> Iterator[Path]:
             raise LexisError(f"{path}: is a folder; valid: the name of a file")
         if target.exists() and not target.is_file():
             raise LexisError(f"{path}: is a device or a pipe, which cannot be replaced; valid: the name of a file")
-        with workshop(target.parent) as folder:
+        with temporary_folder(target.parent) as folder:
             new = folder / "new" / target.name
             yield new
             _install(path, new, target, lambda: new.replace(target))
@@ -55,7 +55,7 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
     target = _resolved(path)
     with _os_errors_as_lexis_errors(path, "a place with room for it, where a folder can be made"):
         target.parent.mkdir(parents=True, exist_ok=True)
-        with workshop(target.parent) as folder:
+        with temporary_folder(target.parent) as folder:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
@@ -69,7 +69,7 @@ def check_replaceable(path: Path, marker: str) -> None:
     """
     try:
         target = _resolved(path)
-        clear(target.parent)
+        remove_abandoned(target.parent)
         _check_may_replace(path, target, marker)
     except OSError as error:
         raise LexisError(f"{path}: cannot be accessed: {error.strerror}; valid: a folder that can be made") from None
@@ -77,7 +77,7 @@ def check_replaceable(path: Path, marker: str) -> None:
         raise LexisError(f"{path}: is a mount point, which cannot be replaced; valid: a folder inside it")
     # Permissions do not tell whether a file system can be written, so try it.
     place = next(folder for folder in target.parents if folder.exists())
-    with _os_errors_as_lexis_errors(path, "a folder that can be made"), workshop(place):
+    with _os_errors_as_lexis_errors(path, "a folder that can be made"), temporary_folder(place):
         pass
 
 

@@ -12,7 +12,7 @@ from lexis.files.arrays import Arrays, read_arrays
 from lexis.files.camera import CameraData
 from lexis.files.reading import FileKind, read_model
 from lexis.files.replace import replaced_folder
-from lexis.files.workshop import restore
+from lexis.files.temporary_folder import recover
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
 from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
 from lexis.types import EncoderId, LexisMap, RoomInstance
@@ -77,7 +77,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
 
 def load_map(directory: Path) -> LexisMap:
     """Read a map that was written by `save_map`. Raises MapError for anything else."""
-    restore(directory)
+    recover(directory)
     header = read_model(directory / JSON_FILE, _HEADER_FILE, _Map)
     sizes = {"rooms": len(header.rooms), "room_names": len(header.room_names)}
     arrays = read_arrays(directory / ARRAY_FILE, _ARRAYS_FILE, LAYOUT, sizes)

@@ -10,4 +10,4 @@ from .stretches import Stretch as Stretch
 from .stretches import stretches_of as stretches_of
 from .ties import nearest_others as nearest_others
 from .ties import reaches as reaches
-from .ties import settled as settled
+from .ties import rounded as rounded

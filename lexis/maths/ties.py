@@ -12,7 +12,7 @@ DECIMALS = 6
 """Number of decimals that are kept: a micrometre, or a millionth of a cosine similarity."""
 
 
-def settled(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
+def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
     """Round values, in double precision, so that `argmax`, `argmin` and stable sorting choose alike on all machines."""
     return np.round(np.asarray(values, np.float64), DECIMALS)
 
@@ -34,7 +34,7 @@ def nearest_others(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarr
     while True:
         queried = min(2 * queried, n)
         distances, indices = tree.query(points, k=np.arange(1, queried + 1))
-        distances = settled(np.asarray(distances))
+        distances = rounded(np.asarray(distances))
         if queried == n or (distances[:, -1] > distances[:, wanted - 1]).all():
             break
     distances[indices == np.arange(n)[:, None]] = -1.0  # sorts every point first in its own row, where it is dropped

@@ -2,10 +2,10 @@ from .answers import Answer as Answer
 from .answers import KeyframeFit as KeyframeFit
 from .answers import RoomFit as RoomFit
 from .answers import ask as ask
-from .answers import best_views as best_views
+from .answers import best_views_mean as best_views_mean
 from .answers import embed_questions as embed_questions
 from .calibration import Calibration as Calibration
-from .calibration import calibration_of as calibration_of
+from .calibration import find_calibration as find_calibration
 from .calibration import load_calibration as load_calibration
 from .calibration import save_calibration as save_calibration
 from .questions import Question as Question

@@ -17,7 +17,7 @@ from jaxtyping import Float, Float32
 
 from lexis.errors import LexisError
 from lexis.map.encoder_check import check_encoder
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 from lexis.perception import TextEncoder
 from lexis.query.calibration import Calibration
 from lexis.query.questions import Captions, read_question
@@ -87,7 +87,7 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
     check_encoder(map, encoder)
     readings = np.stack([_embed(captions, encoder) for captions in question.readings])
     images = np.array([keyframe.embedding for keyframe in map.keyframes])
-    answers = [_rank(map, settled(images.astype(np.float64) @ reading), question.negated) for reading in readings]
+    answers = [_rank(map, rounded(images.astype(np.float64) @ reading), question.negated) for reading in readings]
     if calibration is None:
         return max(answers, key=lambda answer: answer.rooms[0].similarity)
     likely = [_likely(answer, calibration, reading, encoder) for answer, reading in zip(answers, readings, strict=True)]
@@ -110,7 +110,7 @@ def _embed(captions: Captions, encoder: TextEncoder) -> Float32[np.ndarray, "d"]
 def _rank(map: LexisMap, fits: Float[np.ndarray, "n"], negated: bool) -> Answer:
     """Rank rooms and keyframes by similarity: the largest first, or the smallest first if the question is negated."""
     sign = -1.0 if negated else 1.0
-    of_rooms = [float(best_views(fits[list(room.keyframes), None])[0]) for room in map.rooms]
+    of_rooms = [float(best_views_mean(fits[list(room.keyframes), None])[0]) for room in map.rooms]
     best_keyframes = [room.keyframes[int((sign * fits[list(room.keyframes)]).argmax())] for room in map.rooms]
     rooms = [
         RoomFit(room, fit, None, best, negated) for room, fit, best in zip(map.rooms, of_rooms, best_keyframes, strict=True)
@@ -129,6 +129,6 @@ def _likely(answer: Answer, calibration: Calibration, question: Float32[np.ndarr
     return replace(answer, rooms=tuple(rooms))
 
 
-def best_views(similarities: Float[np.ndarray, "n texts"]) -> Float[np.ndarray, "texts"]:
+def best_views_mean(similarities: Float[np.ndarray, "n texts"]) -> Float[np.ndarray, "texts"]:
     """Score of a room for every text: the mean over the best of its n views."""
     return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))

@@ -86,7 +86,7 @@ def load_calibration(path: Path) -> Calibration:
     return Calibration(**data.model_dump(exclude={"schema_version"}))
 
 
-def calibration_of(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
+def find_calibration(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
     """The calibration at `path`, or without a path the one that ships with `mini` if it belongs to this encoder, or None.
 
     Raises LexisError if the file is unusable or was fitted to another encoder.

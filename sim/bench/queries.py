@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.perception import TextEncoder
 from lexis.query.answers import ask
-from lexis.query.calibration import Calibration, calibration_of
+from lexis.query.calibration import Calibration, find_calibration
 from lexis.types import LexisMap
 from sim.bench.everyday_questions import HELD_OUT, TUNING, EverydayQuestion
 from sim.harness import RunConfig, run
@@ -58,7 +58,7 @@ class QueriesRow:
 def ask_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
     """Make one run per seed, all else as in `config`; yield (seed, name of the set of questions, answers)."""
     encoder = load_encoder(config.encoder)
-    calibration = calibration_of(encoder)
+    calibration = find_calibration(encoder)
     for seed in seeds:
         finished = run(replace(config, seed=seed), encoder)
         rooms = true_rooms(finished.house, finished.map, finished.true_poses)

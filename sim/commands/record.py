@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command, tell_of_replacement
+from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import add_walk, folder, number, numbers, walk_options
 
 FORMATS = {
@@ -91,7 +91,7 @@ def _record(arguments: argparse.Namespace) -> int:
     rig = displaced(make_rig(arguments.rig), arm[:3], arm[3:] or (0.0, 0.0, 0.0))
     gyroscope, accelerometer = (arguments.imu_bias * deviation for deviation in TURN_ON)
     config = RunConfig(rig=rig, **walk_options(arguments))
-    tell_of_replacement(arguments.out, ROOMS)
+    warn_of_replacement(arguments.out, ROOMS)
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("recording", total=1.0)

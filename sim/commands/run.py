@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import Progress
 
-from lexis.command_line import Commands, add_command, tell_of_replacement
+from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import (
     DEMO_SEED,
     ENCODER_HELP,
@@ -89,9 +89,9 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKER
     from sim.report import result_table, result_title
-    from sim.report.findings import missed
+    from sim.report.findings import coverage_gap
 
-    tell_of_replacement(out, MARKER)
+    warn_of_replacement(out, MARKER)
     console = Console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("walking and mapping", total=1.0)
@@ -101,7 +101,7 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     write_run(finished, result, trials, out)
     print(result_title(result, finished.house.spec.name))
     console.print(result_table(result, meanings=console.width >= _WIDE))
-    if text := missed(result, finished.unseen_rooms):
+    if text := coverage_gap(result, finished.unseen_rooms):
         print(f"warning: {text}")
     if result["planning"]["success"] not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")

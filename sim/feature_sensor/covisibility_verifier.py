@@ -19,7 +19,7 @@ from lexis.config import VerificationConfig
 from lexis.maths.se3 import between, exp, inverse, rotation_angle, transform
 from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Keyframe, LoopEdge, Pose
-from lexis.verification import admitted
+from lexis.verification import plausible_edges
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
@@ -62,7 +62,7 @@ class LoopModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class TrueView:
     """Ground truth of a keyframe: the poses of its body and camera, and the depth of its rays [m]."""
 
     T_W_B: Pose
@@ -70,14 +70,14 @@ class Sight:
     depth: Float32[np.ndarray, "columns rows"]
 
 
-def predictors(first: Sight, second: Sight, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
+def predictors(first: TrueView, second: TrueView, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
     """Return the values of `PREDICTORS` for two views."""
     shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
     relative = between(first.T_W_B, second.T_W_B)
     return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
 
 
-def _seen_by(viewer: Sight, other: Sight, grid: RayGrid) -> float:
+def _seen_by(viewer: TrueView, other: TrueView, grid: RayGrid) -> float:
     """Return the share of the other view's rays whose end points the viewer sees, too."""
     z = np.where(np.isfinite(other.depth), other.depth, 0.0).astype(float)
     points = np.stack([grid.x[:, None] * z, grid.y[None] * z, z], axis=-1)[z > 0.0]
@@ -95,7 +95,7 @@ def _seen_by(viewer: Sight, other: Sight, grid: RayGrid) -> float:
 class CovisibilityVerifier:
     """A `lexis.verification.Verifier` that uses the ground truth. Its result for a pair depends on pair and seed only."""
 
-    def __init__(self, model: LoopModel, sight_of: Callable[[int], Sight], grid: RayGrid, seed: int) -> None:
+    def __init__(self, model: LoopModel, sight_of: Callable[[int], TrueView], grid: RayGrid, seed: int) -> None:
         """`sight_of` maps the index of an observation to its ground truth."""
         self._model, self._sight_of, self._grid, self._seed = model, sight_of, grid, seed
 
@@ -104,7 +104,7 @@ class CovisibilityVerifier:
     ) -> list[LoopEdge]:
         """Return edges to the confirmed candidates, except those that contradict the odometry."""
         edges = [self._edge(query, graph.keyframes[match]) for match in candidates]
-        return admitted([edge for edge in edges if edge is not None], graph, config)
+        return plausible_edges([edge for edge in edges if edge is not None], graph, config)
 
     def _edge(self, query: Keyframe, match: Keyframe) -> LoopEdge | None:
         seen, before = self._sight_of(query.observation_index), self._sight_of(match.observation_index)

@@ -27,7 +27,7 @@ class Crossings:
     """Depth at which the column's line leaves the block [m]."""
 
 
-class BlockPlan:
+class BlockFootprints:
     """The footprints of blocks, for intersection with image columns."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:

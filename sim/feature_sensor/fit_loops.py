@@ -18,7 +18,7 @@ from lexis.perception import Encoder
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopEdge
 from lexis.verification import Locator
-from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, Sight, fit_logistic, predictors
+from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, TrueView, fit_logistic, predictors
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look
@@ -85,7 +85,7 @@ def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Cam
     mapped = slam.finish()
     poses = tour.T_W_B[[keyframe.observation_index for keyframe in mapped.keyframes]]
     views = look(survey(house), poses, camera)
-    sights = [Sight(T, T @ camera.T_B_C, depth) for T, depth in zip(poses, views.hits.depth, strict=True)]
+    sights = [TrueView(T, T @ camera.T_B_C, depth) for T, depth in zip(poses, views.hits.depth, strict=True)]
     return _tried(mapped, _pairs(mapped, poses, rng), sights, camera, config)
 
 
@@ -100,7 +100,7 @@ def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random
 
 
 def _tried(
-    mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[Sight], camera: Camera, config: Config
+    mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[TrueView], camera: Camera, config: Config
 ) -> Trials:
     grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
     queries, rows, edges = [], [], []

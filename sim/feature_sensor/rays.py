@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float32, Int
 
 from lexis.types import Poses
-from sim.feature_sensor.crossings import FAR_M, NEAR_M, BlockPlan, Crossings
+from sim.feature_sensor.crossings import FAR_M, NEAR_M, BlockFootprints, Crossings
 from sim.feature_sensor.ray_origins import RayGrid, UprightCameras, cameras_at
 from sim.feature_sensor.surroundings import SURFACES, Surroundings
 from worlds.labels import STAIRS
@@ -70,7 +70,7 @@ class _Caster:
         self._blocks = around.blocks[(z[:, 0] < high - _TOLERANCE_M) & (z[:, 1] > low + _TOLERANCE_M)]
         low_enough = self._blocks.z[:, 0] < low + _TOLERANCE_M
         tall = low_enough & (self._blocks.z[:, 1] > min(high, low + _TALL_M) - _TOLERANCE_M)
-        self._plan = BlockPlan(self._blocks, tall, grid)
+        self._plan = BlockFootprints(self._blocks, tall, grid)
         # On stairs, floor and ceiling are those of the camera's storey; elsewhere they are the room's.
         levels = [(s.floor_m, s.ceiling_m) if own.label == STAIRS else (low, high) for s in house.storeys]
         self._levels = np.array(levels, np.float32)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from lexis.types import Camera, Features, Percept, Poses
-from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, Sight
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, TrueView
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import true_embeddings
 from sim.feature_sensor.ray_origins import RayGrid
@@ -46,13 +46,13 @@ class FeatureSensor:
 
     def verifier(self, houses: Sequence[House], T_W_B: Poses) -> CovisibilityVerifier:
         """Return the verifier of loops of the same tour."""
-        sights: dict[int, Sight] = {}
+        sights: dict[int, TrueView] = {}
 
-        def sight_of(frame: int) -> Sight:
+        def sight_of(frame: int) -> TrueView:
             if frame not in sights:
                 T_W_C = T_W_B[frame] @ self._camera.T_B_C
                 views = look(self._survey(houses[frame]), T_W_B[frame : frame + 1], self._camera)
-                sights[frame] = Sight(T_W_B[frame], T_W_C, views.hits.depth[0])
+                sights[frame] = TrueView(T_W_B[frame], T_W_C, views.hits.depth[0])
             return sights[frame]
 
         grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)

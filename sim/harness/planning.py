@@ -11,7 +11,7 @@ from jaxtyping import Float64, Int
 
 from lexis.errors import PlanError
 from lexis.maths.se3 import inverse
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 from lexis.planner import plan
 from lexis.types import Pose
 from sim.harness.parts import odometry_config
@@ -126,7 +126,7 @@ def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: st
     if deepest == 0.0:
         raise UnreachableError(f"no way into any {label}; valid: a label of a room that can be reached from the start")
     inside = np.flatnonzero(depths >= min(INSIDE_M, deepest))
-    nearest = inside[np.argmin(settled(distances[inside]))]
+    nearest = inside[np.argmin(rounded(distances[inside]))]
     # The way over the grid is up to 8 % longer than the one that it shortens to: it would flatter the SPL.
     return polyline_length(walkable.path(start, int(nearest)))
 
@@ -139,4 +139,4 @@ def _depths(walkable: Walkable, label: str) -> Float64[np.ndarray, "nodes"]:
             nodes = np.flatnonzero(walkable.node_room == index)
             depths[nodes] = shapely.distance(shapely.points(walkable.nodes[nodes, :2]), room.polygon.boundary)
     # A grid line that lies just there must not depend on the last bit of its coordinates.
-    return settled(depths)
+    return rounded(depths)

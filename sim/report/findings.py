@@ -33,7 +33,7 @@ def findings(data: ReportData) -> list[Finding]:
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
-def missed(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
+def coverage_gap(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
     """Say which part of the walk the map does not cover. None if no room and at most 5 % of the walk are missing.
 
     Args:
@@ -44,7 +44,7 @@ def missed(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
     covered = (result.get("coverage") or {}).get("path_covered")
     if rooms or (covered is not None and covered < WELL_COVERED):
         sentences.append(_extent(result))
-    sentences.append(unseen(rooms))
+    sentences.append(rooms_without_keyframe(rooms))
     return " ".join(filter(None, sentences)) or None
 
 
@@ -56,7 +56,7 @@ def _extent(result: Mapping[str, Any]) -> str | None:
     return f"The map covers {rooms} and {coverage['path_covered']:.0%} of the walk."
 
 
-def unseen(rooms: Sequence[str]) -> str | None:
+def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
     """Name the rooms on the walk that contain no keyframe, since the figures do not cover them. None if there are none."""
     if not rooms:
         return None
@@ -66,7 +66,7 @@ def unseen(rooms: Sequence[str]) -> str | None:
 
 
 def _coverage(data: ReportData) -> Iterator[Finding]:
-    if text := missed(data.result, data.unseen_rooms):
+    if text := coverage_gap(data.result, data.unseen_rooms):
         yield Finding(False, text)
     elif text := _extent(data.result):
         yield Finding(True, text)
@@ -104,14 +104,14 @@ def _rooms(data: ReportData) -> Iterator[Finding]:
         if groups:
             text = f"{count} {kind}{'s' * (count > 1)} ({meaning}): {_listed(groups, ' = ')}."
             yield Finding(False, text, rooms.index(next(iter(groups))))
-    if errors.losses:
-        have = "has at least {:.0%} of its" if len(errors.losses) == 1 else "have at least {:.0%} of their"
+    if errors.partial_losses:
+        have = "has at least {:.0%} of its" if len(errors.partial_losses) == 1 else "have at least {:.0%} of their"
         text = (
-            f"{len(errors.losses)} of {len(set(true))} true rooms {have.format(SUBSTANTIAL)} keyframes in a "
+            f"{len(errors.partial_losses)} of {len(set(true))} true rooms {have.format(SUBSTANTIAL)} keyframes in a "
             "predicted room that lies mostly elsewhere, which counts as neither split nor merge: "
-            f"{_listed(errors.losses, ' partly in ')}."
+            f"{_listed(errors.partial_losses, ' partly in ')}."
         )
-        yield Finding(False, text, true.index(next(iter(errors.losses))))
+        yield Finding(False, text, true.index(next(iter(errors.partial_losses))))
 
 
 def _listed(groups: Groups, joint: str, most: int = 3) -> str:

@@ -30,7 +30,7 @@ class RoomErrors:
     """True rooms, each with the two or more predicted rooms that lie mostly (> half) in it."""
     merges: Groups
     """Predicted rooms, each with the two or more true rooms that lie mostly (> half) in it."""
-    losses: Groups
+    partial_losses: Groups
     """True rooms that are part of no merge, each with the predicted rooms that contain a substantial share of it but lie
     mostly elsewhere."""
 
@@ -44,11 +44,11 @@ def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
     of_true = table / table.sum(axis=0, keepdims=True)
     merges = _groups(of_true > SHARE, predicted_names, true_names, least=2)
     merged = {name for names in merges.values() for name in names}
-    losses = _groups(((of_true >= SUBSTANTIAL) & (of_predicted <= SHARE)).T, true_names, predicted_names, least=1)
+    partial_losses = _groups(((of_true >= SUBSTANTIAL) & (of_predicted <= SHARE)).T, true_names, predicted_names, least=1)
     return RoomErrors(
         splits=_groups((of_predicted > SHARE).T, true_names, predicted_names, least=2),
         merges=merges,
-        losses={room: others for room, others in losses.items() if room not in merged},
+        partial_losses={room: others for room, others in partial_losses.items() if room not in merged},
     )
 
 

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from lexis.maths.ties import settled
+from lexis.maths.ties import rounded
 
 CELL_M = 0.08
 """Size of a cell."""
@@ -77,7 +77,7 @@ class LocalMap:
         a, b, length, indptr = _grid()
         graph = csr_array((length * (cost[a] + cost[b]) / 2, b, indptr), shape=(_N * _N, _N * _N))
         costs, before = (rows[0] for rows in dijkstra(graph, indices=[_HALF * _N + _HALF], return_predecessors=True))
-        path = [int(np.argmin(settled(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1))))]
+        path = [int(np.argmin(rounded(costs + _MISS_COST * np.linalg.norm(cells - route[-1], axis=1))))]
         while before[path[-1]] >= 0:
             path.append(int(before[path[-1]]))
         return cells[path[::-1]]

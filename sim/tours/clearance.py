@@ -1,4 +1,4 @@
-"""`Near`: the boxes that are near the points of a path, for exact distances while the points move a little."""
+"""`NearbyBoxes`: the boxes that are near the points of a path, for exact distances while the points move a little."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 
 @dataclass(frozen=True, eq=False)
-class Near:
+class NearbyBoxes:
     """Pairs of a path point and a nearby upright box. Distances are computed for the points' present places."""
 
     points: int
@@ -25,7 +25,7 @@ class Near:
     """Axes of the box in W, as rows."""
 
     @staticmethod
-    def of(places: Float64[np.ndarray, "n 3"], obstacles: Obstacles, within_m: float) -> "Near":
+    def of(places: Float64[np.ndarray, "n 3"], obstacles: Obstacles, within_m: float) -> "NearbyBoxes":
         """Pair each place with the boxes within `within_m` that overlap in height with a body that stands there."""
         spots = np.asarray(shapely.points(places[:, :2]))
         point, box = obstacles.footprints.query(spots, predicate="dwithin", distance=within_m)
@@ -34,17 +34,17 @@ class Near:
         point, box = point[meets], box[meets]
         cos, sin = np.cos(obstacles.yaw[box]), np.sin(obstacles.yaw[box])
         axes = np.stack([cos, sin, -sin, cos], axis=-1).reshape(-1, 2, 2)
-        return Near(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
+        return NearbyBoxes(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
 
-    def and_also(self, other: "Near") -> "Near":
+    def and_also(self, other: "NearbyBoxes") -> "NearbyBoxes":
         """Return the pairs of both, which have to be about the same points."""
         pairs = [(getattr(self, name), getattr(other, name)) for name in ("point", "centre", "half", "axes")]
-        return Near(self.points, *(np.concatenate(pair) for pair in pairs))
+        return NearbyBoxes(self.points, *(np.concatenate(pair) for pair in pairs))
 
-    def without(self, points: Int[np.ndarray, "k"]) -> "Near":
+    def without(self, points: Int[np.ndarray, "k"]) -> "NearbyBoxes":
         """Return the pairs of all points other than these."""
         keep = ~np.isin(self.point, points)
-        return Near(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
+        return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
         """Return the distance from each point, now at `places`, to the nearest of its boxes [m]; infinite without boxes."""

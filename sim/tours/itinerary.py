@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 from sim.errors import SimError
 from sim.tours.config import TourConfig
 from sim.tours.lanes import lanes_through
-from sim.tours.order import drawn_in, first_lap, short_cycle, thinned, walked
+from sim.tours.order import first_lap, short_cycle, shortened_by_moving_stops, thinned, walked
 from sim.tours.paths import KnownPaths
 from sim.tours.stops import COMFORT_M, Stops
 from worlds.house import House
@@ -111,7 +111,7 @@ class Planner:
         lap = thinned(stops, whole, most_m, there_and_back)
         if walked(stops, lap, there_and_back) <= most_m:
             return stops, lap, [stop for stop in lap if stop in base]
-        stops, lap = drawn_in(self.house, self.walkable, stops, whole)
+        stops, lap = shortened_by_moving_stops(self.house, self.walkable, stops, whole)
         lowest = min(self.house.room_by_id[room].storey for room in stops.of_room)
         return stops, lap, [k for room, (k,) in stops.of_room.items() if self.house.room_by_id[room].storey == lowest]
 

@@ -51,7 +51,7 @@ def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
     return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
 
 
-def drawn_in(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
+def shortened_by_moving_stops(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
     """Keep one stop a room and move each to the place in its room where the lap becomes shortest.
 
     Even stops move while odd ones stay, then the reverse, then even ones again: the best place depends on the neighbours.

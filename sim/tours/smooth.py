@@ -17,7 +17,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import grey_dilation, uniform_filter1d
 
 from lexis.maths.paths import arc_length
-from sim.tours.clearance import Near
+from sim.tours.clearance import NearbyBoxes
 from worlds.walkable import Walkable
 
 STEP_M = 0.01
@@ -57,9 +57,9 @@ def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64
     base = _divided(line)
     base[:, 2] = _rounded(base[:, 2])
     reach = walkable.radius_m + _SPARE_M[1] + _REACH_M
-    wells = Near.of(base, walkable.wells, reach)
+    wells = NearbyBoxes.of(base, walkable.wells, reach)
     at_stairs = np.flatnonzero(wells.distance(base[:, :2]) < walkable.radius_m - 1e-6)
-    near = Near.of(base, walkable.solids, reach).and_also(wells.without(at_stairs))
+    near = NearbyBoxes.of(base, walkable.solids, reach).and_also(wells.without(at_stairs))
     hold = np.ones(len(base))
     hold[at_stairs] = _AT_STAIRS
     hold[1:][np.diff(base[:, 2]) != 0.0] = _ON_STAIRS
@@ -104,7 +104,7 @@ def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
 
 
 def _relaxed(
-    base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: Near, keep: Float64[np.ndarray, "n"]
+    base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: NearbyBoxes, keep: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "n 2"]:
     """Solve for the band by ADMM: least bending, close to `base` (weights `hold`), at the distance `keep` from obstacles."""
     n = len(base)
@@ -144,7 +144,7 @@ def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 
 
 def _clear(
-    smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: Near, distance_m: float
+    smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: NearbyBoxes, distance_m: float
 ) -> Float64[np.ndarray, "m 3"]:
     """Return the smooth path, blended to the straight one around places where it is too close to obstacles.
 
@@ -161,7 +161,7 @@ def _clear(
     return path
 
 
-def _clearance(path: Float64[np.ndarray, "m 3"], near: Near) -> Float64[np.ndarray, "m"]:
+def _clearance(path: Float64[np.ndarray, "m 3"], near: NearbyBoxes) -> Float64[np.ndarray, "m"]:
     """Return the clearance of path points, `_PER_STEP` of which belong to each point of the band [m]."""
     clearance = np.full(len(path), np.inf)
     for k in range(_PER_STEP):

@@ -24,7 +24,7 @@ from torch import Tensor, nn
 
 from lexis.encoder.prompts import prompts
 from sim.training.batches import PRESENT, Batch, chosen_once, normalised
-from sim.training.dense import DenseTower, Seen, dense_loss, room_weights, told_right
+from sim.training.dense import DenseOutput, DenseTower, accuracy_among_present, dense_loss, room_weights
 from sim.training.fit import PROCESSOR
 from sim.training.frames import THINGS, Frames
 from sim.training.phrases import object_caption, room_caption
@@ -65,7 +65,7 @@ class AlignedTower(nn.Module):
         self.thing_bias = nn.Parameter(torch.tensor(-5.0))
         self.search_scale = nn.Parameter(torch.tensor(math.log(15.0)))
 
-    def forward(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b e"], Seen]:
+    def forward(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b e"], DenseOutput]:
         """Unit embeddings of images, and the output of the dense heads."""
         seen = self.dense(images)
         return self.embedded(seen.pooled), seen
@@ -144,7 +144,7 @@ class AlignLearner:
 
     def accuracy(self, frames: Frames) -> float:
         """Zero-shot label accuracy among the labels present; every label is embedded as the mean over its prompts."""
-        return told_right(self.embeddings(frames) @ room_embeddings(self._text, ROOM_LABELS).T, frames.rooms)
+        return accuracy_among_present(self.embeddings(frames) @ room_embeddings(self._text, ROOM_LABELS).T, frames.rooms)
 
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:
         """Embeddings of images without augmentation, unit norm."""

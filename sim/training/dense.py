@@ -31,7 +31,7 @@ _RARE = -4.0
 _BATCH = 256
 
 
-class Seen(NamedTuple):
+class DenseOutput(NamedTuple):
     """Pooled features of images, and the output of the heads (logits, except for `places`)."""
 
     pooled: Float[Tensor, "b f"]
@@ -58,17 +58,17 @@ class DenseTower(nn.Module):
         nn.init.constant_(self.things.bias, _RARE)
         nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
 
-    def forward(self, images: Float[Tensor, "b 3 h w"]) -> Seen:
+    def forward(self, images: Float[Tensor, "b 3 h w"]) -> DenseOutput:
         """Compute features and heads in bfloat16; return them in full precision."""
         with torch.autocast(PROCESSOR, torch.bfloat16):
             maps = self.trunk.forward_features(images)
             pooled = self.trunk.forward_head(maps)
             said = self.rooms(pooled), self.views(pooled), self.things(pooled), self.patches(maps), self.places(pooled)
         rooms, views, things, patches, places = (values.float() for values in said)
-        return Seen(pooled.float(), rooms, views, things, patches, nn.functional.normalize(places, dim=-1))
+        return DenseOutput(pooled.float(), rooms, views, things, patches, nn.functional.normalize(places, dim=-1))
 
 
-def dense_loss(seen: Seen, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
+def dense_loss(seen: DenseOutput, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
     """The weighted sum of the losses of all heads."""
     presence = nn.functional.binary_cross_entropy_with_logits
     return (
@@ -105,10 +105,10 @@ class DenseLearner:
         with torch.inference_mode():
             parts = range(0, len(frames.rooms), _BATCH)
             logits = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).rooms for i in parts]
-        return told_right(torch.cat(logits).cpu().numpy(), frames.rooms)
+        return accuracy_among_present(torch.cat(logits).cpu().numpy(), frames.rooms)
 
 
-def told_right(scores: Float[np.ndarray, "n labels"], rooms: Int[np.ndarray, "n"]) -> float:
+def accuracy_among_present(scores: Float[np.ndarray, "n labels"], rooms: Int[np.ndarray, "n"]) -> float:
     """Share of frames whose true label has the highest score among the labels present in `rooms`."""
     present = np.unique(rooms)
     return float(np.mean(present[scores[:, present].argmax(axis=1)] == rooms))

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
-from lexis.query.answers import best_views, embed_questions
+from lexis.query.answers import best_views_mean, embed_questions
 from sim.harness.config import RunConfig
 from sim.harness.walk import walk
 from sim.training.frames import THINGS, frames_at
@@ -109,7 +109,7 @@ def ask(
     texts = tuple(text for _, text, _ in drawn)
     questions = embed_questions(texts, encoder)
     fits = (images @ questions.T).astype(float)
-    of_rooms = np.array([best_views(fits[views.room == room]) for room in range(len(views.labels))])
+    of_rooms = np.array([best_views_mean(fits[views.room == room]) for room in range(len(views.labels))])
     topics, truths = tuple(topic for topic, _, _ in drawn), np.stack([truth for _, _, truth in drawn], axis=1)
     return QuestionBatch(texts, topics, questions, of_rooms, truths)
 

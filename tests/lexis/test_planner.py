@@ -12,7 +12,7 @@ from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
 from lexis.map.room_names import instance_names
-from lexis.planner import adjacency, innermost, plan
+from lexis.planner import adjacency, path_end, plan
 
 
 def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):
@@ -68,7 +68,7 @@ def test_a_path_ends_deep_in_the_room(rng):
     similarities[30, 1] = 0.99  # looks most like an office, but lies at the door of the office
     similarities[34:38, 1] = 0.95
     lexis_map = replace(lexis_map, similarities=similarities)
-    assert innermost(lexis_map, lexis_map.rooms[2]).keyframe in range(34, 38)
+    assert path_end(lexis_map, lexis_map.rooms[2]).keyframe in range(34, 38)
     assert plan(lexis_map, "corridor", "office 2").keyframes[-1] in range(34, 38)
 
 
@@ -104,7 +104,7 @@ def looking_ahead(lexis_map, forward):
 @pytest.mark.parametrize("and_back", [False, True])
 def test_a_path_ends_behind_an_open_boundary_and_not_where_the_room_comes_into_view(rng, and_back):
     lexis_map = open_boundary(rng, and_back)
-    end = innermost(lexis_map, lexis_map.rooms[1])
+    end = path_end(lexis_map, lexis_map.rooms[1])
     assert end.keyframe in end.room.keyframes
     assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 0.5
 
@@ -119,7 +119,7 @@ def test_a_path_ends_inside_a_room_that_is_recognised_from_in_front_of_it_alone(
     similarities = np.where(seen[:, None], [0.0, 0.5], [0.5, 0.0])
     similarities[(forward > 0.0) & (x >= 0.0)] = 0.1  # at the wall
     lexis_map = looking_ahead(replace(lexis_map, similarities=similarities), forward)
-    end = innermost(lexis_map, lexis_map.rooms[1])
+    end = path_end(lexis_map, lexis_map.rooms[1])
     assert end.evidence > 0.0
     assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 0.3
 
@@ -138,7 +138,7 @@ def test_a_path_ends_a_metre_inside_a_room_that_shows_best_from_its_door(rng):
     kitchen = np.where(x > -1.2, 0.3, 1.0) * (x > -2.2)
     similarities = np.stack([np.where(kitchen > 0.0, 0.0, 0.6), kitchen], axis=1)
     lexis_map = walk_along_x(rng, x, (kitchen > 0.0).astype(int), similarities)
-    end = innermost(lexis_map, lexis_map.rooms[1])
+    end = path_end(lexis_map, lexis_map.rooms[1])
     assert lexis_map.T_W_B[end.keyframe, 0, 3] >= 1.0
 
 
@@ -150,7 +150,7 @@ def test_a_path_ends_a_metre_away_from_stairs(rng):
     lexis_map = walk_along_x(rng, x, climbs.astype(int), similarities)
     stairs = replace(lexis_map.rooms[1], floor=None)
     lexis_map = replace(lexis_map, rooms=(lexis_map.rooms[0], stairs), floors=np.where(climbs, NO_FLOOR, 0))
-    end = innermost(lexis_map, lexis_map.rooms[0])
+    end = path_end(lexis_map, lexis_map.rooms[0])
     assert lexis_map.T_W_B[end.keyframe, 0, 3] <= -1.0
 
 
@@ -161,22 +161,22 @@ def test_a_path_to_stairs_ends_on_them(rng):
     lexis_map = walk_along_x(rng, x, climbs.astype(int), similarities)
     stairs = replace(lexis_map.rooms[1], floor=None)
     lexis_map = replace(lexis_map, rooms=(lexis_map.rooms[0], stairs), floors=np.where(climbs, NO_FLOOR, 0))
-    assert innermost(lexis_map, stairs).keyframe in stairs.keyframes
-    assert innermost(lexis_map, stairs).evidence > 0.0
+    assert path_end(lexis_map, stairs).keyframe in stairs.keyframes
+    assert path_end(lexis_map, stairs).evidence > 0.0
 
 
 def test_where_a_path_ends_does_not_depend_on_the_frame_of_the_map(rng):
     lexis_map = open_boundary(rng, and_back=True)
     moved = replace(lexis_map, T_W_B=random_pose(rng, (3.0, -7.0, 1.0)) @ lexis_map.T_W_B)
     for room in lexis_map.rooms:
-        assert innermost(moved, room).keyframe == innermost(lexis_map, room).keyframe
+        assert path_end(moved, room).keyframe == path_end(lexis_map, room).keyframe
 
 
 def test_a_path_ends_at_the_first_of_keyframes_equally_far_inside(rng):
     """Two keyframes are at the same position: one on the way out, one on the way back."""
     lexis_map = open_boundary(rng, and_back=True)
     for room in lexis_map.rooms:
-        end = innermost(lexis_map, room).keyframe
+        end = path_end(lexis_map, room).keyframe
         same = np.flatnonzero(lexis_map.T_W_B[:, 0, 3] == lexis_map.T_W_B[end, 0, 3])
         assert end == min(set(same.tolist()) & set(room.keyframes))
 
@@ -226,8 +226,8 @@ def test_a_room_is_doubtful_beside_a_clearer_one_of_its_label(share, chosen, rng
     similarities[np.arange(len(lexis_map.labels)), lexis_map.labels] = 0.5
     similarities[list(nearest.keyframes)] *= share
     dimmed = replace(lexis_map, similarities=similarities)
-    clear = innermost(dimmed, other).evidence
-    assert innermost(dimmed, nearest).evidence == pytest.approx(share * clear)
+    clear = path_end(dimmed, other).evidence
+    assert path_end(dimmed, nearest).evidence == pytest.approx(share * clear)
     assert plan(dimmed, "corridor", "office").goal is {"other": other, "nearest": nearest}[chosen]
 
 
@@ -256,4 +256,4 @@ def test_rooms_of_one_label_side_by_side_have_ends_of_their_own(rng):
     halves = [np.flatnonzero(x < 0.0).tolist(), np.flatnonzero(x >= 0.0).tolist()]
     rooms = tuple(replace(lexis_map.rooms[1], id=i, keyframes=tuple(half)) for i, half in enumerate(halves))
     lexis_map = replace(lexis_map, rooms=rooms, labels=np.ones(len(x), int))
-    assert all(innermost(lexis_map, room).keyframe in room.keyframes for room in rooms)
+    assert all(path_end(lexis_map, room).keyframe in room.keyframes for room in rooms)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from worlds.floor_plans.floor_plan import PlanStyle
-from worlds.floor_plans.programmes import Habits
+from worlds.floor_plans.programmes import LayoutShares
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class BuildingKind:
     more: tuple[str, ...]
     """Labels from which further rooms are drawn."""
     style: PlanStyle
-    habits: Habits
+    habits: LayoutShares
     halls: tuple[str | None, ...] = (None,)
     """Labels to choose from for the first stretch of the ground storey's corridor; None: it has no such stretch."""
     upstairs: tuple[str, ...] = ()
@@ -41,44 +41,44 @@ KINDS: dict[str, BuildingKind] = {
         (7, 8), (2,), ("living room", "kitchen", "dining room", "garden", "bedroom", "bathroom", "children's room"),
         ("toilet", "office", "bedroom", "pantry", "laundry room", "garage", "storage room", "balcony", "bathroom",
          "children's room"),
-        _HOME_STYLE, Habits(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
+        _HOME_STYLE, LayoutShares(open_plan=1.0, twins=0.2), (None, None, None, "entrance hall"),
         ("bedroom", "children's room", "bathroom", "office", "library"),
     ),
     "apartment": BuildingKind(
         (4, 8), (1, 1, 1, 2, 3), ("living room", "kitchen", "bedroom", "bathroom", "dining room", "balcony", "bedroom"),
         ("children's room", "storage room", "toilet", "office", "laundry room", "bedroom", "bathroom", "pantry", "library"),
-        _HOME_STYLE, Habits(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=1, flat=(4, 6),
+        _HOME_STYLE, LayoutShares(open_plan=0.6, twins=0.25), ("entrance hall", None), repeats=1.0, shuffled=1, flat=(4, 6),
     ),
     "office": BuildingKind(
         (7, 14), (1, 2, 2, 3), ("office", "office", "meeting room", "office", "kitchen", "open-plan office", "toilet"),
         ("office", "office", "office", "print room", "storage room", "meeting room", "library", "lobby", "open-plan office",
          "toilet", "balcony", "laboratory"),
-        _OFFICE_STYLE, Habits(open_plan=0.3, twins=0.7), ("lobby", "entrance hall", None), repeats=0.5, shuffled=2,
+        _OFFICE_STYLE, LayoutShares(open_plan=0.3, twins=0.7), ("lobby", "entrance hall", None), repeats=0.5, shuffled=2,
     ),
     "ori": BuildingKind(
         (7, 7), (2,), ("kitchen", "office", "office", "office", "office", "meeting room", "print room"),
-        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), Habits(twins=0.9), (None, "lobby"),
+        ("office",), replace(_OFFICE_STYLE, one_sided_m=(18.0, 30.0)), LayoutShares(twins=0.9), (None, "lobby"),
     ),
     "uh2-apt": BuildingKind(
         (4, 4), (3,), ("living room", "dining room", "bedroom", "bathroom"), ("bedroom", "office", "storage room"),
-        PlanStyle((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), Habits(open_plan=1.0),
+        PlanStyle((2.0, 2.3), (3.6, 4.2), stairs=(None,), one_sided_m=(30.0, 40.0)), LayoutShares(open_plan=1.0),
         upstairs=("bedroom", "bathroom"),
     ),
     "uh2-office": BuildingKind(
         (11, 13), (1,), ("open-plan office", "meeting room", "office", "office", "office", "open-plan office", "office"),
         ("office", "office", "meeting room"), replace(_OFFICE_STYLE, one_sided_m=(5.0, 6.0), wings=0.5, spine_m=(1.9, 2.4)),
-        Habits(twins=0.6),
+        LayoutShares(twins=0.6),
     ),
     "clinic": BuildingKind(
         (10, 16), (1, 1, 2), ("office", "office", "laboratory", "toilet", "office", "storage room", "bathroom", "bedroom"),
         ("office", "bedroom", "office", "bathroom", "toilet", "storage room", "kitchen", "meeting room", "laundry room",
          "gym", "laboratory", "print room", "lobby"),
-        _CLINIC_STYLE, Habits(twins=0.7), ("lobby", "lobby", "entrance hall"),
+        _CLINIC_STYLE, LayoutShares(twins=0.7), ("lobby", "lobby", "entrance hall"),
     ),
     "school": BuildingKind(
         (9, 15), (1, 2, 2), ("classroom", "classroom", "office", "toilet", "library", "classroom", "gym", "storage room"),
         ("classroom", "classroom", "laboratory", "toilet", "office", "storage room", "kitchen", "dining room",
          "meeting room", "print room", "bathroom"),
-        replace(_CLINIC_STYLE, depth_m=(4.6, 6.0)), Habits(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
+        replace(_CLINIC_STYLE, depth_m=(4.6, 6.0)), LayoutShares(twins=0.7), ("entrance hall", "lobby", None), repeats=0.3,
     ),
 }  # fmt: skip

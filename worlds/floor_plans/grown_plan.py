@@ -1,6 +1,6 @@
 """`grow`: houses built from a list of room requests, one after another, for property-based tests.
 
-A request (`GrownRoom`) says what a room is like, where it stands relative to the rooms before it, and how it is entered:
+A request (`RoomRequest`) says what a room is like, where it stands relative to the rooms before it, and how it is entered:
 
     row 1  | room | room    |          The first room of a row starts at x = 0, north of the first room of the row below;
     -------+------+---+-----+          the others follow to its east.
@@ -48,7 +48,7 @@ Box = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
-class Way:
+class OpeningRequest:
     """A request for an opening in the wall between a room and a neighbour."""
 
     kind: OpeningKind | None = "door"
@@ -65,7 +65,7 @@ class Way:
 
 
 @dataclass(frozen=True)
-class GrownRoom:
+class RoomRequest:
     """A request for a room."""
 
     label: str
@@ -77,16 +77,16 @@ class GrownRoom:
     shape: Shape = "rectangle"
     height_m: float = 2.6
     """Height of the ceiling above the floor [m]; only the first room of a storey decides it."""
-    way_in: Way = Way()
+    way_in: OpeningRequest = OpeningRequest()
     """Opening to a neighbour that stands already; where nobody can walk through it, a door is added beside it."""
-    other: Way = Way(None)
+    other: OpeningRequest = OpeningRequest(None)
     """Opening to a second such neighbour, if there is one."""
     from_south: bool = False
     """Whether `way_in` leads to the row below rather than to the room in the west, where both exist."""
 
 
 def grow(
-    requests: Sequence[GrownRoom], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
+    requests: Sequence[RoomRequest], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
 ) -> HouseSpec:
     """The house that a list of room requests gives.
 
@@ -99,7 +99,7 @@ def grow(
     every storey in [0, 1]: as soon as more than the share 1 - `min_openness` of the inner boundaries would be closed, a
     boundary is opened along its whole length instead.
     """
-    floors: list[list[GrownRoom]] = []
+    floors: list[list[RoomRequest]] = []
     for request in requests:
         if not floors or (request.start == "storey" and len(floors) < max_storeys):
             floors.append([])
@@ -118,7 +118,7 @@ class _Placed:
     """A room with its position: a box [dm] with notches in its northern corners if it is L- or T-shaped."""
 
     id: str
-    request: GrownRoom
+    request: RoomRequest
     box: Box
     notch_east: bool
     notch_west: bool
@@ -174,7 +174,7 @@ class _Contact:
     low: int
     high: int
     """Extent along the wall [dm]."""
-    way: Way
+    way: OpeningRequest
     needed: bool
     """Whether the younger room is entered here, so that one must be able to walk through."""
 
@@ -192,7 +192,7 @@ class _Plan:
     height_m: float
 
     @staticmethod
-    def of(requests: Sequence[GrownRoom], first_number: int, bears: tuple[int, int]) -> "_Plan":
+    def of(requests: Sequence[RoomRequest], first_number: int, bears: tuple[int, int]) -> "_Plan":
         """The plan of a storey that bears one of width and depth `bears` [dm]; (0, 0): it is the top storey.
 
         Rooms are numbered from `first_number` on. The last room of each row and the last row are enlarged until they reach
@@ -249,9 +249,9 @@ class _Plan:
         return StoreySpec(height_m=self.height_m, rooms=tuple(rooms), openings=tuple(openings), **more)  # type: ignore[arg-type]
 
 
-def _split_into_rows(requests: Sequence[GrownRoom]) -> list[list[GrownRoom]]:
+def _split_into_rows(requests: Sequence[RoomRequest]) -> list[list[RoomRequest]]:
     """Split the requests of a storey into rows; `_ROW_DM` and `_STACK_DM` limit how long rows and how deep storeys get."""
-    rows: list[list[GrownRoom]] = []
+    rows: list[list[RoomRequest]] = []
     for request in requests:
         full = bool(rows) and sum(room.width_dm for room in rows[-1]) >= _ROW_DM
         deep = sum(row[0].depth_dm for row in rows) >= _STACK_DM
@@ -273,7 +273,7 @@ def _east(x1: int, below: Sequence["_Placed"]) -> int:
     return x1
 
 
-def _placed(name: str, request: GrownRoom, box: Box, *, solid: bool, first: bool) -> _Placed:
+def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bool) -> _Placed:
     """A room in its place in a row.
 
     The first room of a row is as deep as the row, because the next row begins on top of it. On a storey that bears another
@@ -304,7 +304,7 @@ def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> 
         way = room.request.other if from_south else room.request.way_in
         contacts.append(_Contact((west, room), False, x0, y0, min(west.sides[1], room.sides[0]), way, not from_south))
     for k, (other, low, high) in enumerate(south):
-        way = Way(None) if k else room.request.way_in if from_south else room.request.other
+        way = OpeningRequest(None) if k else room.request.way_in if from_south else room.request.other
         contacts.append(_Contact((other, room), True, y0, low, high, way, from_south and k == 0))
     return contacts
 

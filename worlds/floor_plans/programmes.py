@@ -97,7 +97,7 @@ class StoreyProgramme:
 
 
 @dataclass(frozen=True)
-class Habits:
+class LayoutShares:
     """Shares that say how the buildings of a kind are laid out, each in [0, 1]."""
 
     open_plan: float = 0.0
@@ -106,7 +106,7 @@ class Habits:
     """Share of the rooms with the same label that get the same shape."""
 
 
-def programme_runs(labels: Sequence[str], habits: Habits, rng: np.random.Generator) -> tuple[BayRun, ...]:
+def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayRun, ...]:
     """Group the rooms of a storey into bays and runs, in random order.
 
     1. A kitchen, a dining room and a living room become one run, because people build them side by side.
@@ -151,7 +151,7 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
     return round(float(rng.uniform(*usual)), 2)
 
 
-def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> BayRun | None:
+def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator) -> BayRun | None:
     """Remove one kitchen, dining room and living room from `left` and make a run of them.
 
     None, and nothing is removed, if `left` has fewer than two of these labels.
@@ -168,7 +168,7 @@ def _take_chain(left: list[str], habits: Habits, rng: np.random.Generator) -> Ba
     return BayRun(tuple(_bay(label, rng) for label in chain), joint)
 
 
-def _twins(bays: list[Bay], habits: Habits, rng: np.random.Generator) -> list[Bay]:
+def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> list[Bay]:
     """Make some of the bays with the same label twins; three quarters of the twins get the same furniture, too."""
     first: dict[str, Bay] = {}
     out = []

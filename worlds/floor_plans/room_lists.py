@@ -10,7 +10,7 @@ import numpy as np
 
 from worlds.floor_plans.building_kinds import BuildingKind
 from worlds.floor_plans.floor_plan import PlanStyle
-from worlds.floor_plans.programmes import SMALL, Habits, StoreyProgramme, programme_runs, seeded
+from worlds.floor_plans.programmes import SMALL, LayoutShares, StoreyProgramme, programme_runs, seeded
 from worlds.floor_plans.room_sizes import SIZES
 from worlds.labels import OUTDOOR_LABELS
 from worlds.spec import OpeningKind
@@ -46,7 +46,7 @@ def draw_programmes(
 
 
 def programmes_of(
-    labels: Sequence[Sequence[str]], habits: Habits, hall: str | None, rng: np.random.Generator
+    labels: Sequence[Sequence[str]], habits: LayoutShares, hall: str | None, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...]:
     """Programmes of storeys from the labels of their rooms; the `hall` is on the ground storey only."""
     return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
@@ -173,7 +173,7 @@ def _around_a_living_room(
     return (replace(storey, runs=tuple(runs), spine="living room"),), style
 
 
-def _storey(labels: Sequence[str], habits: Habits, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
+def _storey(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator, hall: str | None) -> StoreyProgramme:
     inside = [label for label in labels if label not in OUTDOOR_LABELS]
     runs = programme_runs(inside, habits, rng)
     return StoreyProgramme(runs, hall=hall, garden="garden" in labels, balcony="balcony" in labels)

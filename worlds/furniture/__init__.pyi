@@ -4,13 +4,13 @@ from .finishes import Finish as Finish
 from .finishes import finish_of as finish_of
 from .kinds import AgainstWall as AgainstWall
 from .kinds import Around as Around
-from .kinds import Hoarded as Hoarded
 from .kinds import Kind as Kind
 from .kinds import OnCeiling as OnCeiling
 from .kinds import OnFloor as OnFloor
 from .kinds import OnTop as OnTop
 from .kinds import OnWall as OnWall
 from .kinds import Parts as Parts
+from .kinds import PerClutter as PerClutter
 from .kinds import Size as Size
 from .palette import BLACK as BLACK
 from .palette import BRIGHT as BRIGHT

@@ -2,7 +2,7 @@
 
 from numpy.random import Generator
 
-from worlds.furniture.kinds import AgainstWall, Hoarded, OnFloor, OnTop, Parts, Size
+from worlds.furniture.kinds import AgainstWall, OnFloor, OnTop, Parts, PerClutter, Size
 from worlds.furniture.palette import BRIGHT, CARDBOARD, GREEN, LINEN, PAPER, TERRACOTTA, UPHOLSTERY, WHITE, pick
 from worlds.furniture.registry import furniture
 from worlds.furniture.shapes import about, ball, box, cylinder, inset, split
@@ -21,8 +21,8 @@ _TOPS = (
 )  # fmt: skip
 
 
-def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, Hoarded]:
-    return dict.fromkeys(labels, Hoarded(per_clutter))
+def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, PerClutter]:
+    return dict.fromkeys(labels, PerClutter(per_clutter))
 
 
 @furniture(

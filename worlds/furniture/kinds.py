@@ -16,7 +16,7 @@ Parts = tuple[Part, ...]
 
 
 @dataclass(frozen=True)
-class Hoarded:
+class PerClutter:
     """A count for pieces that only cluttered rooms have."""
 
     per_clutter: float
@@ -27,7 +27,7 @@ class Hoarded:
     """
 
 
-Count = float | tuple[int, int] | Hoarded
+Count = float | tuple[int, int] | PerClutter
 """Number of pieces in a room: an expected number, an inclusive range that the room always has, or a number that grows with
 clutter."""
 

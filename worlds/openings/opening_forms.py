@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from worlds.openings.arches import spandrel_area
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.partitions import Partition, gap_area
-from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_gap
+from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_opening
 from worlds.spec import PASSABLE, OpeningKind
 from worlds.walls import Boundary
 
@@ -147,7 +147,7 @@ def _half_wall(task: Task) -> Gaps | None:
     (a, b, c) = (round(cut, 6) for cut in cuts)
     return (
         _open_gap(task, wall, min(a, b), max(a, b)),
-        make_gap("half wall", (wall, wall.low, wall.high), min(b, c), max(b, c), height),
+        make_opening("half wall", (wall, wall.low, wall.high), min(b, c), max(b, c), height),
     )
 
 
@@ -157,13 +157,13 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
         doors = closed(task)
         if narrow_door and doors:
             span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
-            doors = (make_gap("door", span, round(span[1], 6), round(span[1] + MIN_DOOR_M, 6), task.part.height_m),)
+            doors = (make_opening("door", span, round(span[1], 6), round(span[1] + MIN_DOOR_M, 6), task.part.height_m),)
         spans = free_spans(task.part.walls, doors, _HATCH_CORNER_M)
         span = max(spans, key=lambda span: span[2] - span[1], default=(task.main, 0.0, 0.0))
         if span[2] - span[1] < _MIN_HATCH_M or (doors and doors[-1].high > span[0].high):
             return None
         # The area of a hatch is proportional to its width, so one of 1 m gives the area per metre.
-        hatch = replace(make_gap(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
+        hatch = replace(make_opening(kind, span, 0.0, 1.0, task.part.height_m), sill=sill)
         width = task.area / area_of([hatch], task.part)
         placed = _in_span(kind, task, span, min(max(width, _MIN_HATCH_M), span[2] - span[1]))
         return (*doors, replace(placed, sill=sill))
@@ -172,11 +172,11 @@ def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callabl
 
 
 def _open_gap(task: Task, wall: Boundary, low: float, high: float) -> OpeningDraft:
-    return make_gap("open", (wall, wall.low, wall.high), low, high, task.part.height_m)
+    return make_opening("open", (wall, wall.low, wall.high), low, high, task.part.height_m)
 
 
 def _height(kind: OpeningKind, task: Task) -> float:
-    return make_gap(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
+    return make_opening(kind, (task.main, 0.0, 0.0), 0.0, 0.0, task.part.height_m).height
 
 
 def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
@@ -188,7 +188,7 @@ def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> Opening
     width = min(round(width, 2), round(stop - start, 6))
     low = min(round(start + task.draw * (stop - start - width), 2), round(stop - width, 6))
     low = max(low, start)
-    return make_gap(kind, span, low, round(low + width, 6), task.part.height_m)
+    return make_opening(kind, span, low, round(low + width, 6), task.part.height_m)
 
 
 FORMS: dict[str, Callable[[Task], Gaps | None]] = {

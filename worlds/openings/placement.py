@@ -84,7 +84,7 @@ def _place(
         wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
         if not wide:
             raise _too_short(link, walls)
-        return [make_gap("open", span, span[1], span[2], storey_m) for span in wide]
+        return [make_opening("open", span, span[1], span[2], storey_m) for span in wide]
     spans = free_spans(walls, gaps)
     if link.kind in PASSABLE:
         return [_place_passable(link, walls, spans, storey_m, draws)]
@@ -123,7 +123,7 @@ def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: flo
     # Round up to the centimetre grid, but not past the last grid point at which the opening fits into the span.
     low = min(math.ceil(round(start, 6) * 100 - 1e-6), math.floor(round(span[2] - width, 6) * 100 + 1e-6)) / 100
     low = max(low, round(span[1], 6))
-    return make_gap(kind, span, low, round(low + width, 6), storey_m)
+    return make_opening(kind, span, low, round(low + width, 6), storey_m)
 
 
 def _by_length(spans: Sequence[Span], share: float) -> Span:
@@ -136,7 +136,7 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
     return spans[-1]
 
 
-def make_gap(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
+def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
     """An opening from `low` to `high` along the wall of a span [m], with the usual height of its kind.
 
     It stays at least 5 cm below the ceiling, which is `storey_m` above the floor [m].

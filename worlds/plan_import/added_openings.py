@@ -27,7 +27,7 @@ Side = tuple[int, bool]
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
-def made_up(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
+def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
     """For each storey, the openings to add so that every room can be reached on foot from every other.
 
     Rooms that are already connected get none, and neither do stairs that have a drawn passage. Raises `WorldsError` where

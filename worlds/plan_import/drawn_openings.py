@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import Any
 
 from worlds.errors import SpecError
-from worlds.plan_import.drawn_plan import Stroke, built
+from worlds.plan_import.drawn_plan import Stroke, validated
 from worlds.spec import LeafSpec, OpeningSpec, Point, StoreySpec
 from worlds.walls import Boundary, boundaries, opening_span
 
@@ -18,7 +18,7 @@ _OVERLAP_M = 0.1
 """Largest overlap of two openings that is taken for an imprecise drawing and removed [m]."""
 
 
-def on_walls(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: dict[str, str]) -> OpeningSpec | None:
+def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: dict[str, str]) -> OpeningSpec | None:
     """The opening that a stroke stands for, or None if the stroke lies on an outer wall of the house.
 
     Args:
@@ -49,7 +49,7 @@ def on_walls(stroke: Stroke, points: Sequence[Point], storey: StoreySpec, ids: d
     a, b = (line.point(round(along, 6)) for along in ends)
     rooms = str(line.rooms[0]), str(line.rooms[1])
     details = _details(stroke, rooms, ids)
-    return built(stroke.where, OpeningSpec, rooms=rooms, kind=stroke.kind, start_m=a, end_m=b, **details)
+    return validated(stroke.where, OpeningSpec, rooms=rooms, kind=stroke.kind, start_m=a, end_m=b, **details)
 
 
 def _distance(line: Boundary, point: Point) -> float:
@@ -83,11 +83,11 @@ def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dic
         into = ids.get(str(leaf.get("into")), "")
         if into not in rooms:
             raise SpecError(f"{stroke.where}: the door leaf swings into {leaf.get('into')!r}; valid: {' or '.join(rooms)}")
-        details["leaf"] = built(stroke.where, LeafSpec, **{**leaf, "into": into})
+        details["leaf"] = validated(stroke.where, LeafSpec, **{**leaf, "into": into})
     return details
 
 
-def apart(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
+def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
     """The same openings, but two that overlap by at most 0.1 m are shortened to meet in the middle of the overlap."""
     placed = list(openings)
     for i, j in combinations(range(len(placed)), 2):

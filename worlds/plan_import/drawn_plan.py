@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from worlds.errors import SpecError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import MAX_ROOMS, OpeningKind, Point, json_schema
-from worlds.spec_errors import explain, refusal
+from worlds.spec_errors import explain, mistakes_error
 from worlds.valid_names import did_you_mean
 
 MAX_STROKES = 3200
@@ -80,39 +80,39 @@ class DrawnPlan:
 
 
 @lru_cache(maxsize=256)
-def words(text: str) -> str:
+def normalised_name(text: str) -> str:
     """A name in lower case, without underscores and the number at its end: "Office_2" becomes "office"."""
     return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
 
 
 def find_label(text: str) -> str | None:
     """The room label that a text stands for, or None."""
-    return _LABELS.get(words(text).replace("-", " "))
+    return _LABELS.get(normalised_name(text).replace("-", " "))
 
 
 def label_of(where: str, text: str) -> str:
     """The room label that a text stands for. Raises `SpecError` if there is none."""
     if (label := find_label(text)) is None:
-        guess = did_you_mean(words(text), ROOM_LABELS)
+        guess = did_you_mean(normalised_name(text), ROOM_LABELS)
         raise SpecError(f"{where}: unknown label {text[:60]!r}{guess}; valid: {', '.join(ROOM_LABELS)}")
     return label
 
 
 def find_kind(text: str) -> OpeningKind | None:
     """The kind of opening that a text stands for, or None."""
-    word = words(text).replace("-", " ")
+    word = normalised_name(text).replace("-", " ")
     return _KINDS.get(word) or _KINDS.get(word.removesuffix("s")) or _KINDS.get(word.removesuffix("es"))
 
 
 def kind_of(where: str, text: str) -> OpeningKind:
     """The kind of opening that a text stands for. Raises `SpecError` if there is none."""
     if (kind := find_kind(text)) is None:
-        guess = did_you_mean(words(text), KINDS)
+        guess = did_you_mean(normalised_name(text), KINDS)
         raise SpecError(f"{where}: unknown kind of opening {text[:60]!r}{guess}; valid: {', '.join(KINDS)}")
     return kind
 
 
-def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
+def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
     """Notes on unknown words that resemble a `meaningful` one.
 
     `spoken` are pairs (place in the file, word); a word is reported once, at its first place.
@@ -126,7 +126,7 @@ def guesses(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tup
     return tuple(islice(notes, _MAX_NOTES))
 
 
-def some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
+def listed_some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
     """The first `most` things on one line, and how many more there are."""
     return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
@@ -139,7 +139,7 @@ def storey_of(where: str, value: object) -> int:
     return int(text[0])
 
 
-def built(where: str, model: type[_Model], **fields: Any) -> _Model:
+def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
     """A validated part of a spec. Raises `SpecError` with the place in the file and all mistakes."""
     try:
         return model.model_validate(fields, strict=True)
@@ -147,7 +147,7 @@ def built(where: str, model: type[_Model], **fields: Any) -> _Model:
         schema = json_schema()
         part = schema["$defs"].get(error.title, schema)
         mistakes = explain(error, None, {**part, "$defs": schema["$defs"]})
-        raise refusal(where, mistakes) from None
+        raise mistakes_error(where, mistakes) from None
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:

@@ -17,7 +17,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from worlds.errors import SpecError
-from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, checked, guesses, kind_of, label_of, some, storey_of
+from worlds.plan_import.drawn_plan import (
+    DrawnPlan,
+    DrawnRoom,
+    Stroke,
+    checked,
+    kind_of,
+    label_of,
+    listed_some,
+    spelling_notes,
+    storey_of,
+)
 from worlds.spec import HouseSpec, OpeningSpec, Point
 
 _DETAILS = ("height_m", "sill_m", "leaf", "leads")
@@ -62,8 +72,8 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
         raise SpecError(
             "seems to have coordinates in degrees: the whole plan is smaller than 0.5 m; valid: x and y in metres"
         )
-    notes = (f"ignored, because they have neither a label nor a kind: {some(ignored)}",) if ignored else ()
-    return checked(rooms, strokes, heights_m=_heights(data), notes=guesses(spoken, _PROPERTIES) + notes)
+    notes = (f"ignored, because they have neither a label nor a kind: {listed_some(ignored)}",) if ignored else ()
+    return checked(rooms, strokes, heights_m=_heights(data), notes=spelling_notes(spoken, _PROPERTIES) + notes)
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:

@@ -20,9 +20,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from worlds.errors import SpecError, WorldsError, reworded
-from worlds.plan_import.added_openings import made_up
-from worlds.plan_import.drawn_openings import apart, on_walls
-from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, built
+from worlds.plan_import.added_openings import added_openings
+from worlds.plan_import.drawn_openings import opening_on_wall, without_overlaps
+from worlds.plan_import.drawn_plan import DrawnPlan, DrawnRoom, Stroke, validated
 from worlds.plan_import.geojson import read_geojson, to_geojson
 from worlds.plan_import.straighten import main_direction, straighten, turned
 from worlds.reading import read_text
@@ -155,7 +155,7 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     polygons = straighten([(room, _moved(corners, shift)) for room, corners in outlines], snap_m)
     ids = _ids(drawing.rooms)
     rooms = [
-        built(room.where, RoomSpec, id=identifier, label=room.label, polygon_m=polygon)
+        validated(room.where, RoomSpec, id=identifier, label=room.label, polygon_m=polygon)
         for identifier, room, polygon in zip(ids, drawing.rooms, polygons, strict=True)
     ]
     storeys = _storeys(drawing, rooms)
@@ -165,12 +165,12 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
     if not plan.only_drawn:
         storeys = _with_added_openings(storeys, notes)
     fields = {"name": plan.name, "seed": plan.seed, "slab_m": _SLAB_M, "storeys": tuple(storeys)}
-    return built("the house", HouseSpec, **fields), notes
+    return validated("the house", HouseSpec, **fields), notes
 
 
 def _with_added_openings(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
     """The storeys with openings added where the drawn ones do not reach."""
-    added = made_up(storeys, _SLAB_M)
+    added = added_openings(storeys, _SLAB_M)
     listing = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
     if listing:
         drawn = "the drawn openings do not reach every room" if any(s.openings for s in storeys) else "no openings are drawn"
@@ -190,12 +190,12 @@ def _drawn_openings(
     for stroke in strokes:
         if stroke.storey >= len(storeys):
             raise SpecError(f"{stroke.where}: is on storey {stroke.storey}, which has no rooms")
-        opening = on_walls(stroke, _moved(turned(stroke.points, angle), shift), storeys[stroke.storey], ids)
+        opening = opening_on_wall(stroke, _moved(turned(stroke.points, angle), shift), storeys[stroke.storey], ids)
         if opening is None:
             notes.append(f"{stroke.where}: leads out of the house; ignored")
         else:
             openings[stroke.storey] = (*openings.get(stroke.storey, ()), opening)
-    return {level: apart(placed) for level, placed in openings.items()}
+    return {level: without_overlaps(placed) for level, placed in openings.items()}
 
 
 def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
@@ -206,7 +206,7 @@ def _storeys(drawing: DrawnPlan, rooms: Sequence[RoomSpec]) -> list[StoreySpec]:
             raise SpecError(
                 f"has no rooms on storey {level}, but on one above; valid: storeys numbered from 0 without a gap"
             )
-        storeys.append(built(f"storey {level}", StoreySpec, rooms=here, height_m=heights.get(level, 2.6)))
+        storeys.append(validated(f"storey {level}", StoreySpec, rooms=here, height_m=heights.get(level, 2.6)))
     return storeys
 
 

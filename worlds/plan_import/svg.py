@@ -30,12 +30,12 @@ from worlds.plan_import.drawn_plan import (
     checked,
     find_kind,
     find_label,
-    guesses,
     kind_of,
     label_of,
-    some,
+    listed_some,
+    normalised_name,
+    spelling_notes,
     storey_of,
-    words,
 )
 from worlds.plan_import.svg_shapes import OPENING_TAGS, ROOM_TAGS, Outline, is_curved, length_px
 from worlds.plan_import.svg_tree import LABEL, Named, SvgShape, outline_of, read_tree, shown_shapes
@@ -178,17 +178,17 @@ def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
     spoken: list[tuple[str, str]] = []
     misfits: dict[tuple[str, str], str] = {}
     for shape in ignored:
-        for word in map(words, shape.names):
+        for word in map(normalised_name, shape.names):
             if find_kind(word) or find_label(word):
                 misfits.setdefault(
                     (shape.tag, word), f"{shape.where}: {word!r} is {_valid_tags(word)}, not a {shape.tag}; ignored"
                 )
             elif word:
                 spoken.append((shape.where, word))
-    yield from guesses(spoken, (*ROOM_LABELS, *KINDS))
+    yield from spelling_notes(spoken, (*ROOM_LABELS, *KINDS))
     yield from misfits.values()
     if ignored:
-        yield f"ignored, because they name neither a label nor a kind: {some(ignored, _located)}"
+        yield f"ignored, because they name neither a label nor a kind: {listed_some(ignored, _located)}"
 
 
 def _located(shape: SvgShape) -> str:

@@ -93,16 +93,16 @@ class References:
     ceiling: Ceiling | None = None
     orb: OrbWords | None = None
 
-    def of(self, run: EncoderRun) -> "Beside":
+    def of(self, run: EncoderRun) -> "ReferenceAnswers":
         """Their answers on one run, which are the same for all encoders."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
-            return Beside(right, {})
+            return ReferenceAnswers(right, {})
         words = np.array([self.orb.described(image) for image in run.frames.images])
-        return Beside(right, {"recall_orb": found_at_1(words, run.T_W_B, run.stamps)})
+        return ReferenceAnswers(right, {"recall_orb": found_at_1(words, run.T_W_B, run.stamps)})
 
 
-class Beside(NamedTuple):
+class ReferenceAnswers(NamedTuple):
     """The references' answers on one run."""
 
     ceiling_right: Bool[np.ndarray, "n"] | None
@@ -119,7 +119,7 @@ def measure(
         yield [_measured(run, encoder, known, beside) for encoder, known in zip(encoders, texts, strict=True)]
 
 
-def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: Beside) -> EncoderFigures:
+def _measured(run: EncoderRun, encoder: ImageTextEncoder, texts: EmbeddedTexts, beside: ReferenceAnswers) -> EncoderFigures:
     frames, images = run.frames, encoder.encode_images(run.frames.images)
     present, own = np.unique(frames.rooms, return_inverse=True)
     names = [ROOM_LABELS[i] for i in present]

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int
 
-from lexis.query.answers import best_views
+from lexis.query.answers import best_views_mean
 from sim.bench.encoders.runs import EncoderRun
 from sim.bench.encoders.texts import EmbeddedTexts
 from sim.training.frames import THINGS
@@ -88,7 +88,7 @@ def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedText
         return []
     rooms = np.unique(run.room)
     fits = images @ texts.texts([question.text for question in questions]).T
-    best = np.array([best_views(fits[run.room == room]) for room in rooms]).argmax(axis=0)
+    best = np.array([best_views_mean(fits[run.room == room]) for room in rooms]).argmax(axis=0)
     labels = [ROOM_LABELS[i] for i in _labels(run, rooms)]
     return [AnsweredQuestion(question, labels[i]) for question, i in zip(questions, best, strict=True)]
 

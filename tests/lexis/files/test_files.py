@@ -15,7 +15,7 @@ from helpers.map_builder import corridor_with_offices
 
 from lexis.errors import LexisError
 from lexis.files import replace as files
-from lexis.files import swap, workshop
+from lexis.files import swap, temporary_folder
 from lexis.files.replace import check_replaceable, replaced_file, replaced_folder
 from lexis.map.folder import load_map, save_map
 
@@ -88,10 +88,10 @@ def test_a_kill_at_any_step_leaves_a_whole_folder_and_a_rerun_works(tmp_path, wa
     write(folder, "old")
     for _ in killed_at_every_step(lambda: write(folder, "new")):
         gone += not folder.exists()
-        workshop.restore(folder)
+        temporary_folder.recover(folder)
         found.append(content_of(folder))
         shutil.rmtree(folder)
-        workshop.restore(folder)
+        temporary_folder.recover(folder)
         assert not folder.exists() or content_of(folder)
         write(folder, "old")
         assert content_of(folder) == "old" and os.listdir(tmp_path) == ["map"]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lexis.config import LabelConfig
 from lexis.map.folder import load_map, save_map
-from lexis.maths.ties import nearest_others, reaches, settled
+from lexis.maths.ties import nearest_others, reaches, rounded
 from lexis.planner import plan
 from lexis.room_labels import label_keyframes, similarities
 
@@ -22,7 +22,7 @@ LAST_BITS = 1e-15
 def test_settled_values_of_any_order_of_summation_are_equal(seed):
     rng = np.random.default_rng(seed)
     terms = rng.uniform(-1.0, 1.0, 9)
-    sums = [settled(np.array([rng.permutation(terms).sum()]))[0] for _ in range(10)]
+    sums = [rounded(np.array([rng.permutation(terms).sum()]))[0] for _ in range(10)]
     assert len(set(sums)) == 1
 
 

@@ -13,8 +13,8 @@ from lexis.errors import LexisError
 from lexis.query.calibration import (
     MINI_CALIBRATION,
     Calibration,
-    calibration_of,
     familiarity,
+    find_calibration,
     load_calibration,
     save_calibration,
 )
@@ -40,15 +40,15 @@ def test_the_probability_is_a_half_at_the_threshold_and_the_odds_are_e_a_tempera
 
 def test_loading_gives_back_what_was_saved(encoder, tmp_path):
     save_calibration(CALIBRATION, tmp_path / "c.json")
-    assert load_calibration(tmp_path / "c.json") == CALIBRATION == calibration_of(encoder, tmp_path / "c.json")
+    assert load_calibration(tmp_path / "c.json") == CALIBRATION == find_calibration(encoder, tmp_path / "c.json")
 
 
 def test_a_given_calibration_of_other_weights_is_refused_and_the_shipped_one_ignored(tmp_path):
     other = ReadingEncoder(VECTORS, replace(ENCODER, fingerprint="1" * 64))
     save_calibration(CALIBRATION, tmp_path / "c.json")
     with pytest.raises(LexisError, match="fitted to weights 00000000, and those of 'test' are 11111111"):
-        calibration_of(other, tmp_path / "c.json")
-    assert calibration_of(other) is None
+        find_calibration(other, tmp_path / "c.json")
+    assert find_calibration(other) is None
 
 
 def test_the_shipped_one_is_that_of_the_shipped_weights():

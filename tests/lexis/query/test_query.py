@@ -9,8 +9,8 @@ from helpers.reading_encoder import ReadingEncoder
 
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import LexisError, MapError
-from lexis.query.answers import FITS, ask, best_views
-from lexis.query.calibration import Calibration, calibration_of
+from lexis.query.answers import FITS, ask, best_views_mean
+from lexis.query.calibration import Calibration, find_calibration
 from sim.bench.everyday_questions import TUNING
 from sim.bench.queries import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
 from sim.harness import RunConfig, run
@@ -101,9 +101,9 @@ def test_the_better_of_two_readings_counts(lexis_map, rng):
 
 def test_a_room_is_as_good_as_its_best_views():
     similarities = np.linspace(0.0, 1.0, 11)[:, None] * [1.0, 0.5]
-    np.testing.assert_allclose(best_views(similarities), [0.8, 0.4])
-    np.testing.assert_allclose(best_views(similarities[::-1]), [0.8, 0.4])
-    np.testing.assert_allclose(best_views(similarities[:1]), similarities[0])
+    np.testing.assert_allclose(best_views_mean(similarities), [0.8, 0.4])
+    np.testing.assert_allclose(best_views_mean(similarities[::-1]), [0.8, 0.4])
+    np.testing.assert_allclose(best_views_mean(similarities[:1]), similarities[0])
 
 
 def test_another_encoder_and_a_blank_question_are_refused(lexis_map):
@@ -126,7 +126,7 @@ def test_everyday_questions_to_a_rendered_home_are_answered():
     asked = [question for question in TUNING if question.text in EVERYDAY]
     assert len(asked) == len(EVERYDAY)
     for question in asked:
-        answered = ask_one(question, finished.house, finished.map, rooms, encoder, calibration_of(encoder))
+        answered = ask_one(question, finished.house, finished.map, rooms, encoder, find_calibration(encoder))
         assert answered.has_answer and answered.succeeded, question.text
 
 

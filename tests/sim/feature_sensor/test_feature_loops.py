@@ -15,7 +15,7 @@ from sim.feature_sensor.covisibility_verifier import (
     CovisibilityVerifier,
     LoopModel,
     MeasuredEdges,
-    Sight,
+    TrueView,
     fit_logistic,
     predictors,
 )
@@ -51,7 +51,7 @@ def house():
 def sight(house, x, y, yaw):
     T_W_B = np.eye(4)
     T_W_B[:3, :3], T_W_B[:3, 3] = turned(yaw), (x, y, 1.4)
-    return Sight(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0])
+    return TrueView(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0])
 
 
 def shared(first, second):

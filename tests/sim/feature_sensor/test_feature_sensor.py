@@ -21,7 +21,7 @@ from sim.feature_sensor.sensor import FeatureSensor
 from sim.feature_sensor.visible_shares import LABEL_WEIGHT, LABELS, SIZE
 from sim.harness import RunConfig, evaluate, run
 from sim.harness.walk import walk
-from sim.report.findings import unseen
+from sim.report.findings import rooms_without_keyframe
 from sim.session import Session
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_from_rooms
@@ -192,7 +192,7 @@ def test_the_oracle_labels_by_what_is_truly_in_view(file):
 
 def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
     """All frames but one are lost. That one may be labelled perfectly, which says nothing about the other rooms."""
-    assert finished.unseen_rooms == () and unseen(()) is None
+    assert finished.unseen_rooms == () and rooms_without_keyframe(()) is None
     blind = run(replace(config, faults=(Dropped(1.0),)), LabelEncoder())
     result = evaluate(blind, [])
     walked = dict.fromkeys(truth.room for truth in finished.session.truths)
@@ -201,7 +201,7 @@ def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
     assert [*blind.unseen_rooms] == others and len(others) == 2
     rest = f"so the figures of labels and rooms do not cover {' and '.join(others)}."
     told = f"No keyframe was taken in 2 rooms of the walk, {rest}"
-    assert unseen(blind.unseen_rooms) == told
+    assert rooms_without_keyframe(blind.unseen_rooms) == told
 
 
 def test_the_oracle_sees_no_images_and_knows_no_other_rooms():

@@ -15,7 +15,7 @@ from sim.errors import SimError
 from sim.report import ReportData, render_report, write_report
 from sim.report.confusion import confusion
 from sim.report.data import FloorPlan, KeyframeTable, LoopMark, PlannedOpening, PlannedRoom, PlanPath, SampleFrame
-from sim.report.findings import Finding, findings, missed, unseen
+from sim.report.findings import Finding, coverage_gap, findings, rooms_without_keyframe
 from sim.report.overlay import run_marks
 from sim.report.room_errors import RoomErrors, room_errors, surplus
 from worlds.truth import storey_of
@@ -194,7 +194,7 @@ def test_a_map_of_next_to_nothing_says_so_first(rng):
     first = findings(replace(data, result=lost))[0]
     assert not first.good and first.text.startswith("The map covers 1 of 9 rooms and 0% of the walk.")
     whole = {**data.result, "coverage": {"rooms_with_keyframe": 9, "rooms_walked": 9, "path_covered": 0.99}}
-    assert missed(whole, ()) is None
+    assert coverage_gap(whole, ()) is None
     assert all(finding.good for finding in findings(replace(data, result=whole)))
 
 
@@ -227,7 +227,9 @@ def test_a_house_of_no_preset_goes_by_its_name(rng):
 def test_rooms_that_no_figure_is_about_come_first(rng):
     data = example(rng, wrong=0)
     data = replace(data, unseen_rooms=("gym",))
-    assert findings(data)[0] == Finding(False, unseen(["gym"])) and "do not cover gym." in render_report(data)
+    assert findings(data)[0] == Finding(False, rooms_without_keyframe(["gym"])) and "do not cover gym." in render_report(
+        data
+    )
 
 
 @given(arrays(int, (2, 30), elements=integers(0, 5)))
@@ -243,8 +245,8 @@ def test_splits_and_merges_are_those_of_the_result(rooms):
     [
         ("aaaabbbb", "xxyybbbb", "splits", {"a": ("x", "y")}),
         ("aaaabbbb", "xxxxxxxx", "merges", {"x": ("a", "b")}),
-        ("aaaabbbb", "xxxyyyyy", "losses", {"a": ("y",)}),
-        ("aaaaaabbbbbb", "xxxxxyyyyyyy", "losses", {}),
+        ("aaaabbbb", "xxxyyyyy", "partial_losses", {"a": ("y",)}),
+        ("aaaaaabbbbbb", "xxxxxyyyyyyy", "partial_losses", {}),
     ],
 )
 def test_every_kind_of_room_error_is_named_once(true, predicted, kind, group):

@@ -6,7 +6,7 @@ A piece that is present at some clutter is therefore present at any higher one.
 from collections.abc import Iterator
 from itertools import count as counted
 
-from worlds.furniture.kinds import AgainstWall, Hoarded, Kind, OnFloor, OnTop
+from worlds.furniture.kinds import AgainstWall, Kind, OnFloor, OnTop, PerClutter
 from worlds.furniture.placing.draws import Draws
 
 USUAL = 1.0
@@ -14,16 +14,16 @@ USUAL = 1.0
 _LOOSE_M2 = 0.4
 """Area below which a piece on the floor counts as loose [m²]. Cluttered rooms have more loose pieces than usual ones."""
 _ROOM_M2 = 12.0
-"""Area of the room that `Hoarded.per_clutter` applies to [m²]."""
+"""Area of the room that `PerClutter.per_clutter` applies to [m²]."""
 
 
 def appearances(kind: Kind, label: str, area_m2: float, draws: Draws) -> Iterator[tuple[float, int]]:
     """For each piece of a kind in a room with `label`: (clutter from which on it is present, its number, counted from 1).
 
-    The sequence is infinite for `Hoarded` and loose kinds; for the others it ends at the clutter of a usual home.
+    The sequence is infinite for `PerClutter` and loose kinds; for the others it ends at the clutter of a usual home.
     """
     expected, luck, more = kind.rooms[label], draws.random(), draws.random()
-    if isinstance(expected, Hoarded):
+    if isinstance(expected, PerClutter):
         step = 1.0 if isinstance(kind.place, OnTop) else _ROOM_M2 / area_m2
         return ((USUAL + step * (k - luck) / expected.per_clutter, k) for k in counted(1))
     if isinstance(expected, tuple):

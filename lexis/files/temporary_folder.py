@@ -21,9 +21,9 @@ _NAME = re.compile(r"\.lexis-(\d+)-\w+")
 
 
 @contextmanager
-def workshop(place: Path) -> Iterator[Path]:
+def temporary_folder(place: Path) -> Iterator[Path]:
     """Create a hidden folder in `place`, with an empty folder `new` in it; it is removed at the end. Raises OSError."""
-    clear(place)
+    remove_abandoned(place)
     folder = Path(tempfile.mkdtemp(prefix=f".lexis-{os.getpid()}-", dir=place))
     try:
         (folder / "new").mkdir()
@@ -38,7 +38,7 @@ def workshop(place: Path) -> Iterator[Path]:
         _remove(folder)
 
 
-def clear(place: Path) -> None:
+def remove_abandoned(place: Path) -> None:
     """Remove the temporary folders that killed processes left in `place`; old content is moved back to its target."""
     with suppress(OSError):
         for folder in place.iterdir():
@@ -46,11 +46,11 @@ def clear(place: Path) -> None:
                 _remove(folder)
 
 
-def restore(path: Path) -> None:
+def recover(path: Path) -> None:
     """Move the old content back to `path` if a process was killed while it replaced `path`."""
     target = Path(os.path.realpath(path))
     if not os.path.lexists(target):
-        clear(target.parent)
+        remove_abandoned(target.parent)
 
 
 def _remove(folder: Path) -> None:
