@@ -1,47 +1,75 @@
-"""README.md and sim/README.md are executed word by word: their commands and programs run in order.
+"""All pages of the documentation: their commands parse, their programs run, their links lead somewhere.
 
-worlds/README.md has a separate test, which is part of every test run.
+worlds/README.md has a test of its own, test_worlds_readme.py, which runs every time.
 """
 
 import ast
 
 import pytest
-from helpers.documentation import CONSOLE_SCRIPTS, blocks, run_command, run_python
+from helpers.documentation import (
+    CONSOLE_SCRIPTS,
+    NEEDS_WEIGHTS,
+    PAGES,
+    ROOT,
+    anchors,
+    blocks,
+    links,
+    run_command,
+    run_python,
+)
 
 from lexis.cli import parser as lexis_parser
 from sim.cli import parser as sim_parser
 
-READMES = ("README.md", "sim/README.md")
 PARSERS = {"lexis": lexis_parser, "lexis-sim": sim_parser}
-NEEDS_WEIGHTS = ("ViT-", "hf-hub:", "local-dir:")
-"""Words of commands that need weights which are not available here; only the arguments of these commands are checked."""
 SHELL = [
-    (readme, words) for readme in READMES for block in blocks(readme) if block.language == "sh" for words in block.commands
+    (page, words)
+    for page in PAGES
+    for block in blocks(page)
+    if block.language in ("sh", "console")
+    for words in block.commands
 ]
-PYTHON = [block.content for readme in READMES for block in blocks(readme) if block.language == "python"]
+PYTHON = [(page, block.content) for page in PAGES for block in blocks(page) if block.language == "python"]
+LINKS = [(page, *target) for page in PAGES for target in links(page)]
+FOLLOWED = [
+    page
+    for page in PAGES
+    if page != "worlds/README.md"
+    and any(b.language == "python" or (b.language == "sh" and b.commands) for b in blocks(page))
+]
+"""Pages with something to run."""
 
 
-def test_the_readmes_have_commands_and_programs_of_both_kinds():
+def test_the_pages_have_commands_programs_and_links():
     assert {words[0] for _, words in SHELL} == set(CONSOLE_SCRIPTS)
-    assert len(PYTHON) >= 4
+    assert len(PYTHON) >= 7
+    assert {"README.md", "sim/README.md", "sim/pages/runs.md", "lexis/pages/maps.md"} <= set(FOLLOWED)
+    assert {page for page, *_ in LINKS} >= {"README.md", "sim/pages/results.md"}
 
 
-@pytest.mark.parametrize("words", [words for _, words in SHELL], ids=" ".join)
-def test_every_command_is_one_that_its_program_understands(words):
+@pytest.mark.parametrize(("page", "words"), SHELL, ids=[" ".join([page, *words]) for page, words in SHELL])
+def test_every_command_is_one_that_its_program_understands(page, words):
     program, *arguments = words
     PARSERS[program]().parse_args(arguments)
 
 
-@pytest.mark.parametrize("content", PYTHON)
-def test_every_program_imports_what_there_is(content):
+@pytest.mark.parametrize(("page", "content"), PYTHON)
+def test_every_program_imports_what_there_is(page, content):
     imports = [node for node in ast.parse(content).body if isinstance(node, ast.Import | ast.ImportFrom)]
-    exec(compile(ast.Module(imports, []), "README", "exec"), {})
+    exec(compile(ast.Module(imports, []), page, "exec"), {})
+
+
+@pytest.mark.parametrize(("page", "path", "anchor"), LINKS)
+def test_every_relative_link_leads_to_a_file_and_to_a_heading_in_it(page, path, anchor):
+    target = (ROOT / page).parent / path if path else ROOT / page
+    assert target.resolve().is_relative_to(ROOT) and target.exists()
+    assert not anchor or anchor in anchors(target)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("readme", READMES)
-def test_everything_in_the_documentation_works(readme, tmp_path):
-    for number, block in enumerate(blocks(readme)):
+@pytest.mark.parametrize("page", FOLLOWED)
+def test_everything_in_the_documentation_works(page, tmp_path):
+    for number, block in enumerate(blocks(page)):
         if block.language == "sh":
             if "nox -s demo" in block.content:
                 run_command(["lexis-sim", "demo"], tmp_path)  # the command that this session runs
@@ -49,6 +77,6 @@ def test_everything_in_the_documentation_works(readme, tmp_path):
                 if not any(word.startswith(NEEDS_WEIGHTS) for word in words):
                     run_command(words, tmp_path)
         elif block.language == "python":
-            path = tmp_path / f"{'test' if 'def test_' in block.content else 'program'}_{number}.py"
+            path = tmp_path / f"{'test' if block.is_test else 'program'}_{number}.py"
             path.write_text(block.content)
             run_python(path, tmp_path)

@@ -1,6 +1,8 @@
-"""The code blocks of a README, in the order in which a reader meets them.
+"""The code blocks and links of the documentation, which consists of all Markdown files of this project.
 
-Blocks of `sh` contain commands of this project and its set-up. Blocks of `bash` are for other systems and are not run.
+The tag of a code block says what tests do with it. `sh` holds commands of this project and its set-up, which tests run in
+the order of the page. `console` holds commands that take hours: tests check their arguments only. `bash` holds commands of
+other systems, which no test runs.
 """
 
 import re
@@ -11,11 +13,21 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).parents[2]
-SET_UP = ("python3", "source", ".nox/env/bin/pytest", "nox", "pip")
-"""Commands that install the project or run all tests. Continuous integration runs them; a test cannot."""
+PAGES = sorted(
+    str(path.relative_to(ROOT))
+    for pattern in ("*.md", "lexis/**/*.md", "sim/**/*.md", "worlds/**/*.md")
+    for path in ROOT.glob(pattern)
+)
+"""All Markdown files, named from the top of the repository."""
+SET_UP = {"python3", "source", "pytest", "nox", "pip"}
+"""Programs that install the project or run all tests: continuous integration runs them, a test cannot."""
 CONSOLE_SCRIPTS = {"lexis": "lexis.cli", "lexis-sim": "sim.cli"}
+NEEDS_WEIGHTS = ("ViT-", "hf-hub:", "local-dir:")
+"""Beginnings of words in commands that need downloaded weights; tests check only the arguments of these commands."""
 _FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _FILE_NAME = re.compile(r"`([\w-]+\.(?:json|svg|geojson))`")
+_LINK = re.compile(r"\]\(([^()\s]+)\)")
+_HEADING = re.compile(r"^#+ +(.+)$", re.MULTILINE)
 
 
 class Block(NamedTuple):
@@ -32,17 +44,34 @@ class Block(NamedTuple):
         return _FILE_NAME.findall(self.before)[-1]
 
     @property
+    def is_test(self):
+        """Whether a block of Python is a test for pytest."""
+        return "def test_" in self.content
+
+    @property
     def commands(self):
         """The console commands of a shell block, each as a list of words, without the set-up commands."""
         lines = self.content.replace("\\\n", " ").splitlines()
         found = [shlex.split(line, comments=True) for line in lines]
-        return [words for words in found if words and words[0] not in SET_UP]
+        return [words for words in found if words and Path(words[0]).name not in SET_UP]
 
 
-def blocks(readme):
-    """All fenced code blocks of a README; `readme` is its path from the root of the repository."""
-    text = (ROOT / readme).read_text()
+def blocks(page):
+    """All fenced code blocks of a page."""
+    text = (ROOT / page).read_text()
     return [Block(*match.groups(), text[: match.start()]) for match in _FENCED.finditer(text)]
+
+
+def links(page):
+    """The targets of all relative links and pictures of a page: pairs of a path from the page's folder and an anchor."""
+    found = _LINK.findall(_FENCED.sub("", (ROOT / page).read_text()))
+    return [tuple(target.partition("#")[::2]) for target in found if "://" not in target]
+
+
+def anchors(path):
+    """The anchors of a Markdown file's headings, by the rule of GitHub."""
+    headings = _HEADING.findall(_FENCED.sub("", path.read_text()))
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 def run_command(words, folder):
