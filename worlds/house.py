@@ -21,8 +21,9 @@ from worlds.openings.windows import Window, hang_windows, sample_windows
 from worlds.parts import Part
 from worlds.placed import Placed
 from worlds.seeds import room_rng
-from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec, WindowSpec
+from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, WindowSpec
 from worlds.stairs.build import Stairs, build_stairs
+from worlds.stairs.cells import lowest_cells
 from worlds.walls import (
     FENCE_HEIGHT_M,
     Boundary,
@@ -103,11 +104,7 @@ class House:
     def room_by_id(self) -> dict[str, Room]:
         """Rooms by the ids of the spec; the cells of one staircase all lead to the same room."""
         by_id = {room.id: room for room in self.rooms}
-        by_cell: dict[tuple[float, ...], Room] = {}
-        for storey in self.spec.storeys:
-            for cell in (room for room in storey.rooms if room.label == STAIRS):
-                by_id[cell.id] = by_cell.setdefault(_cell(cell), by_id.get(cell.id))  # type: ignore[arg-type]
-        return by_id
+        return by_id | {cell: by_id[lowest] for cell, lowest in lowest_cells(self.spec).items()}
 
     def wall_height(self, level: int, boundary: Boundary) -> float:
         """How high a wall along a boundary of a storey is: to the ceiling, or a fence's height where all is outdoors [m]."""
@@ -150,29 +147,17 @@ def _storeys(spec: HouseSpec) -> tuple[Storey, ...]:
 
 
 def _rooms(spec: HouseSpec, storeys: Sequence[Storey]) -> tuple[Room, ...]:
-    rooms: list[Room] = []
-    flights: dict[tuple[float, ...], int] = {}
-    polygons = _polygons(spec)
+    polygons, lowest = _polygons(spec), lowest_cells(spec)
+    rooms: dict[str, Room] = {}
     for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
         for room in storey.rooms:
-            below = flights.get(_cell(room)) if room.label == STAIRS else None
-            if below is not None:
-                rooms[below] = _taller(rooms[below], room, level, storeys)
+            below = lowest.get(room.id, room.id)
+            if below in rooms:
+                rooms[below] = replace(rooms[below], ceiling_m=heights.ceiling_m)
                 continue
-            if room.label == STAIRS:
-                flights[_cell(room)] = len(rooms)
             outdoor = room.label in OUTDOOR_LABELS
-            rooms.append(Room(room.id, room.label, level, polygons[room.id], heights.floor_m, heights.ceiling_m, outdoor))
-    return tuple(rooms)
-
-
-def _taller(below: Room, cell: RoomSpec, level: int, storeys: Sequence[Storey]) -> Room:
-    if below.ceiling_m != storeys[level - 1].ceiling_m:
-        raise HouseError(
-            f"stairs {cell.id!r} on storeys[{level}] stand on {below.id!r}, but storeys[{level - 1}] has none "
-            "there; stairs skip no storey"
-        )
-    return replace(below, ceiling_m=storeys[level].ceiling_m)
+            rooms[room.id] = Room(room.id, room.label, level, polygons[room.id], heights.floor_m, heights.ceiling_m, outdoor)
+    return tuple(rooms.values())
 
 
 def _polygons(spec: HouseSpec) -> dict[str, Polygon]:
@@ -190,12 +175,6 @@ def _polygons(spec: HouseSpec) -> dict[str, Polygon]:
         if room.label == STAIRS and not is_rectangle:
             raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
     return {room.id: polygon for room, polygon in zip(rooms, polygons, strict=True)}
-
-
-def _cell(stairs: RoomSpec) -> tuple[float, ...]:
-    """What the cells of one staircase have in common: the rectangle that they cover."""
-    xs, ys = zip(*stairs.polygon_m, strict=True)
-    return tuple(round(bound, 6) for bound in (min(xs), min(ys), max(xs), max(ys)))
 
 
 def _indoors(spec: HouseSpec) -> frozenset[str]:

@@ -15,7 +15,7 @@ from jaxtyping import Float64
 from worlds.errors import HouseError
 from worlds.parts import Part
 from worlds.spec import HouseSpec, OpeningSpec
-from worlds.stairs.cells import CellFrame, cell_frame, flights, is_same_cell, opening_that_leads
+from worlds.stairs.cells import CellFrame, cell_frame, cell_on, flights, is_same_cell, opening_that_leads
 from worlds.stairs.flights import MIN_WIDTH_M, Climb, Point, StairsKind, cell_needed, climb
 from worlds.stairs.geometry import rail_parts, sills, slab_parts
 
@@ -90,7 +90,7 @@ class _Site:
             (lower.height_m, upper.height_m),
             floors_m[level],
             floors_m[level + 1] - floors_m[level],
-            level == 0 or not any(is_same_cell(room, other) for other in spec.storeys[level - 1].rooms),
+            cell_on(spec, level - 1, room) is None,
             foot,
             head,
             cell_frame(level, room, foot, head),

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 from worlds.errors import HouseError
@@ -26,18 +25,52 @@ def bounds(room: RoomSpec) -> Bounds:
 
 
 def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
-    """Whether two rooms are stairs that stand on each other."""
+    """Whether two rooms are stairs that cover the same rectangle of the plan, to a micrometre.
+
+    All code that asks which cells belong to one staircase asks this function. It compares with a tolerance: rounded
+    coordinates would differ wherever two nearly equal ones lie on either side of a rounding boundary.
+    """
     return other.label == room.label == STAIRS and all(
         abs(a - b) <= _TOLERANCE_M for a, b in zip(bounds(room), bounds(other), strict=True)
     )
 
 
+def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
+    """The stairs on storeys[`level`] that cover the same rectangle as `cell`; None without such stairs or such a storey."""
+    if not 0 <= level < len(spec.storeys):
+        return None
+    return next((room for room in spec.storeys[level].rooms if is_same_cell(room, cell)), None)
+
+
+def lowest_cells(spec: HouseSpec) -> dict[str, str]:
+    """For every room of stairs, by id, the id of the lowest room of its staircase.
+
+    A cell belongs to the staircase of the cell directly below it. Raises `HouseError` where a staircase skips a storey.
+    """
+    lowest: dict[str, str] = {}
+    for level, storey in enumerate(spec.storeys):
+        for cell in (room for room in storey.rooms if room.label == STAIRS):
+            below = cell_on(spec, level - 1, cell)
+            if below is None:
+                _check_skips_no_storey(spec, level, cell)
+            lowest[cell.id] = cell.id if below is None else lowest[below.id]
+    return lowest
+
+
+def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
+    for lower in reversed(range(level - 1)):
+        if (below := cell_on(spec, lower, cell)) is not None:
+            raise HouseError(
+                f"stairs {cell.id!r} on storeys[{level}]: stairs {below.id!r} are in the same place on storeys[{lower}], "
+                f"but storeys[{level - 1}] has none there; valid: stairs on every storey in between"
+            )
+
+
 def flights(spec: HouseSpec) -> Iterator[tuple[int, int]]:
     """Storey and place in `rooms` of all stairs that go on in the storey above."""
-    for level, (lower, upper) in enumerate(pairwise(spec.storeys)):
-        above = [room for room in upper.rooms if room.label == STAIRS]
+    for level, lower in enumerate(spec.storeys):
         for place, room in enumerate(lower.rooms):
-            if room.label == STAIRS and any(is_same_cell(room, other) for other in above):
+            if cell_on(spec, level + 1, room) is not None:
                 yield level, place
 
 
@@ -63,8 +96,8 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
     """Where an opening of stairs leads; on the ends of a stack it need not say."""
     opening = spec.storeys[level].openings[place]
     goes = {
-        "up": level + 1 < len(spec.storeys) and any(is_same_cell(room, other) for other in spec.storeys[level + 1].rooms),
-        "down": level > 0 and any(is_same_cell(room, other) for other in spec.storeys[level - 1].rooms),
+        "up": cell_on(spec, level + 1, room) is not None,
+        "down": cell_on(spec, level - 1, room) is not None,
     }
     where = f"storeys[{level}].openings[{place}] ({opening.rooms[0]} - {opening.rooms[1]})"
     if opening.leads is None:

@@ -281,3 +281,40 @@ def test_what_an_opening_leaves_beside_the_flight_has_a_floor_and_a_rail():
     more = set(wide.floors) - set(narrow.floors)
     assert [footprint(part).bounds for part in more] == [pytest.approx((2.05, 2.0, 2.95, 2.05))]
     assert len(wide.railing) > len(narrow.railing)
+
+
+def with_west_sides_at(spec, sides_m):
+    """The house with the western side of its cell moved from x = `HALL_M` to one x per storey."""
+
+    def edit(storeys):
+        for storey, side in zip(storeys, sides_m, strict=True):
+            lines = [room["polygon_m"] for room in storey["rooms"]]
+            lines += [[opening["start_m"], opening["end_m"]] for opening in storey["openings"]]
+            for point in (point for line in lines for point in line if point[0] == HALL_M):
+                point[0] = side
+
+    return edited(spec, edit)
+
+
+@pytest.mark.parametrize(
+    ("sides_m", "staircases"),
+    [
+        ((2.0000004, 2.0000006), 1),  # less than a micrometre apart, but rounded to the micrometre they differ
+        ((2.0000006, 2.0000015), 1),
+        ((2.0000004, 2.0000015), 2),
+        ((2.0, 2.0000008, 2.0000016), 1),  # each cell is compared with the one that it stands on
+    ],
+)
+def test_rooms_and_flights_agree_on_which_cells_are_one_staircase(sides_m, staircases):
+    built = build_house(with_west_sides_at(house("U", len(sides_m)), sides_m))
+    cells = {built.room_by_id[f"stairs {level}"].id for level in range(len(sides_m))}
+    assert len(cells) == sum(room.label == "stairs" for room in built.rooms) == staircases
+    assert len(built.stairs) == len(sides_m) - staircases
+
+
+def test_two_stairs_in_one_place_of_a_storey_overlap():
+    def again(storeys):
+        storeys[1]["rooms"].append({**storeys[1]["rooms"][-1], "id": "more stairs"})
+
+    with pytest.raises(HouseError, match="rooms 'stairs 1' and 'more stairs' overlap"):
+        build_house(edited(house("U"), again))
