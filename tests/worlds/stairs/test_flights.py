@@ -229,7 +229,7 @@ def without_leads(storeys):
 
 def test_a_middle_storey_has_to_say_which_opening_leads_where():
     assert [flight.kind for flight in stairs_of(edited(house("U"), without_leads))] == ["U"]
-    with pytest.raises(HouseError, match=r'storeys\[1\]\.openings\[4\].*write "leads": "up" or "leads": "down"'):
+    with pytest.raises(HouseError, match=r'storeys\[1\]\.openings\[4\].*valid: "leads": "up" or "leads": "down"'):
         stairs_of(edited(house("U", 3), without_leads))
 
 
@@ -246,7 +246,7 @@ def test_every_flight_has_one_opening_at_either_end():
     ("kind", "ways", "message"),
     [
         ("U", {"up": ("south", "stairs", (2.05, 2.0), (2.5, 2.0))}, r"middle of the flight is at \(2\.50, 2\.00\) m"),
-        ("U", {"down": ("south", "stairs", (2.05, 2.0), (2.9, 2.0))}, "a half of its own"),
+        ("U", {"down": ("south", "stairs", (2.05, 2.0), (2.9, 2.0))}, "half of the same side; valid: one in each half"),
         ("L", {"up": ("south", "stairs", (3.0, 2.0), (4.0, 2.0))}, r"middle of the flight is at"),
         ("straight", {"up": ("south", "stairs", (2.05, 1.9), (2.95, 1.9))}, "is in no side of the stairs"),
     ],
@@ -270,7 +270,7 @@ def test_a_flight_over_the_head_of_another_is_refused():
 
 
 def test_a_low_door_to_the_stairs_is_refused():
-    with pytest.raises(HouseError, match=r"1\.92 m high; head room needs 1\.95 m"):
+    with pytest.raises(HouseError, match=r"1\.92 m high, too low to walk through; valid: at least 1\.95 m"):
         stairs_of(edited(house("U"), lambda storeys: storeys[0]["openings"][-1].update(kind="door", height_m=1.92)))
 
 
