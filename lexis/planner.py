@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
+from lexis.loop_arrays import LoopArrays
 from lexis.map.room_names import find_rooms, instance_names
 from lexis.maths.ties import rounded
 from lexis.types import LexisMap, RoomInstance
@@ -144,8 +145,8 @@ def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut
 
 
 def _trusted_loops(map: LexisMap) -> Int[np.ndarray, "m 2"]:
-    pairs = np.array([(loop.query, loop.match) for loop in map.loops], int).reshape(-1, 2)
-    return np.asarray(pairs[map.loop_weights >= MIN_LOOP_WEIGHT])
+    loops = LoopArrays.of(map.loops)
+    return np.column_stack((loops.query, loops.match))[map.loop_weights >= MIN_LOOP_WEIGHT]
 
 
 def _pairs_within(

@@ -1,41 +1,36 @@
-"""`build_house`: from a spec to exact geometry. Deterministic: the same spec is always the same house."""
+"""`build_house`: from a spec to exact geometry. Deterministic: the same spec always gives the same house.
 
-import functools
-import itertools
-from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+The steps, in this order because each uses the results of those before it:
+
+1. Floor and ceiling heights of the storeys, from the ground up.
+2. Rooms: their polygons are checked, and the cells of a staircase become one room.
+3. A `StoreyPlan` per storey: the pieces of its room boundaries, and its windows.
+4. From the plans, storey by storey: walls, furniture, door leaves and windows. Stairs come from the spec and the heights.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import shapely
 from shapely.geometry import Polygon
 
 from worlds.errors import HouseError, WorldsError
 from worlds.furniture.catalogue import kind_of
 from worlds.furniture.kinds import Size
-from worlds.furniture.placing.furnish import furnish, is_solid
-from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.doors import DoorLeaf, hang_leaves
-from worlds.openings.windows import Window, hang_windows, sample_windows
+from worlds.furniture.placing.furnish import is_solid
+from worlds.labels import OUTDOOR_LABELS
+from worlds.openings.doors import DoorLeaf
+from worlds.openings.windows import Window
 from worlds.parts import Part
 from worlds.placed import Placed
-from worlds.seeds import room_rng
-from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, RoomSpec, WindowSpec
+from worlds.room_polygons import room_polygons
+from worlds.spec import FurnitureSpec, HouseSpec
 from worlds.stairs.build import Stairs, build_stairs
-from worlds.walls import (
-    FENCE_HEIGHT_M,
-    Boundary,
-    Wall,
-    arch_curve,
-    boundaries,
-    corners,
-    split_at_openings,
-    wall_extent,
-    wall_spans,
-)
-
-_Pieces = tuple[tuple[Boundary, OpeningSpec | None], ...]
+from worlds.stairs.cells import lowest_cells
+from worlds.storey_plan import BoundaryPieces, StoreyPlan, indoor_rooms, wall_height
+from worlds.walls import Boundary, Wall
 
 
 @dataclass(frozen=True)
@@ -48,16 +43,18 @@ class Storey:
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """A room instance. Stairs are one room through all the storeys that they join."""
+    """A room instance. A staircase is one room through all the storeys that it joins."""
 
     id: str
+    """The id in the spec; for stairs, the id of the lowest cell."""
     label: str
     storey: int
-    """The lowest it stands on."""
+    """Index of the storey; for stairs, of the lowest one."""
     polygon: Polygon
-    """Of the wall centre lines [m]."""
+    """Outline along the wall centre lines [m]."""
     floor_m: float
     ceiling_m: float
+    """Heights in W [m]; for stairs, the floor of the lowest storey and the ceiling of the highest."""
     outdoor: bool
 
 
@@ -73,71 +70,66 @@ class Furniture(Placed):
     yaw: float
     size: tuple[float, float, float]
     solid: bool
-    """Whether it blocks the way."""
+    """Whether a person or robot cannot walk through the piece."""
     seed: int = 0
-    """Of its colours, variants and the details of its materials."""
+    """Seed of the piece's colours, variants and material details."""
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """In the piece's own frame. Raises `WorldsError` for an unknown kind."""
+        """The parts in the piece's own frame. Raises `WorldsError` for an unknown kind."""
         return kind_of(self.kind).build(Size(*self.size), np.random.default_rng(self.seed))
 
 
 @dataclass(frozen=True, eq=False)
 class House:
-    """A house with nothing left to decide: all in W, metres."""
+    """A house with nothing left to decide. All coordinates are in W [m]."""
 
     spec: HouseSpec
     storeys: tuple[Storey, ...]
     rooms: tuple[Room, ...]
-    boundaries: tuple[_Pieces, ...]
-    """Per storey: every stretch of room boundary and the opening in it."""
+    boundaries: tuple[BoundaryPieces, ...]
+    """Per storey: every piece of room boundary and the opening in it."""
     walls: tuple[Wall, ...]
     stairs: tuple[Stairs, ...]
     furniture: tuple[Furniture, ...]
     leaves: tuple[DoorLeaf, ...] = ()
-    """Of doors, as they stand."""
+    """Door leaves, as far open as the spec says."""
     windows: tuple[Window, ...] = ()
 
     @cached_property
     def room_by_id(self) -> dict[str, Room]:
-        """Rooms by the ids of the spec; the cells of one staircase all lead to the same room."""
+        """Rooms by the ids of the spec; the ids of all cells of a staircase give the same room."""
         by_id = {room.id: room for room in self.rooms}
-        by_cell: dict[tuple[float, ...], Room] = {}
-        for storey in self.spec.storeys:
-            for cell in (room for room in storey.rooms if room.label == STAIRS):
-                by_id[cell.id] = by_cell.setdefault(_cell(cell), by_id.get(cell.id))  # type: ignore[arg-type]
-        return by_id
+        return by_id | {cell: by_id[lowest] for cell, lowest in lowest_cells(self.spec).items()}
 
     def wall_height(self, level: int, boundary: Boundary) -> float:
-        """How high a wall along a boundary of a storey is: to the ceiling, or a fence's height where all is outdoors [m]."""
-        return _wall_height(self.storeys[level], boundary, self._indoors)
+        """Height of a wall on a boundary of storeys[`level`] [m]: up to the ceiling, or a fence's around outdoor rooms."""
+        storey = self.storeys[level]
+        return wall_height(boundary, storey.ceiling_m - storey.floor_m, self._indoors)
 
     @cached_property
     def _indoors(self) -> frozenset[str]:
-        return _indoors(self.spec)
+        return indoor_rooms(self.spec)
 
 
 def build_house(spec: HouseSpec) -> House:
-    """Build the house that `spec` describes; windows and furniture are filled in where it has none. Raises `HouseError`."""
+    """Build the house that `spec` describes; windows and furniture are filled in where the spec leaves them open.
+
+    Raises `HouseError` where no such house can be built: the message names the room, opening, stairs or piece at fault.
+    """
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)
-    stretches = tuple(
-        tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
-        for storey in spec.storeys
-    )
-    outer = [_outer_walls(pieces) for pieces in stretches]
-    windows = [_windows(spec, level, walls) for level, walls in enumerate(outer)]
+    plans = [StoreyPlan.of(spec, level, storey.floor_m, storey.ceiling_m) for level, storey in enumerate(storeys)]
     return House(
         spec,
         storeys,
         rooms,
-        stretches,
-        walls=tuple(_walls(spec, storeys, stretches)),
+        boundaries=tuple(plan.pieces for plan in plans),
+        walls=tuple(wall for plan in plans for wall in plan.standing_walls()),
         stairs=build_stairs(spec, [storey.floor_m for storey in storeys]),
-        furniture=tuple(_furniture(spec, storeys, windows)),
-        leaves=tuple(_leaves(spec, storeys, stretches)),
-        windows=tuple(_hung(spec, storeys, windows, outer)),
+        furniture=_with_unique_ids([piece for plan in plans for piece in _furniture(plan)]),
+        leaves=tuple(leaf for plan in plans for leaf in plan.hung_leaves()),
+        windows=tuple(window for plan in plans for window in plan.hung_windows()),
     )
 
 
@@ -145,152 +137,46 @@ def _storeys(spec: HouseSpec) -> tuple[Storey, ...]:
     storeys, floor = [], 0.0
     for storey in spec.storeys:
         storeys.append(Storey(floor, floor + storey.height_m))
+        # Rounding keeps the errors of binary sums from piling up over the storeys.
         floor = round(floor + storey.height_m + spec.slab_m, 6)
     return tuple(storeys)
 
 
 def _rooms(spec: HouseSpec, storeys: Sequence[Storey]) -> tuple[Room, ...]:
-    rooms: list[Room] = []
-    flights: dict[tuple[float, ...], int] = {}
-    polygons = _polygons(spec)
+    polygons, lowest = room_polygons(spec), lowest_cells(spec)
+    rooms: dict[str, Room] = {}
     for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
         for room in storey.rooms:
-            below = flights.get(_cell(room)) if room.label == STAIRS else None
-            if below is not None:
-                rooms[below] = _taller(rooms[below], room, level, storeys)
+            below = lowest.get(room.id, room.id)
+            if below in rooms:  # a further cell of a staircase makes the room below it taller
+                rooms[below] = replace(rooms[below], ceiling_m=heights.ceiling_m)
                 continue
-            if room.label == STAIRS:
-                flights[_cell(room)] = len(rooms)
             outdoor = room.label in OUTDOOR_LABELS
-            rooms.append(Room(room.id, room.label, level, polygons[room.id], heights.floor_m, heights.ceiling_m, outdoor))
-    return tuple(rooms)
+            rooms[room.id] = Room(room.id, room.label, level, polygons[room.id], heights.floor_m, heights.ceiling_m, outdoor)
+    return tuple(rooms.values())
 
 
-def _taller(below: Room, cell: RoomSpec, level: int, storeys: Sequence[Storey]) -> Room:
-    if below.ceiling_m != storeys[level - 1].ceiling_m:
-        raise HouseError(
-            f"stairs {cell.id!r} on storeys[{level}] stand on {below.id!r}, but storeys[{level - 1}] has none "
-            "there; stairs skip no storey"
-        )
-    return replace(below, ceiling_m=storeys[level].ceiling_m)
+def _furniture(plan: StoreyPlan) -> Iterator[Furniture]:
+    for piece in plan.furniture():
+        x, y, z = piece.position_m
+        position = x, y, plan.floor_m + z
+        size, solid = piece.size_m, _is_solid(piece)
+        yield Furniture(piece.id, piece.kind, piece.room, plan.level, position, piece.yaw_rad, size, solid, piece.seed)
 
 
-def _polygons(spec: HouseSpec) -> dict[str, Polygon]:
-    rooms = [room for storey in spec.storeys for room in storey.rooms]
-    points = np.array([point for room in rooms for point in (*room.polygon_m, room.polygon_m[0])])
-    rings = shapely.linearrings(points, indices=np.repeat(np.arange(len(rooms)), [len(r.polygon_m) + 1 for r in rooms]))
-    polygons = np.asarray(shapely.polygons(rings))
-    simple, turns_left = shapely.is_valid(polygons), shapely.is_ccw(rings)
-    rectangular = np.isclose(shapely.area(polygons), shapely.area(shapely.envelope(polygons)))
-    for room, is_simple, is_left, is_rectangle in zip(rooms, simple, np.atleast_1d(turns_left), rectangular, strict=True):
-        if not is_simple:
-            raise HouseError(f"room {room.id!r}: its polygon crosses or touches itself; valid: a simple one")
-        if not is_left:
-            raise HouseError(f"room {room.id!r}: its polygon turns clockwise; valid: counter-clockwise (reverse it)")
-        if room.label == STAIRS and not is_rectangle:
-            raise HouseError(f"stairs {room.id!r}: their polygon must be a rectangle")
-    return {room.id: polygon for room, polygon in zip(rooms, polygons, strict=True)}
-
-
-def _cell(stairs: RoomSpec) -> tuple[float, ...]:
-    """What the cells of one staircase have in common: the rectangle that they cover."""
-    xs, ys = zip(*stairs.polygon_m, strict=True)
-    return tuple(round(bound, 6) for bound in (min(xs), min(ys), max(xs), max(ys)))
-
-
-def _indoors(spec: HouseSpec) -> frozenset[str]:
-    return frozenset(room.id for storey in spec.storeys for room in storey.rooms if room.label not in OUTDOOR_LABELS)
-
-
-def _wall_height(storey: Storey, boundary: Boundary, indoors: frozenset[str]) -> float:
-    return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else storey.ceiling_m - storey.floor_m
-
-
-def _walls(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[Wall]:
-    indoors = _indoors(spec)
-    for level, (heights, pieces) in enumerate(zip(storeys, stretches, strict=True)):
-        meeting = corners([boundary for boundary, _ in pieces])
-        for boundary, opening in pieces:
-            height = _wall_height(heights, boundary, indoors)
-            ends = wall_extent(boundary, meeting)
-            for low, high in wall_spans(opening, height):
-                yield Wall(level, boundary, *ends, heights.floor_m + low, heights.floor_m + high)
-            if opening is not None and opening.kind == "arch":
-                yield from _spandrels(level, boundary, opening, heights.floor_m, height)
-
-
-def _spandrels(level: int, boundary: Boundary, opening: OpeningSpec, floor_m: float, height_m: float) -> Iterator[Wall]:
-    """The corners of an arch, in upright strips that reach down as far as the curve does."""
-    top = min(opening.height_m, height_m)
-    for (a0, z0), (a1, z1) in itertools.pairwise(arch_curve(boundary, opening, top)):
-        if min(z0, z1) < top:
-            yield Wall(level, boundary, a0, a1, floor_m + min(z0, z1), floor_m + top, spandrel=True)
-
-
-def _outer_walls(pieces: _Pieces) -> dict[str, list[Boundary]]:
-    """By room: the stretches that no other room is behind."""
-    outer: dict[str, list[Boundary]] = defaultdict(list)
-    for boundary, opening in pieces:
-        if None in boundary.rooms and opening is None:
-            outer[boundary.rooms[0] or boundary.rooms[1] or ""].append(boundary)
-    return outer
-
-
-def _windows(spec: HouseSpec, level: int, outer: Mapping[str, Sequence[Boundary]]) -> tuple[WindowSpec, ...]:
-    storey = spec.storeys[level]
-    if storey.windows is not None:
-        return storey.windows
-    sampled = (
-        sample_windows(room, outer[room.id], storey.height_m, room_rng(spec, room, "windows"))
-        for room in storey.rooms
-        if room.id in outer
-    )
-    return tuple(itertools.chain.from_iterable(sampled))
-
-
-def _hung(
-    spec: HouseSpec,
-    storeys: Sequence[Storey],
-    windows: Sequence[Sequence[WindowSpec]],
-    outer: Sequence[Mapping[str, Sequence[Boundary]]],
-) -> Iterator[Window]:
-    for level, (heights, own, walls) in enumerate(zip(storeys, windows, outer, strict=True)):
-        yield from hang_windows(spec, level, own, walls, heights.floor_m)
-
-
-def _leaves(spec: HouseSpec, storeys: Sequence[Storey], stretches: Sequence[_Pieces]) -> Iterator[DoorLeaf]:
-    style = spec.seed if spec.appearance.seed is None else spec.appearance.seed
-    for level, (heights, pieces) in enumerate(zip(storeys, stretches, strict=True)):
-        yield from hang_leaves(level, pieces, spec.storeys[level].openings, heights.floor_m, style)
-
-
-def _furniture(spec: HouseSpec, storeys: Sequence[Storey], windows: Sequence[Sequence[WindowSpec]]) -> list[Furniture]:
-    rng_of = functools.partial(room_rng, spec, purpose="furniture")
-    pieces = []
-    for level, (storey, heights) in enumerate(zip(spec.storeys, storeys, strict=True)):
-        given = storey.furniture
-        specs = furnish(storey, rng_of, spec.clutter, f"{level}", windows[level]) if given is None else given
-        pieces += [_place(piece, level, heights.floor_m) for piece in specs]
-    repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
-    if repeated:
-        raise HouseError(f"furniture ids are unique in a house, but given and filled in are both {', '.join(repeated)}")
-    return pieces
-
-
-def _place(piece: FurnitureSpec, storey: int, floor_m: float) -> Furniture:
-    x, y, z = piece.position_m
+def _is_solid(piece: FurnitureSpec) -> bool:
     try:
-        solid = is_solid(piece.kind)
+        return is_solid(piece.kind)
     except WorldsError as error:
         raise HouseError(f"furniture {piece.id!r} in {piece.room!r}: {error}") from None
-    return Furniture(
-        piece.id,
-        piece.kind,
-        piece.room,
-        storey,
-        (x, y, floor_m + z),
-        piece.yaw_rad,
-        piece.size_m,
-        solid,
-        piece.seed,
-    )
+
+
+def _with_unique_ids(pieces: Sequence[Furniture]) -> tuple[Furniture, ...]:
+    """The pieces. Raises `HouseError` where a piece of the spec has the id of one that was filled in."""
+    repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
+    if repeated:
+        raise HouseError(
+            f"furniture: the spec uses ids of pieces that are filled in on other storeys: {', '.join(repeated)}; "
+            "valid: ids that are unique in the house"
+        )
+    return tuple(pieces)

@@ -10,6 +10,7 @@ from jaxtyping import Int, Shaped
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import MAX_POSITION_M, usable_covariances
+from lexis.loop_arrays import LoopArrays
 from lexis.maths.se3 import is_rigid
 from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopEdge
 
@@ -51,7 +52,7 @@ _ROUNDING = 1e-9
 
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
     """The arrays of a map; without `features`, the key points and landmarks of the keyframes are left out."""
-    keyframes, loops = map.keyframes, map.loops
+    keyframes, loops = map.keyframes, LoopArrays.of(map.loops)
     seen = keyframes if features else ()
     nothing = np.zeros(len(keyframes))
     columns = {
@@ -73,11 +74,11 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "landmark_count": [len(k.landmarks.points) for k in seen] if features else nothing,
         "landmark_points": _joined([k.landmarks.points for k in seen], (0, 3)),
         "landmark_feature": _joined([k.landmarks.feature_ids for k in seen], (0,)),
-        "loop_query": [loop.query for loop in loops],
-        "loop_match": [loop.match for loop in loops],
-        "loop_pose": [loop.T_match_query for loop in loops],
-        "loop_covariance": [loop.covariance for loop in loops],
-        "loop_inliers": [loop.inliers for loop in loops],
+        "loop_query": loops.query,
+        "loop_match": loops.match,
+        "loop_pose": loops.T_match_query,
+        "loop_covariance": loops.covariance,
+        "loop_inliers": loops.inliers,
         "loop_weight": map.loop_weights,
         "candidate_query": [query for query, _ in map.candidates],
         "candidate_count": [len(matches) for _, matches in map.candidates],
@@ -109,9 +110,8 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
 
 def unpack_loops(arrays: Arrays) -> tuple[LoopEdge, ...]:
     """The loop edges of arrays that passed `check`."""
-    columns = zip(arrays["loop_query"].tolist(), arrays["loop_match"].tolist(), arrays["loop_inliers"].tolist(), strict=True)
-    poses, covariances = arrays["loop_pose"], arrays["loop_covariance"]
-    return tuple(LoopEdge(q, m, poses[i], covariances[i], inliers) for i, (q, m, inliers) in enumerate(columns))
+    fields = (arrays[f"loop_{name}"] for name in ("query", "match", "pose", "covariance", "inliers"))
+    return LoopArrays(*fields).edges()
 
 
 def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]:

@@ -13,10 +13,11 @@ from scipy.special import ndtr, ndtri
 
 from lexis.config import Config
 from lexis.evaluation.loops import true_edges
+from lexis.loop_arrays import LoopArrays
 from lexis.maths.se3 import between, log
 from lexis.perception import Encoder
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, LoopEdge
+from lexis.types import Camera, LexisMap
 from lexis.verification import Locator
 from sim.feature_sensor.covisibility_verifier import PREDICTORS, LoopModel, MeasuredEdges, TrueView, fit_logistic, predictors
 from sim.feature_sensor.ray_origins import RayGrid
@@ -113,7 +114,8 @@ def _tried(
     truth = np.array([sight.T_W_B for sight in sights])
     found = np.array([edge is not None for edge in edges], bool)
     confirmed = [edge for edge in edges if edge is not None]
-    right = _are_true(confirmed, truth)
+    stacked = LoopArrays.of(confirmed)
+    right = true_edges(stacked.query, stacked.match, stacked.T_match_query, truth)
     is_true = found.copy()
     is_true[found] = right
     errors = [log(between(between(truth[edge.match], truth[edge.query]), edge.T_match_query)) for edge in confirmed]
@@ -122,24 +124,16 @@ def _tried(
         np.array(rows).reshape(-1, len(PREDICTORS)),
         is_true,
         found & ~is_true,
-        _measured(confirmed, errors, np.flatnonzero(right)),
-        _measured(confirmed, errors, np.flatnonzero(~right)),
+        _measured(stacked, errors, np.flatnonzero(right)),
+        _measured(stacked, errors, np.flatnonzero(~right)),
     )
 
 
-def _are_true(edges: Sequence[LoopEdge], truth: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, "edges"]:
-    query, match = (np.array([getattr(edge, end) for edge in edges], int) for end in ("query", "match"))
-    measured = np.array([edge.T_match_query for edge in edges]).reshape(-1, 4, 4)
-    return true_edges(query, match, measured, truth)
-
-
-def _measured(
-    edges: Sequence[LoopEdge], errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]
-) -> MeasuredEdges:
+def _measured(edges: LoopArrays, errors: Sequence[Float64[np.ndarray, "6"]], rows: Int[np.ndarray, "k"]) -> MeasuredEdges:
     return MeasuredEdges(
         np.array([errors[i] for i in rows]).reshape(-1, 6),
-        np.array([edges[i].covariance for i in rows]).reshape(-1, 6, 6),
-        np.array([edges[i].inliers for i in rows], int),
+        edges.covariance[rows],
+        edges.inliers[rows],
     )
 
 

@@ -15,6 +15,7 @@ from lexis.evaluation.place_recognition import count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
+from lexis.loop_arrays import LoopArrays
 from lexis.maths.paths import arc_length
 from lexis.place_recognition import old_enough
 from sim.doctor import versions
@@ -113,13 +114,13 @@ def _floors(run: Run) -> dict[str, Any]:
 
 
 def _loops(run: Run) -> dict[str, Any]:
-    edges = run.map.loops
+    edges = LoopArrays.of(run.map.loops)
     return asdict(
         score_loops(
             sum(len(candidates) for _, candidates in run.map.candidates),
-            np.array([edge.query for edge in edges], int),
-            np.array([edge.match for edge in edges], int),
-            np.array([edge.T_match_query for edge in edges]).reshape(-1, 4, 4),
+            edges.query,
+            edges.match,
+            edges.T_match_query,
             run.true_poses,
             run.stamps,
         )

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 import shapely
 
+from worlds.errors import HouseError
 from worlds.house import build_house
 from worlds.labels import STAIRS
 from worlds.presets import PRESETS, sample_house
 from worlds.truth import NOWHERE, ambiguity_at, floor_at, openness, room_at
 from worlds.validation import validate
+from worlds.variant import explicit
 
 
 @pytest.fixture(
@@ -105,3 +107,13 @@ def test_stairs_climb_from_floor_to_floor_in_walkable_steps(house):
 
 def test_openness_is_a_share(house):
     assert 0.0 <= openness(house) <= 1.0 + 1e-9
+
+
+def test_a_given_piece_with_the_id_of_one_that_is_filled_in_elsewhere_is_refused():
+    spec = sample_house("home", 0)
+    below, *above = spec.storeys
+    taken = explicit(spec).storeys[1].furniture[0].id
+    piece = explicit(spec).storeys[0].furniture[0].model_copy(update={"id": taken})
+    storeys = (below.model_copy(update={"furniture": (piece,)}), *above)
+    with pytest.raises(HouseError, match=rf"filled in on other storeys: {taken}; valid: ids that are unique"):
+        build_house(spec.model_copy(update={"storeys": storeys}))

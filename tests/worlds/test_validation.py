@@ -95,7 +95,7 @@ def test_stairs_are_rectangles():
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
         stairs["polygon_m"] = [[x0, y0], [x1, y0], [x1, y], [x, y], [x, y1], [x0, y1]]
 
-    with pytest.raises(HouseError, match="must be a rectangle"):
+    with pytest.raises(HouseError, match="not rectangular; valid: a rectangle"):
         build_house(home(cut_a_corner))
 
 

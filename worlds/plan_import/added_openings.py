@@ -16,7 +16,7 @@ from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import build_stairs
-from worlds.stairs.cells import Bounds, Leads, bounds, flights, is_same_cell, opening_that_leads
+from worlds.stairs.cells import Bounds, Leads, bounds, flight_places, is_same_cell, opening_that_leads
 from worlds.walls import Boundary, boundaries
 
 _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room")
@@ -63,7 +63,7 @@ def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
     group = {room.id: room.id for storey in storeys for room in storey.rooms if room.label != STAIRS}
     for opening in (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE):
         _merge(group, *opening.rooms)
-    for level, place in flights(spec):
+    for level, place in flight_places(spec):
         below = storeys[level].rooms[place]
         above = _cells(storeys[level + 1], below)[0]
         try:

@@ -1,7 +1,7 @@
-"""Stairs: flights between the storeys of a cell, each rule of a walkable stair checked.
+"""Stairs: the flights of steps in a house, which are built only where a person can walk them.
 
-`cells` finds the rooms that stairs stand in and where one enters them, `flights` fits straight, L- and U-shaped flights into
-a cell, `geometry` turns these into boxes, and `build` puts the stairs of a house together.
+`cells` finds the rooms that stairs stand in and the openings that lead to them, `flights` fits straight, L- and U-shaped
+flights into such a room, `geometry` turns the flights into boxes, and `build` combines these for a whole house.
 """
 
 import lazy_loader

@@ -1,8 +1,10 @@
-"""The cells that stairs stand in: which storeys they join, which opening leads where, and on which side the climb begins."""
+"""The cells of stairs: which cells are one staircase, which opening leads to which flight, and a frame for each flight.
+
+A cell is a room of stairs on one storey. The cells of a staircase cover the same rectangle on consecutive storeys.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 from worlds.errors import HouseError
@@ -14,62 +16,101 @@ Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 _TOLERANCE_M = 1e-6
 _SAME_HALF_M = 0.2
-"""Openings whose middles are less far apart say nothing about which half of the cell is whose."""
+"""In U-shaped stairs, openings whose middles are less far apart do not tell which flight has which half of the cell."""
 _INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-"""From the sides of low and high x, low and high y."""
+"""Unit vectors into the cell from its sides of low x, high x, low y and high y."""
 
 
 def bounds(room: RoomSpec) -> Bounds:
-    """Of a room's polygon: x0, y0, x1, y1 [m]."""
+    """Bounding box of a room's polygon: x0, y0, x1, y1 [m]."""
     x, y = zip(*room.polygon_m, strict=True)
     return min(x), min(y), max(x), max(y)
 
 
 def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
-    """Whether two rooms are stairs that stand on each other."""
+    """Whether two rooms are stairs that cover the same rectangle of the plan, to a micrometre.
+
+    All code that asks which cells belong to one staircase asks this function. It compares with a tolerance: rounded
+    coordinates would differ wherever two nearly equal ones lie on either side of a rounding boundary.
+    """
     return other.label == room.label == STAIRS and all(
         abs(a - b) <= _TOLERANCE_M for a, b in zip(bounds(room), bounds(other), strict=True)
     )
 
 
-def flights(spec: HouseSpec) -> Iterator[tuple[int, int]]:
-    """Storey and place in `rooms` of all stairs that go on in the storey above."""
-    for level, (lower, upper) in enumerate(pairwise(spec.storeys)):
-        above = [room for room in upper.rooms if room.label == STAIRS]
+def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
+    """The stairs on storeys[`level`] that cover the same rectangle as `cell`; None without such stairs or such a storey."""
+    if not 0 <= level < len(spec.storeys):
+        return None
+    return next((room for room in spec.storeys[level].rooms if is_same_cell(room, cell)), None)
+
+
+def lowest_cells(spec: HouseSpec) -> dict[str, str]:
+    """For every room of stairs, by id, the id of the lowest room of its staircase.
+
+    A cell belongs to the staircase of the cell directly below it. Raises `HouseError` where a staircase skips a storey.
+    """
+    lowest: dict[str, str] = {}
+    for level, storey in enumerate(spec.storeys):
+        for cell in (room for room in storey.rooms if room.label == STAIRS):
+            below = cell_on(spec, level - 1, cell)
+            if below is None:
+                _check_skips_no_storey(spec, level, cell)
+            lowest[cell.id] = cell.id if below is None else lowest[below.id]
+    return lowest
+
+
+def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
+    for lower in reversed(range(level - 1)):
+        if (below := cell_on(spec, lower, cell)) is not None:
+            raise HouseError(
+                f"stairs {cell.id!r} on storeys[{level}]: stairs {below.id!r} are in the same place on storeys[{lower}], "
+                f"but storeys[{level - 1}] has none there; valid: stairs on every storey in between"
+            )
+
+
+def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
+    """All flights of a house: the index of the lower storey, and that of the stairs in the storey's `rooms`."""
+    for level, lower in enumerate(spec.storeys):
         for place, room in enumerate(lower.rooms):
-            if room.label == STAIRS and any(is_same_cell(room, other) for other in above):
+            if cell_on(spec, level + 1, room) is not None:
                 yield level, place
 
 
 def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
-    """The one that leads to the flight up, or to the one from below."""
-    found = [opening for place, opening in _ways_in(spec.storeys[level], room) if _leads(spec, level, room, place) == leads]
+    """The opening of stairs on storeys[`level`] that leads to the flight up, or to the flight down.
+
+    Raises `HouseError` unless there is exactly one, and where an opening does not say which of two flights it leads to.
+    """
+    openings = _openings_of(spec.storeys[level], room)
+    found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
     if len(found) == 1:
         return found[0]
     flight = "up from" if leads == "up" else "down from"
     raise HouseError(
         f"stairs {room.id!r} have {len(found) or 'no'} openings to the flight {flight} storeys[{level}]; "
-        f'exactly one of their openings there must have "leads": "{leads}"'
+        f'valid: exactly one opening there with "leads": "{leads}"'
     )
 
 
-def _ways_in(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
+def _openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, OpeningSpec]]:
+    """The openings of a room that one can walk through, with their indices."""
     for i, opening in enumerate(storey.openings):
         if room.id in opening.rooms and opening.kind in PASSABLE:
             yield i, opening
 
 
 def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
-    """Where an opening of stairs leads; on the ends of a stack it need not say."""
+    """Where the opening with the index `place` leads. Only where there are two flights does the spec have to say so."""
     opening = spec.storeys[level].openings[place]
     goes = {
-        "up": level + 1 < len(spec.storeys) and any(is_same_cell(room, other) for other in spec.storeys[level + 1].rooms),
-        "down": level > 0 and any(is_same_cell(room, other) for other in spec.storeys[level - 1].rooms),
+        "up": cell_on(spec, level + 1, room) is not None,
+        "down": cell_on(spec, level - 1, room) is not None,
     }
     where = f"storeys[{level}].openings[{place}] ({opening.rooms[0]} - {opening.rooms[1]})"
     if opening.leads is None:
         if goes["up"] and goes["down"]:
-            raise HouseError(f'{where}: stairs go up and down from here; write "leads": "up" or "leads": "down"')
+            raise HouseError(f'{where}: stairs go up and down from here; valid: "leads": "up" or "leads": "down"')
         return "up" if goes["up"] else "down"
     if not goes[opening.leads]:
         raise HouseError(f"{where}: leads {opening.leads}, but stairs {room.id!r} do not go {opening.leads} from here")
@@ -78,7 +119,11 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
 
 @dataclass(frozen=True)
 class CellFrame:
-    """The cell's own coordinates: u inwards from the side of the foot, v across."""
+    """A cell's own coordinates for one flight: u points inwards from the side that the flight begins in, v across.
+
+    The origin is a corner of the cell. The foot of an L- or U-shaped flight is on the side of low v, and v points from
+    there to the head.
+    """
 
     kind: StairsKind
     origin: tuple[float, float]
@@ -86,21 +131,25 @@ class CellFrame:
     v_axis: tuple[float, float]
     length: float
     width: float
-    """Along u and v, between wall centre lines [m]."""
+    """Extents of the cell along u and v, between wall centre lines [m]."""
 
     def world(self, u: float, v: float) -> tuple[float, float]:
-        """(x, y) of a place in the cell."""
+        """The coordinates (x, y) in W of a point of the cell [m]."""
         (ux, uy), (vx, vy), (x, y) = self.u_axis, self.v_axis, self.origin
         return x + u * ux + v * vx, y + u * uy + v * vy
 
     def plan(self, x: float, y: float) -> tuple[float, float]:
-        """(u, v) of a place in the world."""
+        """The coordinates (u, v) in the cell of a point in W [m]."""
         dx, dy = x - self.origin[0], y - self.origin[1]
         return dx * self.u_axis[0] + dy * self.u_axis[1], dx * self.v_axis[0] + dy * self.v_axis[1]
 
 
 def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
-    """Where the flights between two openings lie, and their kind; `foot` is on storeys[`level`]. Raises `HouseError`."""
+    """The kind of stairs between two openings of a cell, and the frame for them.
+
+    `foot` is the opening on storeys[`level`], `head` the one on the storey above. Raises `HouseError` for an opening that is
+    in no side of the cell, and for two in the same half of the same side.
+    """
     x0, y0, x1, y1 = bounds(room)
     u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
     v = (-u[1], u[0])
@@ -109,8 +158,8 @@ def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec)
     apart = _dot(v, (hx - fx, hy - fy))
     if facing > 0 and abs(apart) < _SAME_HALF_M:
         raise HouseError(
-            f"stairs {room.id!r}: the way up from storeys[{level}] and the way down from storeys[{level + 1}] lie in the "
-            "same half of the same side; in U-shaped stairs each flight has a half of its own"
+            f"stairs {room.id!r}: the opening to the flight up on storeys[{level}] and the one to the flight down on "
+            f"storeys[{level + 1}] are in the same half of the same side; valid: one in each half, for U-shaped stairs"
         )
     kind: StairsKind = "U" if facing > 0 else "straight" if facing < 0 else "L"
     if (apart if kind == "U" else -turning) < 0:
@@ -130,13 +179,13 @@ def _middle(opening: OpeningSpec) -> tuple[float, float]:
 
 
 def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
-    """Unit vector into the cell from the side that the opening is in."""
+    """Unit vector into the cell from the side that the opening is in. Raises `HouseError` where it is in none."""
     x0, y0, x1, y1 = bounds(room)
     x, y = _middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))
     if min(gaps) > _TOLERANCE_M:
         raise HouseError(
             f"storeys[{level}]: the opening {opening.rooms[0]!r} - {opening.rooms[1]!r} at ({x:.2f}, {y:.2f}) m is in no "
-            f"side of the stairs {room.id!r}"
+            f"side of the stairs {room.id!r}; valid: an opening in one of the four sides of their rectangle"
         )
     return _INWARD[gaps.index(min(gaps))]

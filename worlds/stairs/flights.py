@@ -1,7 +1,8 @@
-"""The rules of walkable stairs, and the steps that follow from them: straight, L- and U-shaped stairs in a rectangular cell.
+"""`fit_stairs`: straight, L- and U-shaped stairs in a rectangular cell, and the rules that make them walkable.
 
-All is about one storey's climb, in the cell's own coordinates: u from the side where the climb begins, v across, both
-from wall centre lines, z above the lower floor [m].
+Everything here concerns the stairs from one storey to the next, in the cell's own coordinates [m]: u from the side where the
+climb begins, v across, both measured from wall centre lines, and z above the lower floor. In the drawings the arrows point
+up the stairs.
 
     straight          L                     U
     +---------+       +------+--------+     +-------------+
@@ -25,18 +26,18 @@ StairsKind = Literal["straight", "L", "U"]
 MAX_RISER_M = 0.19
 MIN_TREAD_M = 0.22
 MIN_WIDTH_M = 0.8
-"""Of a flight; a landing is at least as long as its flight is wide."""
+"""Least width of a flight. A landing is at least as long as its flight is wide."""
 MAX_FLIGHT_RISE_M = 3.7
 """Straight stairs that rise higher have a landing half way."""
 OPEN_SIDE_M = 1.0
-"""Where the open side of a slab is higher than this, it has a railing."""
+"""An open side of a slab has a railing where the drop is higher than this."""
 INSET_M = WALL_THICKNESS_M / 2
-"""From a wall's centre line to its face."""
+"""Distance from a wall's centre line to its face."""
 _USUAL_TREAD_M = 0.3
-"""Where a cell is longer than needed, steps get no deeper than this."""
+"""Greatest depth of a tread, however long the cell is."""
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
 _USUAL_L_TREAD_M = 0.26
-"""An L has the widest flights that leave it such treads, and the narrowest ones where none does."""
+"""An L-shape gets the first of these widths that leaves treads at least this deep, or else `MIN_WIDTH_M`."""
 _TOLERANCE_M = 1e-6
 
 Point = tuple[float, float, float]
@@ -47,7 +48,7 @@ def cell_needed(
 ) -> tuple[float, float]:
     """Least length (along the first flight) and width of a cell between wall centre lines, rounded up to the centimetre [m].
 
-    For a rise from floor to floor, treads of at least `tread_m` and flights of at least `width_m`.
+    `rise_m` is the height from floor to floor; treads are to be at least `tread_m` deep and flights at least `width_m` wide.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
@@ -61,7 +62,7 @@ def cell_needed(
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
-    """How many risers it takes; of a U, whose two flights are alike, an even number."""
+    """Number of risers for a rise [m]. For a U-shape the number is even, because its two flights are alike."""
     if kind == "U":
         return 2 * math.ceil(rise_m / 2 / MAX_RISER_M - _TOLERANCE_M)
     return math.ceil(rise_m / MAX_RISER_M - _TOLERANCE_M)
@@ -73,46 +74,54 @@ def _rounded_up(length_m: float) -> float:
 
 @dataclass(frozen=True)
 class Slab:
-    """A rectangle to stand on."""
+    """A level rectangle to stand on: a step, a landing or a piece of floor."""
 
     u: tuple[float, float]
     v: tuple[float, float]
+    """Intervals that it covers."""
     top: float
+    """Height of its upper face."""
 
 
 @dataclass(frozen=True)
 class Rail:
-    """A straight railing on the open side of a slab, from end to end."""
+    """A straight railing on the open side of a slab, between two points at the slab's height."""
 
     start: Point
     end: Point
 
 
 @dataclass(frozen=True)
-class Climb:
-    """The stairs of one storey."""
+class StairsLayout:
+    """The stairs from one storey to the next, in the cell's coordinates."""
 
     tread_m: float
+    """Depth of every tread."""
     width_m: float
-    """Of the flights."""
+    """Width of the flights."""
     treads: tuple[Slab, ...]
-    """Steps and landings, upwards."""
+    """Steps and landings, from the lowest to the highest."""
     foot: Slab
+    """Floor of the lower storey inside the cell, before the first riser."""
     head: Slab
-    """Floor of the two storeys inside the cell, before the first riser and after the last."""
+    """Floor of the upper storey inside the cell, after the last riser."""
     line: tuple[Point, ...]
-    """Walking line from the side of the cell where the climb begins to the one where it ends: straight along every flight,
-    at the height of a tread above its middle."""
+    """Walking line from the side of the cell where the climb begins to the side where it ends. It runs straight along every
+    flight, and above the middle of each tread it is at the tread's height."""
     rails: tuple[Rail, ...]
 
     @property
     def is_walkable(self) -> bool:
-        """Whether treads are deep and flights wide enough; risers and landings always are."""
+        """Whether treads are deep enough and flights wide enough; risers and landings always fit the rules."""
         return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_WIDTH_M - _TOLERANCE_M
 
 
-def climb(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> Climb:
-    """Fill a cell of `length` (along u) by `width` [m]. `above_void`: what is not stairs in it has no floor."""
+def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
+    """Fit stairs of a kind into a cell of `length` (along u) by `width` (along v) for a `rise` from floor to floor [m].
+
+    Treads are as deep as the cell allows, up to 0.3 m. Where the cell is too small, the stairs are not walkable.
+    `above_void` says that the lower storey has no floor beside the stairs, so that L-shaped ones need railings all along.
+    """
     match kind:
         case "straight":
             return _straight(length, width, rise)
@@ -124,21 +133,25 @@ def climb(kind: StairsKind, length: float, width: float, rise: float, above_void
 
 @dataclass(frozen=True)
 class _Flight:
-    """`risers` steps up, the last onto a landing or floor: `risers` - 1 treads."""
+    """A straight row of steps. It has one tread fewer than risers, because the last riser leads to a landing or floor."""
 
     start: Point
-    """Middle of the first riser's foot."""
+    """Middle of the lower edge of the first riser."""
     along: tuple[int, int]
+    """Direction of the climb in (u, v)."""
     risers: int
+    """Number of risers."""
     riser: float
+    """Height of each."""
     tread: float
+    """Depth of each tread."""
     width: float
 
     def treads(self) -> list[Slab]:
         return [self.slab((i - 1) * self.tread, i * self.tread, i * self.riser) for i in range(1, self.risers)]
 
     def slab(self, begin: float, end: float, rise: float) -> Slab:
-        """The flight's whole width between two distances from the first riser."""
+        """A slab as wide as the flight, between two distances from the first riser, `rise` above the flight's start."""
         (u, v, z), (du, dv), half = self.start, self.along, self.width / 2
         us, vs = (u + du * begin, u + du * end), (v + dv * begin, v + dv * end)
         across_u, across_v = half * abs(dv), half * abs(du)
@@ -149,15 +162,19 @@ class _Flight:
         return u + du * distance, v + dv * distance, z + rise
 
     def line(self) -> list[Point]:
-        """Half a tread before the first riser to half a tread after the last: over every tread's middle at its height."""
+        """The ends of the walking line: half a tread before the first riser, and half a tread after the last.
+
+        The straight line between these is at the height of each tread above the tread's middle.
+        """
         return [self.at(-self.tread / 2, 0.0), self.at((self.risers - 0.5) * self.tread, self.risers * self.riser)]
 
 
-def _straight(length: float, width: float, rise: float) -> Climb:
-    n, clear = risers("straight", rise), width - 2 * INSET_M
+def _straight(length: float, width: float, rise: float) -> StairsLayout:
+    n, clear = risers("straight", rise), width - 2 * INSET_M  # the flight fills the width between the walls' faces
     landing = clear if rise > MAX_FLIGHT_RISE_M else 0.0
     steps = (n, 0) if not landing else ((n + 1) // 2, n // 2)
     riser, going = rise / n, n - (landing > 0.0)
+    # Half a tread of floor is kept before the first riser and after the last, for the walking line to begin and end in.
     tread = min(_USUAL_TREAD_M, (length - landing) / going)
     begin = (length - landing - (going - 1) * tread) / 2
     middle = width / 2
@@ -170,10 +187,10 @@ def _straight(length: float, width: float, rise: float) -> Climb:
     side = (INSET_M, width - INSET_M)
     foot, head = Slab((0.0, begin), side, 0.0), Slab((length - begin, length), side, rise)
     line = _line((0.0, middle, 0.0), flights, (), (length, middle, rise))
-    return Climb(tread, clear, tuple(treads), foot, head, line, ())
+    return StairsLayout(tread, clear, tuple(treads), foot, head, line, ())
 
 
-def _u_shaped(length: float, width: float, rise: float) -> Climb:
+def _u_shaped(length: float, width: float, rise: float) -> StairsLayout:
     n, clear = risers("U", rise) // 2, (width - 2 * INSET_M) / 2
     riser = rise / (2 * n)
     tread = min(_USUAL_TREAD_M, (length - INSET_M - clear) / (n - 0.5))
@@ -188,10 +205,10 @@ def _u_shaped(length: float, width: float, rise: float) -> Climb:
     # The first flight falls as the second rises: beside its k-th step the drop is 2 k risers.
     open_sided = [slab for slab in (*back.treads(), head) if 2 * (slab.top - rise / 2) > OPEN_SIDE_M]
     rails = [_rail(slab.u, (slab.v[0],) * 2, slab.top) for slab in open_sided]
-    return Climb(tread, clear, (*up.treads(), landing, *back.treads()), foot, head, line, tuple(rails))
+    return StairsLayout(tread, clear, (*up.treads(), landing, *back.treads()), foot, head, line, tuple(rails))
 
 
-def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Climb:
+def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
     n = risers("L", rise)
     for clear in (*_USUAL_L_WIDTHS_M, MIN_WIDTH_M):
         first, tread = _split(length - INSET_M - clear, width - INSET_M - clear, n)
@@ -208,11 +225,14 @@ def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Cli
     lowest = -math.inf if above_void else OPEN_SIDE_M
     rails = [_rail(slab.u, (slab.v[1],) * 2, slab.top) for slab in (foot, *up.treads()) if slab.top > lowest]
     rails += [_rail((slab.u[0],) * 2, slab.v, slab.top) for slab in (*across.treads(), head) if slab.top > lowest]
-    return Climb(tread, clear, (*up.treads(), landing, *across.treads()), foot, head, line, tuple(rails))
+    return StairsLayout(tread, clear, (*up.treads(), landing, *across.treads()), foot, head, line, tuple(rails))
 
 
 def _split(first_m: float, second_m: float, n: int) -> tuple[int, float]:
-    """The risers of an L's first flight, so that treads are deepest, and these treads' depth [m]."""
+    """How many of `n` risers the first flight of an L-shape gets so that its treads are deepest, and their depth [m].
+
+    `first_m` and `second_m` are the lengths that the two flights can have.
+    """
     depth = {k: min(first_m / (k - 0.5), second_m / (n - k - 0.5)) for k in range(2, n - 1)}
     first = max(depth, key=lambda k: depth[k])
     return first, depth[first]

@@ -1,4 +1,4 @@
-"""Stairs as boxes in the world: steps, landings, floors inside the cell, railings."""
+"""Stairs as boxes in W: steps, landings, floors inside the cell, and railings."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,7 @@ _WOOD = (0.62, 0.47, 0.33)
 _DARK_WOOD = (0.36, 0.26, 0.18)
 _RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.95, 0.05, 0.03
 _RAIL_DEPTH_M = 0.2
-"""More than a riser, so that the rails of neighbouring steps make one."""
+"""More than the height of a riser, so that the rails of neighbouring steps overlap into one hand rail."""
 _POST_SPACING_M = 0.3
 _MIN_SILL_M = 0.02
 
@@ -21,17 +21,24 @@ Interval = tuple[float, float]
 
 
 def slab_parts(slabs: Sequence[Slab], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A box per slab; `floor_m` is the lower floor in W [m]."""
+    """A box for each slab; `floor_m` is the height of the lower floor in W."""
     return tuple(_box(frame, s.u, s.v, (floor_m + s.top - SLAB_THICKNESS_M, floor_m + s.top), _WOOD) for s in slabs)
 
 
 def rail_parts(rails: Sequence[Rail], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A hand rail along each open side, on posts: thin, and no obstacle on the walking line."""
+    """A hand rail on posts for each railing; `floor_m` is the height of the lower floor in W.
+
+    It is centred on the edge of the slab and thin, so that it does not obstruct the walking line.
+    """
     return tuple(part for rail in rails for part in _railing(rail, frame, floor_m))
 
 
-def sills(opening: OpeningSpec, floor: Slab, frame: CellFrame) -> list[tuple[Slab, Rail]]:
-    """What is left of an opening beside its flight's `floor`: more floor, as deep as the wall, and a rail at the drop."""
+def floor_beside_flight(opening: OpeningSpec, floor: Slab, frame: CellFrame) -> list[tuple[Slab, Rail]]:
+    """Floor for the parts of an opening beside the `floor` that its flight begins or ends on.
+
+    An opening can be wider than the flight behind it. Each such part gets a slab as deep as half the wall, and a railing at
+    its inner edge, where the drop is.
+    """
     (ua, va), (ub, vb) = frame.plan(*opening.start_m), frame.plan(*opening.end_m)
     if abs(va - vb) > abs(ua - ub):
         depth, inner = ((0.0, INSET_M), INSET_M) if ua < frame.length / 2 else _far_side(frame.length)
@@ -54,7 +61,7 @@ def _beside(whole: Interval, part: Interval) -> list[Interval]:
 def _railing(rail: Rail, frame: CellFrame, floor_m: float) -> Iterator[Part]:
     (u0, v0, z), (u1, v1, _) = rail.start, rail.end
     bottom, top, half = floor_m + z, floor_m + z + _RAIL_HEIGHT_M, _RAIL_M / 2
-    # From post to post along the edge, and half the rail's width to either side of it.
+    # The rail is as long as the edge, and extends half its width to either side of it.
     du, dv = (0.0, half) if u1 > u0 else (half, 0.0)
     yield _box(frame, (u0 - du, u1 + du), (v0 - dv, v1 + dv), (top - _RAIL_DEPTH_M, top), _DARK_WOOD)
     posts = max(1, round(math.dist(rail.start, rail.end) / _POST_SPACING_M))

@@ -15,7 +15,7 @@ from worlds.errors import HouseError
 from worlds.house import build_house
 from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.stairs.build import APPROACH_M, MIN_HEAD_ROOM_M, build_stairs
-from worlds.stairs.flights import MAX_RISER_M, MIN_TREAD_M, MIN_WIDTH_M, cell_needed, climb
+from worlds.stairs.flights import MAX_RISER_M, MIN_TREAD_M, MIN_WIDTH_M, cell_needed, fit_stairs
 from worlds.truth import room_at
 from worlds.walkable import Walkable
 
@@ -109,7 +109,7 @@ def test_a_cell_as_large_as_needed_has_walkable_stairs(kind, height, more):
     width = cell_needed(kind, rise)[1] + more[1]
     clear = {"straight": width - 0.1, "U": width / 2 - 0.05, "L": MIN_WIDTH_M}[kind]
     length = cell_needed(kind, rise, width_m=clear)[0] + more[0]
-    steps = climb(kind, length, width, rise, above_void=True)
+    steps = fit_stairs(kind, length, width, rise, above_void=True)
     assert steps.is_walkable
     tops = [0.0, *(slab.top for slab in steps.treads), rise]
     risers = np.diff(tops)
@@ -229,7 +229,7 @@ def without_leads(storeys):
 
 def test_a_middle_storey_has_to_say_which_opening_leads_where():
     assert [flight.kind for flight in stairs_of(edited(house("U"), without_leads))] == ["U"]
-    with pytest.raises(HouseError, match=r'storeys\[1\]\.openings\[4\].*write "leads": "up" or "leads": "down"'):
+    with pytest.raises(HouseError, match=r'storeys\[1\]\.openings\[4\].*valid: "leads": "up" or "leads": "down"'):
         stairs_of(edited(house("U", 3), without_leads))
 
 
@@ -246,7 +246,7 @@ def test_every_flight_has_one_opening_at_either_end():
     ("kind", "ways", "message"),
     [
         ("U", {"up": ("south", "stairs", (2.05, 2.0), (2.5, 2.0))}, r"middle of the flight is at \(2\.50, 2\.00\) m"),
-        ("U", {"down": ("south", "stairs", (2.05, 2.0), (2.9, 2.0))}, "a half of its own"),
+        ("U", {"down": ("south", "stairs", (2.05, 2.0), (2.9, 2.0))}, "half of the same side; valid: one in each half"),
         ("L", {"up": ("south", "stairs", (3.0, 2.0), (4.0, 2.0))}, r"middle of the flight is at"),
         ("straight", {"up": ("south", "stairs", (2.05, 1.9), (2.95, 1.9))}, "is in no side of the stairs"),
     ],
@@ -270,7 +270,7 @@ def test_a_flight_over_the_head_of_another_is_refused():
 
 
 def test_a_low_door_to_the_stairs_is_refused():
-    with pytest.raises(HouseError, match=r"1\.92 m high; head room needs 1\.95 m"):
+    with pytest.raises(HouseError, match=r"1\.92 m high, too low to walk through; valid: at least 1\.95 m"):
         stairs_of(edited(house("U"), lambda storeys: storeys[0]["openings"][-1].update(kind="door", height_m=1.92)))
 
 
@@ -281,3 +281,40 @@ def test_what_an_opening_leaves_beside_the_flight_has_a_floor_and_a_rail():
     more = set(wide.floors) - set(narrow.floors)
     assert [footprint(part).bounds for part in more] == [pytest.approx((2.05, 2.0, 2.95, 2.05))]
     assert len(wide.railing) > len(narrow.railing)
+
+
+def with_west_sides_at(spec, sides_m):
+    """The house with the western side of its cell moved from x = `HALL_M` to one x per storey."""
+
+    def edit(storeys):
+        for storey, side in zip(storeys, sides_m, strict=True):
+            lines = [room["polygon_m"] for room in storey["rooms"]]
+            lines += [[opening["start_m"], opening["end_m"]] for opening in storey["openings"]]
+            for point in (point for line in lines for point in line if point[0] == HALL_M):
+                point[0] = side
+
+    return edited(spec, edit)
+
+
+@pytest.mark.parametrize(
+    ("sides_m", "staircases"),
+    [
+        ((2.0000004, 2.0000006), 1),  # less than a micrometre apart, but rounded to the micrometre they differ
+        ((2.0000006, 2.0000015), 1),
+        ((2.0000004, 2.0000015), 2),
+        ((2.0, 2.0000008, 2.0000016), 1),  # each cell is compared with the one that it stands on
+    ],
+)
+def test_rooms_and_flights_agree_on_which_cells_are_one_staircase(sides_m, staircases):
+    built = build_house(with_west_sides_at(house("U", len(sides_m)), sides_m))
+    cells = {built.room_by_id[f"stairs {level}"].id for level in range(len(sides_m))}
+    assert len(cells) == sum(room.label == "stairs" for room in built.rooms) == staircases
+    assert len(built.stairs) == len(sides_m) - staircases
+
+
+def test_two_stairs_in_one_place_of_a_storey_overlap():
+    def again(storeys):
+        storeys[1]["rooms"].append({**storeys[1]["rooms"][-1], "id": "more stairs"})
+
+    with pytest.raises(HouseError, match="rooms 'stairs 1' and 'more stairs' overlap"):
+        build_house(edited(house("U"), again))

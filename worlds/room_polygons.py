@@ -1,0 +1,31 @@
+"""`room_polygons`: the rooms of a spec as polygons that are fit to build walls on."""
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from worlds.errors import HouseError
+from worlds.labels import STAIRS
+from worlds.spec import HouseSpec
+
+
+def room_polygons(spec: HouseSpec) -> dict[str, Polygon]:
+    """By room id, in the order of the spec: the polygon along the wall centre lines [m].
+
+    Raises `HouseError` for a polygon that crosses itself or turns clockwise, and for stairs that are not rectangular. All
+    polygons are checked together, because one call of shapely for all is faster than one for each.
+    """
+    rooms = [room for storey in spec.storeys for room in storey.rooms]
+    points = np.array([point for room in rooms for point in (*room.polygon_m, room.polygon_m[0])])
+    rings = shapely.linearrings(points, indices=np.repeat(np.arange(len(rooms)), [len(r.polygon_m) + 1 for r in rooms]))
+    polygons = np.asarray(shapely.polygons(rings))
+    simple, turns_left = shapely.is_valid(polygons), shapely.is_ccw(rings)
+    rectangular = np.isclose(shapely.area(polygons), shapely.area(shapely.envelope(polygons)))
+    for room, is_simple, is_left, is_rectangle in zip(rooms, simple, np.atleast_1d(turns_left), rectangular, strict=True):
+        if not is_simple:
+            raise HouseError(f"room {room.id!r}: its polygon crosses or touches itself; valid: a simple polygon")
+        if not is_left:
+            raise HouseError(f"room {room.id!r}: its polygon turns clockwise; valid: counter-clockwise (reverse it)")
+        if room.label == STAIRS and not is_rectangle:
+            raise HouseError(f"stairs {room.id!r}: their polygon is not rectangular; valid: a rectangle")
+    return {room.id: polygon for room, polygon in zip(rooms, polygons, strict=True)}

@@ -1,0 +1,121 @@
+"""`StoreyPlan`: what is known of a storey before its walls, windows, door leaves and furniture are made.
+
+The room boundaries, cut at the openings, give the walls, and the door leaves in them. The pieces without an opening and with
+nothing behind them are the outer walls, which windows can be in. Furniture comes last, because it keeps clear of windows.
+"""
+
+import functools
+import itertools
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from worlds.furniture.placing.furnish import furnish
+from worlds.labels import OUTDOOR_LABELS
+from worlds.openings.doors import DoorLeaf, hang_leaves
+from worlds.openings.windows import Window, hang_windows, sample_windows
+from worlds.seeds import room_rng
+from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, StoreySpec, WindowSpec
+from worlds.walls import (
+    FENCE_HEIGHT_M,
+    Boundary,
+    Wall,
+    arch_curve,
+    boundaries,
+    corners,
+    split_at_openings,
+    wall_extent,
+    wall_spans,
+)
+
+BoundaryPieces = tuple[tuple[Boundary, OpeningSpec | None], ...]
+"""The room boundaries of a storey, cut at its openings: every piece with the opening that lies in it, or None."""
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyPlan:
+    """One storey of a house that is being built."""
+
+    house: HouseSpec
+    level: int
+    """Index into the storeys of `house`."""
+    floor_m: float
+    ceiling_m: float
+    """Heights in W [m]."""
+    pieces: BoundaryPieces
+    outer: Mapping[str, Sequence[Boundary]]
+    """By room id: the outer walls without an opening. Rooms that have none are missing."""
+    windows: tuple[WindowSpec, ...]
+    """Those of the spec, or sampled ones where the spec leaves them open."""
+
+    @staticmethod
+    def of(house: HouseSpec, level: int, floor_m: float, ceiling_m: float) -> "StoreyPlan":
+        """The plan of storeys[`level`]. Raises `HouseError` where rooms overlap or an opening is not along x or y."""
+        storey = house.storeys[level]
+        pieces = tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
+        outer = _outer_walls(pieces)
+        windows = _sampled_windows(house, storey, outer) if storey.windows is None else storey.windows
+        return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
+
+    def standing_walls(self) -> Iterator[Wall]:
+        """The walls around the openings."""
+        meeting, indoors = corners([boundary for boundary, _ in self.pieces]), indoor_rooms(self.house)
+        for boundary, opening in self.pieces:
+            height = wall_height(boundary, self.ceiling_m - self.floor_m, indoors)
+            ends = wall_extent(boundary, meeting)
+            for low, high in wall_spans(opening, height):
+                yield Wall(self.level, boundary, *ends, self.floor_m + low, self.floor_m + high)
+            if opening is not None and opening.kind == "arch":
+                yield from self._spandrels(boundary, opening, height)
+
+    def _spandrels(self, boundary: Boundary, opening: OpeningSpec, height_m: float) -> Iterator[Wall]:
+        """The corners of an arch, in upright strips that reach down as far as the curve does."""
+        floor, top = self.floor_m, min(opening.height_m, height_m)
+        for (a0, z0), (a1, z1) in itertools.pairwise(arch_curve(boundary, opening, top)):
+            if min(z0, z1) < top:
+                yield Wall(self.level, boundary, a0, a1, floor + min(z0, z1), floor + top, spandrel=True)
+
+    def hung_windows(self) -> Iterator[Window]:
+        """The windows in their walls. Raises `HouseError` for one that lies in no outer wall of its room, or upside down."""
+        return hang_windows(self.house, self.level, self.windows, self.outer, self.floor_m)
+
+    def hung_leaves(self) -> Iterator[DoorLeaf]:
+        """The door leaves, as far open as the spec says."""
+        seed = self.house.seed if self.house.appearance.seed is None else self.house.appearance.seed
+        return hang_leaves(self.level, self.pieces, self.house.storeys[self.level].openings, self.floor_m, seed)
+
+    def furniture(self) -> tuple[FurnitureSpec, ...]:
+        """The furniture of the spec, or what the catalogue says belongs in the rooms where the spec leaves it open."""
+        storey = self.house.storeys[self.level]
+        if storey.furniture is not None:
+            return storey.furniture
+        rng_of = functools.partial(room_rng, self.house, purpose="furniture")
+        return furnish(storey, rng_of, self.house.clutter, f"{self.level}", self.windows)
+
+
+def indoor_rooms(house: HouseSpec) -> frozenset[str]:
+    """Ids of the rooms that are not outdoors."""
+    return frozenset(room.id for storey in house.storeys for room in storey.rooms if room.label not in OUTDOOR_LABELS)
+
+
+def wall_height(boundary: Boundary, ceiling_height_m: float, indoors: frozenset[str]) -> float:
+    """Height of a wall: up to the ceiling, or that of a fence where none of its rooms is in `indoors` [m]."""
+    return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else ceiling_height_m
+
+
+def _outer_walls(pieces: BoundaryPieces) -> dict[str, list[Boundary]]:
+    outer: dict[str, list[Boundary]] = defaultdict(list)
+    for boundary, opening in pieces:
+        if None in boundary.rooms and opening is None:
+            outer[boundary.rooms[0] or boundary.rooms[1] or ""].append(boundary)
+    return dict(outer)
+
+
+def _sampled_windows(
+    house: HouseSpec, storey: StoreySpec, outer: Mapping[str, Sequence[Boundary]]
+) -> tuple[WindowSpec, ...]:
+    sampled = (
+        sample_windows(room, outer.get(room.id, ()), storey.height_m, room_rng(house, room, "windows"))
+        for room in storey.rooms
+    )
+    return tuple(itertools.chain.from_iterable(sampled))
