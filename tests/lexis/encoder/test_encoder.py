@@ -181,7 +181,7 @@ def test_positions_of_longer_texts_are_refused_where_the_text_tower_is_a_module_
     save_file(named, tmp_path / "weights.safetensors")
     load_encoder(f"local-dir:{tmp_path}")
     save_file(named | {f"{prefix}positional_embedding": torch.zeros(20, 16)}, tmp_path / "weights.safetensors")
-    with pytest.raises(EncoderError, match=r"positional_embedding is \(20, 16\), that of the model \(16, 16\)"):
+    with pytest.raises(EncoderError, match=r"positional_embedding is \(20, 16\), the model's is \(16, 16\)"):
         load_encoder(f"local-dir:{tmp_path}")
 
 

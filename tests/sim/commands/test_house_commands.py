@@ -73,9 +73,9 @@ def test_a_plan_becomes_a_house_and_notes_are_printed(here, capsys):
     square = "<rect class='office' width='400' height='300'/><rect class='gym' x='400' width='400' height='300'/>"
     (here / "plan.svg").write_text(f"<svg xmlns='http://www.w3.org/2000/svg'>{square}</svg>")
     assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "-o", "h.json") == 0
-    assert "note: no openings are drawn; made up" in capsys.readouterr().out
+    assert "note: no openings are drawn; added" in capsys.readouterr().out
     assert status_of("import", "plan.svg", "--metres-per-unit", 0.01, "--only-drawn", "-o", "h.json") == 2
-    assert "the plan stands without --only-drawn" in capsys.readouterr().err
+    assert "the plan is valid without --only-drawn" in capsys.readouterr().err
 
 
 def test_the_schema_is_printed(capsys):
@@ -156,7 +156,7 @@ def test_every_malformed_field_has_a_line_of_its_own(here, capsys):
 @pytest.mark.parametrize(
     ("argv", "message"),
     [
-        (["generate", "--openness", "2", "-o", "h.json"], "openness 2.0; valid: 0"),
+        (["generate", "--openness", "2", "-o", "h.json"], "openness is 2.0; valid: 0"),
         (["generate", "--clutter", "nan", "-o", "h.json"], "clutter is nan; valid: 0"),
         (["generate", "--rooms", "1", "-o", "h.json"], "valid: 2 to 40"),
         (["generate", "--storeys", "9", "-o", "h.json"], "valid: 1 to 4"),

@@ -225,7 +225,7 @@ def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch,
     assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
     tour, usual = (tour_config(config) for config in seen)
     assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
-    assert usual == RunConfig().tour() == TourConfig("rooms", 140.0)
+    assert usual == tour_config(RunConfig()) == TourConfig("rooms", 140.0)
 
 
 def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, capsys):
@@ -242,7 +242,7 @@ def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, c
     np.testing.assert_allclose(place[:3], [[1, 0, 0, -0.05], [0, 0, 1, 0.02], [0, -1, 0, 0.1]], atol=1e-12)
     assert (imu.gyroscope_turn_on, imu.accelerometer_turn_on) == (np.radians(0.5), 20e-3 * 9.81)
     assert lens == Distortion(-0.1, 0.008, 0.0005, -0.0003)
-    np.testing.assert_array_equal(ideal_place, RunConfig().camera.T_B_C)
+    np.testing.assert_array_equal(ideal_place, RunConfig().rig.front.T_B_C)
     assert ideal_imu == ImuConfig() and no_lens is None
 
 

@@ -99,8 +99,8 @@ def test_a_percept_has_no_place_for_truth(finished):
 
 def images(fitted, *faults):
     walked = walk(CONFIG)
-    sensor = FeatureSensor(fitted, CONFIG.camera, CONFIG.seed)
-    session = Session(walked.house, walked.tour, walked.odometry, CONFIG.camera, faults, CONFIG.seed, sensor)
+    sensor = FeatureSensor(fitted, CONFIG.rig.front, CONFIG.seed)
+    session = Session(walked.house, walked.tour, walked.odometry, CONFIG.rig.front, faults, CONFIG.seed, sensor)
     return np.array([observation.image.embedding for observation, _ in session])
 
 

@@ -95,9 +95,9 @@ def test_the_same_seed_gives_the_same_result_apart_from_times():
 
 
 def test_lexis_sees_what_the_first_camera_of_the_rig_sees():
-    assert BRIEF.camera is BRIEF.rig.cameras["left"] and BRIEF.camera.T_B_C[1, 3] == STEREO_BASELINE_M / 2
+    assert BRIEF.rig.front is BRIEF.rig.cameras["left"] and BRIEF.rig.front.T_B_C[1, 3] == STEREO_BASELINE_M / 2
     walked = walk(BRIEF)
-    session = Session(walked.house, walked.tour, walked.odometry, BRIEF.camera)
+    session = Session(walked.house, walked.tour, walked.odometry, BRIEF.rig.front)
     with closing(iter(session)) as pairs, RigRenderer(build_rig_scene(walked.house, BRIEF.rig), BRIEF.rig) as renderer:
         observation, truth = next(pairs)
         np.testing.assert_array_equal(observation.image, renderer.rgb(truth.T_W_B)["left"])

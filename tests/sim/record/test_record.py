@@ -228,7 +228,7 @@ def test_stereo_images_and_depth_agree(recordings):
     )
     stamps = (euroc / "timestamps.txt").read_text().split()
     depth_files = [line.split()[1] for line in (tum / "depth.txt").read_text().splitlines() if line[0] != "#"]
-    k, errors = CONFIG.camera.intrinsics, []
+    k, errors = CONFIG.rig.front.intrinsics, []
     v, u = np.mgrid[: k.height, : k.width]
     for frame in range(REST, len(stamps), 40):
         images = [cv2.imread(str(euroc / f"mav0/cam{i}/data/{stamps[frame]}.png")) for i in (0, 1)]
@@ -249,7 +249,7 @@ def test_tum_is_read_by_evo_and_true_for_the_camera(recordings):
     folder = recordings("tum", "png")
     truth = file_interface.read_tum_trajectory_file(str(folder / "groundtruth.txt"))
     take = prepare(CONFIG)
-    np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ CONFIG.camera.T_B_C, atol=1e-6)
+    np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ CONFIG.rig.front.T_B_C, atol=1e-6)
     images = (folder / "rgb.txt").read_text().splitlines()[2:]
     assert len(images) == len(take) and images[0] == "1000000000.000000 rgb/1000000000.000000.png"
     accelerations = np.loadtxt(folder / "accelerometer.txt")
@@ -272,7 +272,7 @@ def test_a_bag_says_the_same_as_euroc(recordings):
     np.testing.assert_array_equal([m.angular_velocity.x for m in of["/imu0"]], imu.angular_velocity[:, 0])
     np.testing.assert_array_equal([m.linear_acceleration.z for m in of["/imu0"]], imu.specific_force[:, 2])
     info = of["/cam1/camera_info"][0]
-    assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * CONFIG.camera.intrinsics.fx)
+    assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * CONFIG.rig.front.intrinsics.fx)
     assert {t.child_frame_id for t in of["/tf_static"][0].transforms} == {"imu0", "cam0", "cam1"}
     odometry = np.array(csv_rows(mav / "odom0" / "data.csv")[1], float)
     assert len(of["/odom"]) == len(of["/odom/increment_covariance"]) == len(odometry)
@@ -294,7 +294,7 @@ def test_settings_say_what_the_sensors_are(recordings):
     assert orb.getNode("File.version").string() == "1.0"
     for name in ("Camera.width", "Camera.height", "Camera.fps", "Camera.RGB", "ORBextractor.nFeatures"):
         assert orb.getNode(name).isInt(), name
-    k = CONFIG.camera.intrinsics
+    k = CONFIG.rig.front.intrinsics
     own = files[vins.getNode("cam1_calib").string().removesuffix(".yaml")].getNode("projection_parameters")
     assert own.getNode("fx").real() == k.fx == orb.getNode("Camera2.fx").real()
     assert files["kalibr_imu_chain"].getNode("imu0").getNode("update_rate").real() == 200.0
@@ -333,7 +333,7 @@ def test_openvins_is_given_its_two_other_files(recordings):
 @pytest.mark.parametrize("form", ["euroc", "tum", "mcap"])
 def test_lexis_reads_distorted_recordings_as_a_pinhole_s(form, on_an_arm):
     """LEXIS rectifies the images, so they equal those of the live run up to the blur of two interpolations."""
-    given, k = list(open_dataset(on_an_arm(form))), CONFIG.camera.intrinsics
+    given, k = list(open_dataset(on_an_arm(form))), CONFIG.rig.front.intrinsics
     live = list(prepare(replace(CONFIG, rig=ARM)).frames())[::FEWER]
     known = cv2.undistort(np.full((k.height, k.width), 255, np.uint8), k.matrix, np.array(LENS.coefficients)) == 255
     inside = cv2.erode(known.astype(np.uint8), np.ones((5, 5))).astype(bool)
@@ -389,7 +389,7 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
 @pytest.fixture
 def unlit(monkeypatch):
     """Replaces rendering: frames are black and cost nothing."""
-    size = CONFIG.camera.intrinsics.height, CONFIG.camera.intrinsics.width
+    size = CONFIG.rig.front.intrinsics.height, CONFIG.rig.front.intrinsics.width
     monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
     monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
 
@@ -497,7 +497,7 @@ def test_distorted_images_are_rectified(recordings, tmp_path):
     edit(tmp_path / "mav0" / "cam0" / "sensor.yaml", "[0.0, 0.0, 0.0, 0.0]", "[-0.2, 0.05, 0.0, 0.0]")
     path = next((tmp_path / "mav0" / "cam0" / "data").iterdir())
     given = next(iter(open_dataset(tmp_path))).image
-    k = CONFIG.camera.intrinsics
+    k = CONFIG.rig.front.intrinsics
     expected = cv2.undistort(cv2.imread(str(min(path.parent.iterdir()))), k.matrix, np.array([-0.2, 0.05, 0.0, 0.0]))
     assert np.abs(given[..., ::-1].astype(int) - expected).mean() < 1.0
 
