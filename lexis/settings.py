@@ -77,9 +77,19 @@ def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settin
 
 
 def _value(annotation: Any, value: object) -> object:
-    """A value of a field: settings from a mapping, everything else as it is."""
+    """A value of a field: JSON has mappings for settings, lists for tuples, and whole numbers for some floats."""
     nested = isinstance(annotation, type) and issubclass(annotation, Settings) and is_dataclass(annotation)
-    return settings_of(annotation, value) if nested else value
+    if nested:
+        return settings_of(annotation, value)
+    if isinstance(value, list):
+        (*_, item) = get_args(annotation) or (Any,)
+        return tuple(_value(item, each) for each in value)
+    wants_float = float in (annotation, getattr(annotation, "__origin__", None), *_bases(annotation))
+    return float(value) if wants_float and isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _bases(annotation: Any) -> tuple[Any, ...]:
+    return tuple(getattr(option, "__origin__", option) for option in get_args(annotation))
 
 
 @cache

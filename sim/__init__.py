@@ -2,7 +2,7 @@
 
 The package joins `worlds`, which knows every house exactly, with `lexis`, which sees only observations. Read `session.py`
 first: it yields pairs of an observation and the truth, and only the observation reaches the SLAM. Then read `harness`, which
-builds a session from a `RunConfig`, runs LEXIS on it and evaluates the result. What a session is made of:
+builds a session from a `Scenario`, runs a SLAM on it and evaluates the result. What a session is made of:
 
 - `tours`: the path and motion of the camera.
 - `odometry`: the drifting estimate of that motion, and the inertial sensor.

@@ -2,8 +2,13 @@ from .errors import SimError as SimError
 from .faults import parse_fault as parse_fault
 from .feature_sensor import FeatureSensor as FeatureSensor
 from .feature_sensor import load_features as load_features
+from .harness import Estimate as Estimate
+from .harness import Lexis as Lexis
+from .harness import LoopClaims as LoopClaims
 from .harness import Run as Run
-from .harness import RunConfig as RunConfig
+from .harness import RunResult as RunResult
+from .harness import Scenario as Scenario
+from .harness import SlamUnderTest as SlamUnderTest
 from .harness import check as check
 from .harness import evaluate as evaluate
 from .harness import run as run
@@ -13,6 +18,7 @@ from .odometry import Odometry as Odometry
 from .odometry import OdometryConfig as OdometryConfig
 from .odometry import tour_odometry as tour_odometry
 from .render import CameraRenderer as CameraRenderer
+from .render import RigConfig as RigConfig
 from .render import build_scene as build_scene
 from .render import make_rig as make_rig
 from .report import ReportData as ReportData

@@ -17,9 +17,9 @@ import sys
 import numpy as np
 import pytest
 
-from sim.harness import RunConfig, evaluate, run
+from sim.harness import Scenario, evaluate, run
 from sim.harness.walk import walk
-from sim.render.rig import make_rig
+from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 
 GUARD_S = 120.0
@@ -31,10 +31,10 @@ OTHER_PROCESSOR = {
     "PYTHONWARNINGS": "ignore",
 }
 """A processor of 2008, on which numpy, BLAS and libm use other code than on a current one."""
-CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
+CONFIG = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=RigConfig("wide", 200, 150, 80.0)
 )
-LONG = RunConfig(preset="random", seed=602)
+LONG = Scenario(preset="random", seed=602)
 """A walk of 850 m, which is long enough for rounding errors to accumulate."""
 
 

@@ -14,17 +14,20 @@ import numpy as np
 import pytest
 from helpers.decisions import decisions
 
-from sim.harness import RunConfig, run
-from sim.render.rig import make_rig
+from sim.harness import Scenario, run
+from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 
 SMALL = {
-    "two rooms": RunConfig(
-        house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
+    "two rooms": Scenario(
+        house=sample_from_rooms(("kitchen", "bedroom"), seed=31),
+        seed=5,
+        length_m=13.0,
+        rig=RigConfig("wide", 200, 150, 80.0),
     ),
-    "no pixels, no drift": RunConfig(preset="home", seed=500, fidelity="features", odometry="perfect"),
+    "no pixels, no drift": Scenario(preset="home", seed=500, fidelity="features", odometry="perfect"),
 }
-HOMES = {f"home {seed}": RunConfig(preset="home", seed=seed) for seed in (7, 500, 501, 502, 503, 504)}
+HOMES = {f"home {seed}": Scenario(preset="home", seed=seed) for seed in (7, 500, 501, 502, 503, 504)}
 """The demo, which is also the first test of README.md, and the homes of `lexis-sim bench segmentation`."""
 RUNS = SMALL | HOMES
 REFERENCE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OPENBLAS_CORETYPE": "Haswell"}

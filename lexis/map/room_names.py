@@ -8,12 +8,17 @@ from lexis.types import RoomInstance
 
 def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
     """One unique name per room, in the order of the rooms; several rooms of a label are numbered from 1 in that order."""
-    total = Counter(room.label for room in rooms)
+    return numbered([room.label for room in rooms])
+
+
+def numbered(labels: Sequence[str]) -> tuple[str, ...]:
+    """One unique name per label, in their order; equal labels are numbered from 1."""
+    total = Counter(labels)
     seen: Counter[str] = Counter()
     names = []
-    for room in rooms:
-        seen[room.label] += 1
-        names.append(room.label if total[room.label] == 1 else f"{room.label} {seen[room.label]}")
+    for label in labels:
+        seen[label] += 1
+        names.append(label if total[label] == 1 else f"{label} {seen[label]}")
     return tuple(names)
 
 

@@ -6,6 +6,7 @@ rendered in the small size that LEXIS uses.
 """
 
 import collections
+import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,10 +21,11 @@ from sim.feature_sensor.fit_samples import choices
 from sim.feature_sensor.model import MINI_FEATURES, load_features
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES
-from sim.harness import RunConfig, evaluate, run
+from sim.harness import Scenario, evaluate, run
+from sim.harness.adapters import Lexis
 from sim.harness.parts import house_spec
 from sim.harness.walk import walk
-from sim.render.rig import make_rig
+from sim.render.rig import RigConfig, build_rig
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
 
@@ -70,7 +72,7 @@ class Agreement:
     """Mean absolute difference between the two."""
 
 
-def mixed_houses(count: int, first_seed: int) -> list[tuple[str, RunConfig]]:
+def mixed_houses(count: int, first_seed: int) -> list[tuple[str, Scenario]]:
     """Draw `count` houses of mixed families, openness and clutter, then some more with unusual looks, as (group, config)."""
     usual = choices(count, first_seed)
     mixed = [(choice.preset, _config(choice.spec())) for choice in usual]
@@ -83,35 +85,35 @@ def mixed_houses(count: int, first_seed: int) -> list[tuple[str, RunConfig]]:
     return mixed
 
 
-def _config(spec: HouseSpec) -> RunConfig:
-    return RunConfig(
+def _config(spec: HouseSpec) -> Scenario:
+    return Scenario(
         house=spec,
         seed=spec.seed,
         frame_rate_hz=_FRAME_RATE_HZ,
-        loops=False,
-        lexis=_NO_LANDMARKS,
-        rig=make_rig("wide", *_IMAGE_PX),
+        rig=RigConfig("wide", *_IMAGE_PX),
     )
 
 
 def compare(
-    configs: Sequence[tuple[str, RunConfig]], encoder: Encoder, feature_model: Path | None = None
+    configs: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
     """Run every house of (group, config) in both fidelities."""
     for group, config in configs:
         figures = []
         for fidelity in FIDELITIES:
-            result = evaluate(run(replace(config, fidelity=fidelity, feature_model=feature_model), encoder), [])
-            figures.append((result["labels"]["accuracy"], result["labels"]["accuracy_baseline"], result["rooms"]["pq"]))
+            slam = Lexis(encoder, _NO_LANDMARKS, loops=False)
+            result = evaluate(run(replace(config, fidelity=fidelity, feature_model=feature_model), slam))
+            found = (result.labels.accuracy, result.labels.accuracy_baseline, result.rooms.pq)
+            figures.append([math.nan if figure is None else figure for figure in found])
         rendered, features = figures
         yield HousePair(group, house_spec(config).name, *zip(rendered, features, strict=True))
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
     """Number of views of a furnished home for which the feature sensor draws an embedding, per second of processor time."""
-    walked = walk(RunConfig(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
+    walked = walk(Scenario(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
     poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
-    sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), RunConfig().rig.front, first_seed)
+    sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), build_rig(Scenario().rig).front, first_seed)
     houses = [walked.house] * _SPEED_FRAMES
     collections.deque(sensor.percepts(houses[:_WARM_UP], poses), maxlen=0)
     start = time.process_time()

@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from sim.harness import RunConfig
+from sim.harness import Scenario
 from sim.harness.parts import house_spec
 from worlds.variant import variant
 
 
-def configs(config: RunConfig, seeds: Sequence[int], openness: float | None = None) -> Iterator[RunConfig]:
+def configs(config: Scenario, seeds: Sequence[int], openness: float | None = None) -> Iterator[Scenario]:
     """Yield one configuration for each seed, all else as in `config`.
 
     If `openness` is given, inner walls of every house are opened or closed until the house has that openness. Raises

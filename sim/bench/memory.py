@@ -32,9 +32,9 @@ def _run(seed: int) -> int:
     import open_clip  # noqa: F401 - loads torch and its dependencies, whose memory is subtracted
 
     torch_alone = peak_memory()
-    from sim.harness import RunConfig, run
+    from sim.harness import Scenario, run
 
-    run(RunConfig(preset="home", seed=seed))
+    run(Scenario(preset="home", seed=seed))
     return peak_memory() - torch_alone
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.slam import Slam
 from lexis.types import Observation
-from sim.harness.config import RunConfig
-from sim.harness.parts import slam_config
+from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.odometry.simulation import Odometry
+from sim.render.rig import build_rig
 from sim.session import Session
 from sim.tours.tour import Tour
 
@@ -49,17 +49,17 @@ class Overlap:
         return self.both.processor / (self.rendering.processor + self.lexis.processor)
 
 
-def measure_overlap(config: RunConfig, frames: int, repetitions: int) -> list[Overlap]:
+def measure_overlap(config: Scenario, frames: int, repetitions: int) -> list[Overlap]:
     """Measure the first `frames` frames of a run, `repetitions` times. LEXIS alone runs on images kept in memory."""
-    walked, encoder = walk(config), load_encoder(config.encoder)
+    walked, encoder, camera = walk(config), load_encoder(config.encoder), build_rig(config.rig).front
     tour, odometry = walked.tour, walked.odometry
     part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)
     reported = Odometry(odometry.T_O_B[:frames], odometry.increment_covariance[:frames])
-    session = Session(walked.house, part, reported, config.rig.front, config.faults, config.seed)
+    session = Session(walked.house, part, reported, camera, config.faults, config.seed)
 
     def lexis(observations: Iterable[Observation]) -> float:
         """Run LEXIS; return the time spent in its stages [s]."""
-        slam = Slam(config.rig.front, encoder, walked.house.spec.room_labels, slam_config(config))
+        slam = Slam(camera, encoder, walked.house.spec.room_labels)
         for observation in observations:
             slam.process(observation)
         return sum(slam.finish().stage_seconds.values())

@@ -12,21 +12,21 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.evaluation.planning import spl, success_rate
 from lexis.files.replace import replaced_file
 from sim.bench.houses import configs
 from sim.errors import SimError
-from sim.harness import Run, RunConfig, run, try_plans
+from sim.harness import Run, Scenario, run, try_plans
+from sim.harness.adapters import Lexis
 from sim.harness.planning import Steering, Trial
 from sim.report.drive_picture import drive_png
 
 DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
     {
         "truth": ("truth", False),
-        "LEXIS": ("lexis", False),
+        "LEXIS": ("estimate", False),
         "odometry": ("odometry", False),
-        "LEXIS, blind": ("lexis", True),
+        "LEXIS, blind": ("estimate", True),
         "odometry, blind": ("odometry", True),
     }
 )
@@ -49,7 +49,7 @@ class PlanningRow:
 
 
 def drive_houses(
-    config: RunConfig, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
+    config: Scenario, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
 ) -> Iterator[PlanningRow]:
     """Make one run per seed, all else as in `config`, and let every driver drive all plans of the run.
 
@@ -58,9 +58,9 @@ def drive_houses(
     """
     if pictures is not None:
         _make_folder(pictures)
-    encoder = load_encoder(config.encoder)
+    slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
-        finished = run(own, encoder)
+        finished = run(own, slam)
         for driver, (steering, blind) in DRIVERS.items():
             start = time.perf_counter()
             trials = try_plans(finished, steering, blind)
@@ -86,6 +86,6 @@ def _make_folder(folder: Path) -> None:
 def _draw(finished: Run, trials: Sequence[Trial], folder: Path) -> None:
     for trial in trials:
         if not trial.success and len(trial.path):
-            name = f"{finished.config.seed} {trial.start} to {trial.goal}.png".replace(" ", "-").replace("'", "")
+            name = f"{finished.scenario.seed} {trial.start} to {trial.goal}.png".replace(" ", "-").replace("'", "")
             with replaced_file(folder / name) as beside:
                 beside.write_bytes(drive_png(finished.house, trial.planned, trial.path, trial.touched))

@@ -13,7 +13,8 @@ from lexis.query.answers import ask
 from lexis.query.calibration import Calibration, find_calibration
 from lexis.types import LexisMap
 from sim.bench.everyday_questions import HELD_OUT, TUNING, EverydayQuestion
-from sim.harness import RunConfig, run
+from sim.harness import Scenario, run
+from sim.harness.adapters import Lexis
 from worlds.house import House
 from worlds.truth import objects, room_at
 
@@ -55,15 +56,15 @@ class QueriesRow:
     """Share of these questions for which "unknown" is reported."""
 
 
-def ask_houses(config: RunConfig, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
+def ask_houses(config: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
     """Make one run per seed, all else as in `config`; yield (seed, name of the set of questions, answers)."""
     encoder = load_encoder(config.encoder)
-    calibration = find_calibration(encoder)
+    slam, calibration = Lexis(encoder), find_calibration(encoder)
     for seed in seeds:
-        finished = run(replace(config, seed=seed), encoder)
-        rooms = true_rooms(finished.house, finished.map, finished.true_poses)
+        finished, lexis_map = run(replace(config, seed=seed), slam), slam.map
+        rooms = true_rooms(finished.house, lexis_map, finished.true_poses)
         for name, questions in SETS.items():
-            yield seed, name, [ask_one(q, finished.house, finished.map, rooms, encoder, calibration) for q in questions]
+            yield seed, name, [ask_one(q, finished.house, lexis_map, rooms, encoder, calibration) for q in questions]
 
 
 def ask_one(

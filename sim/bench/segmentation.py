@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from lexis.encoder.open_clip_encoder import load_encoder
 from sim.bench.houses import configs
-from sim.harness import RunConfig, evaluate, run, try_plans
+from sim.harness import Scenario, evaluate, run, try_plans
+from sim.harness.adapters import Lexis
 from sim.harness.loops import edge_truth
 
 
@@ -16,17 +16,17 @@ from sim.harness.loops import edge_truth
 class SegmentationRow:
     """The figures of one house."""
 
-    baseline: float
+    baseline: float | None
     """Label accuracy before refinement."""
-    refined: float
+    refined: float | None
     """Label accuracy after refinement."""
-    pq: float
+    pq: float | None
     """Panoptic quality of rooms."""
-    floors: float
+    floors: float | None
     """Floor accuracy."""
-    odometry_m: float
+    odometry_m: float | None
     """ATE of the odometry [m]."""
-    ate_m: float
+    ate_m: float | None
     """ATE of the optimised trajectory [m]."""
     false_loops: int
     heavy_false_loops: int
@@ -38,27 +38,27 @@ class SegmentationRow:
 
 
 def run_houses(
-    config: RunConfig, seeds: Sequence[int], openness: float | None = None
+    config: Scenario, seeds: Sequence[int], openness: float | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
     """Make one run per seed, all else as in `config`; yield (seed, figures). For `openness` see `sim.bench.houses`."""
-    encoder = load_encoder(config.encoder)
+    slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
-        finished = run(own, encoder)
+        finished = run(own, slam)
         result = evaluate(finished, try_plans(finished))
         is_true = edge_truth(finished)
         yield (
             own.seed,
             SegmentationRow(
-                result["labels"]["accuracy_baseline"],
-                result["labels"]["accuracy"],
-                result["rooms"]["pq"],
-                result["floors"]["accuracy"],
-                result["trajectory"]["ate_odometry_m"],
-                result["trajectory"]["ate_m"],
-                result["loops"]["false"],
-                int((finished.map.loop_weights[~is_true] > 0.5).sum()),
-                result["loops"]["recall"],
-                result["planning"]["success"],
+                result.labels.accuracy_baseline,
+                result.labels.accuracy,
+                result.rooms.pq,
+                result.floors.accuracy,
+                result.trajectory.ate_odometry_m,
+                result.trajectory.ate_m,
+                result.loops.false or 0,
+                int((slam.map.loop_weights[~is_true] > 0.5).sum()),
+                result.loops.recall,
+                result.planning.success,
             ),
         )
 

@@ -10,7 +10,7 @@ from lexis.types import Poses
 from sim.bench.memory import measure_memory
 from sim.bench.overlap import measure_overlap
 from sim.bench.plain import PlainRenderer
-from sim.harness.config import RunConfig
+from sim.harness.scenario import Scenario
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
 from sim.tours.tour import plan_tour
@@ -146,7 +146,7 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
 
 def _runs() -> Iterator[Section]:
     """Times of rendering and LEXIS, each alone and both in parallel, in turn, so that other load slows all of them alike."""
-    runs = measure_overlap(RunConfig(), _RUN_FRAMES, _RUNS)
+    runs = measure_overlap(Scenario(), _RUN_FRAMES, _RUNS)
     parts = {
         "rendering alone": [run.rendering for run in runs],
         "LEXIS alone": [run.lexis for run in runs],

@@ -134,7 +134,7 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
 
 
 def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `add_walk` has asked for, as fields of `RunConfig`. Raises `WorldsError` or `SimError` for bad ones."""
+    """What `add_walk` has asked for, as fields of `Scenario`. Raises `WorldsError` or `SimError` for bad ones."""
     return {
         "preset": arguments.preset,
         "seed": arguments.seed,

@@ -66,14 +66,14 @@ def _houses(arguments: argparse.Namespace) -> str:
 
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.segmentation import SegmentationRow, mean_and_spread, run_houses
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
     from sim.report.figures import shown
 
     title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}, {arguments.fidelity}")
     table = Table("seed", *(field.name.replace("_", " ") for field in fields(SegmentationRow)), title=title)
     last = arguments.seed + arguments.houses - 1
     rows = []
-    config = RunConfig(
+    config = Scenario(
         preset=arguments.preset,
         encoder=arguments.encoder,
         fidelity=arguments.fidelity,
@@ -126,11 +126,11 @@ def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.planning import DRIVERS, drive_houses
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
     from sim.report.figures import shown
 
     seeds = range(arguments.seed, arguments.seed + arguments.houses)
-    config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
     title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}")
     table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
     rows = []
@@ -149,14 +149,14 @@ def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.queries import SETS, Answered, QueriesRow, ask_houses, row_of
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
     from sim.report.figures import shown
 
     title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
     table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(QueriesRow)), title=title)
     failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
     everything: dict[str, list[Answered]] = {name: [] for name in SETS}
-    config = RunConfig(preset=arguments.preset, encoder=arguments.encoder)
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
     for house, name, answered in ask_houses(config, range(arguments.seed, arguments.seed + arguments.houses)):
         everything[name] += answered
         table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))

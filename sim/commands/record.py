@@ -80,17 +80,17 @@ def _distortion(text: str) -> tuple[float, ...]:
 
 
 def _record(arguments: argparse.Namespace) -> int:
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
     from sim.odometry.imu import TURN_ON, ImuConfig
     from sim.record import record
     from sim.record.rooms import ROOMS
     from sim.render.lens import Distortion
-    from sim.render.rig import displaced, make_rig
+    from sim.render.rig import RigConfig
 
     arm = arguments.lever_arm
-    rig = displaced(make_rig(arguments.rig), arm[:3], arm[3:] or (0.0, 0.0, 0.0))
+    rig = RigConfig(arguments.rig, lever_arm_m=arm[:3], lever_arm_rpy_deg=arm[3:] or (0.0, 0.0, 0.0))
     gyroscope, accelerometer = (arguments.imu_bias * deviation for deviation in TURN_ON)
-    config = RunConfig(rig=rig, **walk_options(arguments))
+    config = Scenario(rig=rig, **walk_options(arguments))
     warn_of_replacement(arguments.out, ROOMS)
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:

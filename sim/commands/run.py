@@ -22,7 +22,8 @@ from sim.commands.arguments import (
 from sim.fidelity import FIDELITIES
 
 if TYPE_CHECKING:
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
+    from sim.harness.slam_under_test import SlamUnderTest
 
 RIG_HELP = (
     "wide, stereo, front-rear, four or fisheye; LEXIS sees the first pinhole: the front, left or front left one "
@@ -62,30 +63,30 @@ def _add_out(parser: argparse.ArgumentParser, out: Path) -> None:
 
 
 def _demo(arguments: argparse.Namespace) -> int:
-    from sim.harness import RunConfig
+    from sim.harness import Scenario
 
-    return _run_and_report(RunConfig(seed=arguments.seed), arguments.out)
+    return _run_and_report(Scenario(seed=arguments.seed), None, arguments.out)
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from lexis.config import Config, read_config
-    from sim.harness import RunConfig
-    from sim.render.rig import make_rig
+    from lexis.config import read_config
+    from sim.harness import Scenario
+    from sim.harness.adapters import Lexis
+    from sim.render.rig import RigConfig
 
-    config = RunConfig(
+    scenario = Scenario(
         encoder=arguments.encoder,
         fidelity=arguments.fidelity,
         feature_model=arguments.feature_model,
-        loops=not arguments.no_loops,
-        refine=not arguments.no_refine,
-        rig=make_rig(arguments.rig),
-        lexis=read_config(arguments.config) if arguments.config else Config(),
+        rig=RigConfig(arguments.rig),
         **walk_options(arguments),
     )
-    return _run_and_report(config, arguments.out)
+    config = read_config(arguments.config) if arguments.config else None
+    slam = Lexis(scenario.encoder, config, loops=not arguments.no_loops, refine=not arguments.no_refine)
+    return _run_and_report(scenario, slam, arguments.out)
 
 
-def _run_and_report(config: "RunConfig", out: Path) -> int:
+def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
     from sim.harness.outputs import MARKER
     from sim.report import result_table, result_title
@@ -95,15 +96,16 @@ def _run_and_report(config: "RunConfig", out: Path) -> int:
     console = Console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("walking and mapping", total=1.0)
-        finished = run(config, progress=lambda share: bar.update(task, completed=share))
+        finished = run(scenario, slam, progress=lambda share: bar.update(task, completed=share))
     trials = try_plans(finished)
     result = evaluate(finished, trials)
     write_run(finished, result, trials, out)
-    print(result_title(result, finished.house.spec.name))
-    console.print(result_table(result, meanings=console.width >= _WIDE))
-    if text := coverage_gap(result, finished.unseen_rooms):
+    figures = result.data()
+    print(result_title(figures, finished.house.spec.name))
+    console.print(result_table(figures, meanings=console.width >= _WIDE))
+    if text := coverage_gap(figures, finished.unseen_rooms):
         print(f"warning: {text}")
-    if result["planning"]["success"] not in (None, 1.0):
+    if result.planning.success not in (None, 1.0):
         print("Not every plan reached its room: the report lists and draws those that failed.")
     print(f"report: {out / 'report.html'}")
     return 0

@@ -26,7 +26,7 @@ class Oracle:
 
     @property
     def name(self) -> str:
-        """Name of the encoder, as in `RunConfig.encoder`."""
+        """Name of the encoder, as in `Scenario.encoder`."""
         return ORACLE
 
     @property

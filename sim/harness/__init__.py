@@ -1,13 +1,14 @@
-"""The harness: run LEXIS on a simulated house, and check the result against the truth.
+"""The harness: give the observations of a scenario to a SLAM, and check its claims against the truth.
 
-    from sim import RunConfig, check
+    from sim import Scenario, check
 
-    result = check(RunConfig(preset="home", seed=7))
-    assert result["floors"]["accuracy"] > 0.9
+    result = check(Scenario(preset="home", seed=7), MySlam())
+    assert result.floors.accuracy > 0.9
 
-`config` describes a run, `parts` and `walk` build its house, tour and odometry, `runner` feeds LEXIS, `planning` drives the
-plans, `figures` (with `loops`) computes every figure of result.json, and `outputs` writes the folder of a run with its
-report, for which `report_data` prepares the data.
+`scenario` describes a run, `parts` and `walk` build its house, tour and odometry. `slam_under_test` is what the harness asks
+of a SLAM, `estimate` what the SLAM may claim, and `adapters` holds LEXIS and others. `runner` feeds the SLAM, `planning`
+drives its plans, `figures` (with `loops`) computes the `results`, and `outputs` writes the folder of a run with its report,
+for which `report_data` prepares the data.
 """
 
 import lazy_loader

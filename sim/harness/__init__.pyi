@@ -1,9 +1,14 @@
-from .config import RunConfig as RunConfig
+from .adapters import Lexis as Lexis
+from .estimate import Estimate as Estimate
+from .estimate import LoopClaims as LoopClaims
 from .figures import check as check
 from .figures import evaluate as evaluate
 from .outputs import write_run as write_run
 from .planning import Trial as Trial
 from .planning import try_plans as try_plans
+from .results import RunResult as RunResult
 from .runner import Run as Run
 from .runner import run as run
+from .scenario import Scenario as Scenario
+from .slam_under_test import SlamUnderTest as SlamUnderTest
 from .walk import Walk as Walk

@@ -1,14 +1,15 @@
-"""Which loop edges of a run are true."""
+"""Which loop closures of a run are true."""
 
 import numpy as np
 from jaxtyping import Bool
 
 from lexis.evaluation.loops import true_edges
-from lexis.loop_arrays import LoopArrays
 from sim.harness.runner import Run
 
 
 def edge_truth(run: Run) -> Bool[np.ndarray, "loops"]:
-    """Per loop edge of the map: whether its relative pose is within 0.5 m and 0.2 rad of the truth."""
-    edges = LoopArrays.of(run.map.loops)
-    return true_edges(edges.query, edges.match, edges.T_match_query, run.true_poses)
+    """Whether the relative pose of each claimed loop is within 0.5 m and 0.2 rad of the truth."""
+    loops = run.estimate.loops
+    if loops is None:
+        return np.zeros(0, bool)
+    return true_edges(loops.query, loops.match, loops.T_match_query, run.true_poses)

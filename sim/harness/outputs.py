@@ -1,32 +1,35 @@
-"""A run's folder: written beside its place and renamed, so that a half-written one is never seen."""
+"""The folder of a run; it appears whole or not at all."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
-from lexis.map.folder import save_map
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
+from sim.harness.results import RunResult
 from sim.harness.runner import Run
+from sim.harness.slam_under_test import SavesFiles
 from sim.report import write_report
 
 MARKER = "result.json"
 """By which a folder is known to be that of a run."""
 
 
-def write_run(run: Run, result: Mapping[str, Any], trials: Sequence[Trial], out: Path) -> None:
-    """Write result.json, house.json, report.html, three trajectories at the keyframes and the map to the folder `out`.
+def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path) -> None:
+    """Write result.json, scenario.json, house.json, report.html, three trajectories and the SLAM's own files to `out`.
 
     A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
     with replaced_folder(out, MARKER) as folder:
-        (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
+        (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
         (folder / "house.json").write_text(run.house.spec.to_json())
-        write_tum(folder / "trajectory.tum", run.stamps, run.map.T_W_B)
+        run.scenario.save(folder / "scenario.json")
+        if run.estimate.T_W_B is not None:
+            write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)
         write_tum(folder / "ground_truth.tum", run.stamps, run.true_poses)
         write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
-        save_map(run.map, folder / "map")
+        if isinstance(run.slam, SavesFiles):
+            run.slam.save(folder)
         write_report(folder / "report.html", report_data(run, result, trials))

@@ -1,4 +1,4 @@
-"""Plans put to the test: from every room that the map names to every other, driven by a simulated robot."""
+"""Plans put to the test: a simulated robot drives from every room that the SLAM names to every other."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,18 +12,18 @@ from jaxtyping import Float64, Int
 from lexis.errors import PlanError
 from lexis.maths.se3 import inverse
 from lexis.maths.ties import rounded
-from lexis.planner import plan
 from lexis.types import Pose
 from sim.harness.parts import odometry_config
 from sim.harness.runner import Run
+from sim.harness.slam_under_test import PlansPaths
 from sim.odometry.simulation import OdometryConfig
 from sim.robot import DeadReckoning, Robot
 from worlds.labels import STAIRS
 from worlds.walkable import UnreachableError, Walkable, polyline_length
 
-Steering = Literal["lexis", "odometry", "truth"]
-"""Where the robot's waypoints and its pose come from: the optimised map and the odometry corrected as the map's last
-keyframe was; the odometry alone, while mapping and while driving; the truth."""
+Steering = Literal["estimate", "odometry", "truth"]
+"""Where the robot's waypoints and its pose come from. estimate: the SLAM's poses, and the odometry corrected as the last of
+these poses was. odometry: the odometry alone, while mapping and while driving. truth: the true poses."""
 
 INSIDE_M = 0.5
 """The shortest path that the SPL compares with ends so far inside a room [m]."""
@@ -70,26 +70,31 @@ class _Belief:
         truth = run.true_poses
         if steering == "truth":
             return _Belief(truth, np.eye(4), OdometryConfig())
-        keyframes = run.map.T_W_B if steering == "lexis" else run.odometry_poses
+        claimed = run.estimate.T_W_B
+        keyframes = run.odometry_poses if steering == "odometry" or claimed is None else claimed
         # Correction after odometry, at the last keyframe: T_W_B[-1] @ inverse(T_O_B[-1]) @ T_O_B is T_W_B[-1] there.
-        return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.config))
+        return _Belief(keyframes, keyframes[-1] @ inverse(truth[-1]), odometry_config(run.scenario))
 
 
-def try_plans(run: Run, steering: Steering = "lexis", blind: bool = False) -> list[Trial]:
-    """Ask for a plan between every two room labels of the map, stairs left out, and drive it.
+def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) -> list[Trial]:
+    """Ask the SLAM for a plan between every two of the labels that it gives to rooms, stairs left out, and drive it.
 
-    The robot is set down at the first keyframe of each plan, its odometry as it was at the end of the map, and the odometry
-    goes on drifting from there. `blind`: it does not look where it goes.
+    The robot starts at the first frame of each plan, its odometry as it was at the end of the run, and the odometry goes on
+    drifting from there. If `blind`, the robot does not look where it goes. Without a claim of rooms, or from a SLAM that
+    plans no paths, there are no trials.
     """
-    return list(_trials(run, Robot(run.house, blind), _Belief.of(run, steering)))
+    rooms = run.estimate.named_rooms(run.room_names)
+    if rooms is None or not isinstance(run.slam, PlansPaths):
+        return []
+    labels = sorted(set(rooms.values()) - {STAIRS})
+    return list(_trials(run, run.slam, labels, Robot(run.house, blind), _Belief.of(run, steering)))
 
 
-def _trials(run: Run, robot: Robot, belief: _Belief) -> Iterator[Trial]:
-    labels = sorted({room.label for room in run.map.rooms} - {STAIRS})
+def _trials(run: Run, slam: PlansPaths, labels: list[str], robot: Robot, belief: _Belief) -> Iterator[Trial]:
     for query, (start, goal) in enumerate(permutations(labels, 2)):
-        rng = np.random.default_rng(np.random.SeedSequence(run.config.seed, spawn_key=(_STREAM, query)))
+        rng = np.random.default_rng(np.random.SeedSequence(run.scenario.seed, spawn_key=(_STREAM, query)))
         try:
-            keyframes = np.array(plan(run.map, start, goal, run.config.lexis.planner).keyframes)
+            keyframes = np.array(slam.plan(start, goal))
         except PlanError:
             yield Trial(start, goal, False, 0.0, 0.0, (), np.zeros((0, 3)), np.zeros((0, 3)))
             continue

@@ -1,20 +1,20 @@
 """A run as the report's plain data."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
 from lexis.evaluation.trajectory import LEAST_POSES, align
-from lexis.map.room_names import instance_names
+from lexis.map.room_names import numbered
 from lexis.maths.se3 import inverse
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
+from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.render.camera import CameraRenderer
-from sim.report.data import KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
+from sim.report.data import UNKNOWN, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP
 from worlds.truth import NOWHERE, room_at
@@ -23,11 +23,11 @@ _SAMPLES = 6
 _SCORES = 3
 
 
-def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) -> ReportData:
+def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> ReportData:
     """What `sim.report.write_report` shows of a run."""
     return ReportData(
-        result,
-        run.map.room_names,
+        result.data(),
+        run.room_names,
         floor_plans(run.house),
         _keyframes(run),
         _loops(run),
@@ -38,22 +38,30 @@ def report_data(run: Run, result: Mapping[str, Any], trials: Sequence[Trial]) ->
 
 
 def _keyframes(run: Run) -> KeyframeTable:
-    truth, estimate = run.true_poses, run.map.T_W_B
-    names: dict[int, str] = {}
-    for name, room in zip(instance_names(run.map.rooms), run.map.rooms, strict=True):
-        names |= dict.fromkeys(room.keyframes, name)
+    truth, claims = run.true_poses, run.estimate
+    odometry = _aligned(run.odometry_poses, truth)
+    unknown = np.full(len(truth), UNKNOWN)
     return KeyframeTable(
         run.stamps,
         truth,
-        _aligned(run.odometry_poses, truth),
-        _aligned(estimate, truth),
+        odometry,
+        odometry if claims.T_W_B is None else _aligned(claims.T_W_B, truth),
         run.true_storeys,
         run.true_labels,
-        run.map.baseline_labels,
-        run.map.labels,
+        unknown if claims.baseline_labels is None else claims.baseline_labels,
+        unknown if claims.labels is None else claims.labels,
         tuple(run.house.rooms[room].id for room in run.true_rooms),
-        tuple(names[k] for k in range(len(truth))),
+        _room_of_frames(run),
     )
+
+
+def _room_of_frames(run: Run) -> tuple[str, ...]:
+    """Name of the claimed room instance of every frame; "" for a frame in none."""
+    labels, rooms = run.estimate.named_rooms(run.room_names), run.estimate.rooms
+    if labels is None or rooms is None:
+        return ("",) * len(run.estimate.frames)
+    names = dict(zip(labels, numbered(list(labels.values())), strict=True))
+    return tuple(names.get(room, "") for room in rooms.tolist())
 
 
 def _aligned(poses: Poses, truth: Poses) -> Poses:
@@ -77,7 +85,7 @@ def _why_failed(run: Run, trial: Trial) -> str:
     # Keyframes sway up and down with the walk: asked for at eye height, the room above the right floor is found.
     intended = _room(run, trial.planned[-1] + [0.0, 0.0, run.session.tour.eye_height_m])
     if intended is None or run.house.room_by_id[intended].label != trial.goal:
-        return f"the plan itself ends in {intended or 'no room'}, whose keyframe the map labels {trial.goal}"
+        return f"the plan itself ends in {intended or 'no room'}, which the SLAM labels {trial.goal}"
     short_m = np.linalg.norm(trial.planned[-1] - trial.path[-1])
     return f"stopped {short_m:.1f} m short of the end of its plan, which is in {intended}"
 
@@ -89,21 +97,24 @@ def _room(run: Run, point: Float64[np.ndarray, "3"]) -> str | None:
 
 
 def _loops(run: Run) -> tuple[LoopMark, ...]:
-    edges = run.map.loops
-    marks = zip(edges, edge_truth(run), run.map.loop_weights, strict=True)
-    return tuple(LoopMark(edge.query, edge.match, bool(true), float(weight)) for edge, true, weight in marks)
+    loops = run.estimate.loops
+    if loops is None:
+        return ()
+    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), loops.weights.tolist(), strict=True)
+    return tuple(LoopMark(*mark) for mark in marks)
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:
-    """The frames that LEXIS was most sure of, half of them right and half wrong, rendered once more (if they were)."""
-    if run.config.fidelity != "render":
+    """The frames that the SLAM was most sure of, half of them right and half wrong, rendered once more."""
+    similarities, baseline = run.estimate.similarities, run.estimate.baseline_labels
+    if run.scenario.fidelity != "render" or similarities is None or baseline is None:
         return ()
-    ranked = np.sort(run.map.similarities, axis=1)
+    ranked = np.sort(similarities, axis=1)
     margin = ranked[:, -1] - ranked[:, -2] if ranked.shape[1] > 1 else ranked[:, -1]
-    wrong = run.map.baseline_labels != run.true_labels
+    wrong = baseline != run.true_labels
     chosen = [*_surest(margin, ~wrong, run.true_rooms), *_surest(margin, wrong, run.true_rooms)]
     with CameraRenderer(run.session.scene, run.session.camera) as renderer:
-        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), _scores(run, k)) for k in chosen)
+        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), _scores(run, similarities[k])) for k in chosen)
 
 
 def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:
@@ -115,6 +126,5 @@ def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], roo
     return sorted(list(best.values())[:_SAMPLES])
 
 
-def _scores(run: Run, keyframe: int) -> tuple[tuple[str, float], ...]:
-    similarities = run.map.similarities[keyframe]
-    return tuple((run.map.room_names[k], float(similarities[k])) for k in np.argsort(-similarities)[:_SCORES])
+def _scores(run: Run, similarities: Float[np.ndarray, "names"]) -> tuple[tuple[str, float], ...]:
+    return tuple((run.room_names[k], float(similarities[k])) for k in np.argsort(-similarities)[:_SCORES])

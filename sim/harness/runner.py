@@ -1,147 +1,184 @@
-"""One run: build the house, walk it, drift the odometry, feed LEXIS. What came out, beside what is true."""
+"""One run: a SLAM gets the observations of a scenario, and what it claims is kept beside the truth."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.errors import ObservationError
-from lexis.perception import Encoder
-from lexis.slam import Slam
-from lexis.types import LexisMap
+from lexis.types import Pose
+from sim.errors import SimError
 from sim.feature_sensor.model import MINI_FEATURES, load_features
-from sim.feature_sensor.oracle import Oracle
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
-from sim.harness.config import RunConfig
-from sim.harness.parts import slam_config
+from sim.harness.adapters.lexis import Lexis
+from sim.harness.estimate import Estimate
+from sim.harness.scenario import Scenario
+from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
+from sim.render.rig import build_rig
 from sim.session import Session
 from sim.truth import Truth
 from worlds.house import House
 from worlds.walkable import Walkable
 
+Progress = Callable[[float], None]
+"""Told the share of the frames that are done, from 0 to 1."""
+
+
+class Given(NamedTuple):
+    """What the SLAM was told about a frame, besides its image."""
+
+    stamp: float
+    """[s]"""
+    T_O_B: Pose
+    """Pose of the body by odometry."""
+
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A finished run. Arrays "of keyframes" are indexed by keyframe id."""
+    """A finished run. Arrays have one row for each frame of the estimate, unless they say otherwise."""
 
-    config: RunConfig
+    scenario: Scenario
     house: House
     walkable: Walkable
     session: Session
-    map: LexisMap
+    slam: SlamUnderTest
+    """The SLAM after `finish`, which may plan paths and save files."""
+    estimate: Estimate
+    given: Mapping[int, Given]
+    """What the SLAM was told about every frame that it took, by the index of the observation."""
     seconds: dict[str, float]
-    """Wall time of house and tour, of building the scene, and of rendering [s]."""
+    """Wall time of house and tour, of building the scene, of rendering, and of the SLAM [s]."""
     delivered: tuple[Truth, ...]
-    """What was true of every observation, in the order in which LEXIS was given them."""
+    """The truth of every observation, in the order in which the SLAM was given them."""
     refused: tuple[str, ...] = ()
-    """Why LEXIS did not take some of them; only under faults."""
+    """Why the SLAM refused some observations; only under faults."""
 
     @property
-    def observed(self) -> Int[np.ndarray, "n"]:
-        """Index of the observation that became each keyframe."""
-        return np.array([keyframe.observation_index for keyframe in self.map.keyframes], int)
+    def room_names(self) -> tuple[str, ...]:
+        """The labels that the SLAM was told; labels are indices into them."""
+        return self.house.spec.room_labels
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
-        """Of keyframes [s]."""
-        return np.array([keyframe.stamp for keyframe in self.map.keyframes])
+        """Times of the frames, as the SLAM was told them [s]."""
+        return np.array([self.given[frame].stamp for frame in self.estimate.frames.tolist()])
 
     @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """T_W_B of keyframes."""
-        return np.asarray(self.session.tour.T_W_B[self.observed])
+        """True T_W_B."""
+        return np.asarray(self.session.tour.T_W_B[self.estimate.frames])
 
     @property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """T_O_B of keyframes, as LEXIS was given them."""
-        return np.array([keyframe.T_O_B for keyframe in self.map.keyframes])
+        """T_O_B by odometry, as the SLAM was told it."""
+        return np.array([self.given[frame].T_O_B for frame in self.estimate.frames.tolist()])
 
     @property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
-        """Index into `house.rooms` of keyframes."""
-        return np.array([self.session.truths[i].room for i in self.observed], int)
+        """Index into `house.rooms` of the room that holds the camera."""
+        return np.array([self.session.truths[frame].room for frame in self.estimate.frames.tolist()], int)
+
+    @property
+    def true_labels(self) -> Int[np.ndarray, "n"]:
+        """Index into `room_names` of the true label."""
+        return np.array([self.room_names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
+
+    @property
+    def true_storeys(self) -> Int[np.ndarray, "n"]:
+        """Storey that the camera is on, 0 for the lowest."""
+        return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
 
     @property
     def walked_rooms(self) -> tuple[int, ...]:
-        """Indices into `house.rooms` of the rooms that the walk went through, in that order."""
+        """Indices into `house.rooms` of the rooms that the tour went through, in that order."""
         return tuple(dict.fromkeys(truth.room for truth in self.session.truths))
 
     @property
     def unseen_rooms(self) -> tuple[str, ...]:
-        """Ids of the rooms that the walk went through without a keyframe, in that order."""
+        """Ids of the rooms that the tour went through and that no frame of the estimate is in, in that order."""
         seen = set(self.true_rooms.tolist())
         return tuple(self.house.rooms[room].id for room in self.walked_rooms if room not in seen)
 
-    @property
-    def true_labels(self) -> Int[np.ndarray, "n"]:
-        """Index into the map's room names of keyframes."""
-        return np.array([self.map.room_names.index(self.session.truths[i].label) for i in self.observed], int)
 
-    @property
-    def true_storeys(self) -> Int[np.ndarray, "n"]:
-        """Storey of keyframes."""
-        return np.array([self.session.truths[i].storey for i in self.observed], int)
+def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progress | None = None) -> Run:
+    """Give the observations of a scenario to a SLAM; without one, to LEXIS with the encoder that the scenario names.
 
-
-def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[float], None] | None = None) -> Run:
-    """Run LEXIS on the simulated house that `config` describes.
-
-    `encoder` replaces the one that `config` names; `progress` is told the share of frames done. Under faults, observations
-    that LEXIS refuses are left out, as a driver would that logs the error and goes on. Raises `WorldsError`,
-    `SimError` or `LexisError` where the config asks for what cannot be.
+    Under faults, observations that the SLAM refuses (`ObservationError`) are left out, as by a driver that logs the error
+    and goes on. Raises `WorldsError`, `SimError` or `LexisError` where the scenario asks for what cannot be, or where the
+    estimate is not valid, and whatever the SLAM raises.
     """
-    encoder = encoder or _encoder(config.encoder)
-    sensor = _sensor(config, encoder)
+    slam = slam or Lexis(scenario.encoder)
+    check_slam_methods(slam)
     seconds: dict[str, float] = {}
     with _timed(seconds, "house_s"):
-        walked = walk(config)
+        walked = walk(scenario)
+    camera = build_rig(scenario.rig).front
+    sensor = _sensor(scenario)
     with _timed(seconds, "scene_s"):
-        session = Session(walked.house, walked.tour, walked.odometry, config.rig.front, config.faults, config.seed, sensor)
-    slam = Slam(config.rig.front, encoder, walked.house.spec.room_labels, slam_config(config), session.verifier())
+        session = Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
+    with _timed(seconds, "slam_s"):
+        _start(slam, scenario, session)
     delivered, refused = [], []
+    given: dict[int, Given] = {}
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
             try:
-                slam.process(observation)
+                with _timed(seconds, "slam_s"):
+                    slam.process(observation)
+                given.setdefault(observation.index, Given(observation.stamp, observation.T_O_B))
             except ObservationError as error:
-                if not config.faults:
+                if not scenario.faults:
                     raise
                 refused.append(str(error))
             if progress is not None:
                 progress((observation.index + 1) / len(session))
-    lexis_map = slam.finish()
+    with _timed(seconds, "slam_s"):
+        estimate = slam.finish()
+    if not isinstance(estimate, Estimate):
+        raise SimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds["render_s"] = session.render_seconds
-    return Run(config, walked.house, walked.walkable, session, lexis_map, seconds, tuple(delivered), tuple(refused))
+    _check_frames(estimate, given)
+    return Run(
+        scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
+    )
 
 
-def _encoder(name: str) -> Encoder:
-    if name == ORACLE:
-        return Oracle()
-    from lexis.encoder.open_clip_encoder import load_encoder  # torch takes seconds, and the oracle does without
-
-    return load_encoder(name)
-
-
-def _sensor(config: RunConfig, encoder: Encoder) -> FeatureSensor | None:
-    """What takes the place of images; None where there are images."""
-    if config.fidelity == "render":
+def _sensor(scenario: Scenario) -> FeatureSensor | None:
+    """The feature sensor; None if the SLAM gets images."""
+    if scenario.fidelity == "render":
         return None
-    source = config.feature_model or MINI_FEATURES
-    model = load_features(source)
-    oracle = isinstance(encoder, Oracle)
-    if not oracle:
-        model.check(encoder, str(source))
-    return FeatureSensor(model, config.rig.front, config.seed, oracle)
+    model = load_features(scenario.feature_model or MINI_FEATURES)
+    return FeatureSensor(model, build_rig(scenario.rig).front, scenario.seed, scenario.encoder == ORACLE)
+
+
+def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
+    names = session.house.spec.room_labels
+    if scenario.fidelity == "features" and isinstance(slam, AcceptsFeatures):
+        source = scenario.feature_model or MINI_FEATURES
+        features = FeatureInput(load_features(source), str(source), scenario.encoder == ORACLE, session.verifier())
+        slam.start_on_features(session.camera, names, features)
+    else:
+        slam.start(session.camera, names)
+
+
+def _check_frames(estimate: Estimate, given: Mapping[int, Given]) -> None:
+    """Raise SimError for claims about a frame that the SLAM was not given."""
+    unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
+    if unknown:
+        raise SimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
 
 
 @contextmanager
 def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
     start = time.perf_counter()
-    yield
-    seconds[name] = time.perf_counter() - start
+    try:
+        yield
+    finally:
+        seconds[name] = seconds.get(name, 0.0) + time.perf_counter() - start

@@ -1,9 +1,9 @@
-"""What a run and a recording of it share: the house, the way through it, and the odometry along that way."""
+"""The part of a run that needs neither images nor a SLAM: the house, the tour through it, and the odometry on that tour."""
 
 from dataclasses import dataclass
 
-from sim.harness.config import RunConfig
 from sim.harness.parts import house_spec, odometry_config, random_streams, tour_config
+from sim.harness.scenario import Scenario
 from sim.odometry.simulation import Odometry, tour_odometry
 from sim.tours.tour import Tour, plan_tour
 from worlds.house import House
@@ -13,7 +13,7 @@ from worlds.walkable import Walkable
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A walk through a house before anything is seen on it."""
+    """A tour through a house before anything is rendered."""
 
     house: House
     walkable: Walkable
@@ -21,11 +21,11 @@ class Walk:
     odometry: Odometry
 
 
-def walk(config: RunConfig) -> Walk:
-    """The walk that `config` describes. Raises `WorldsError` or `SimError` where it asks for what cannot be."""
-    streams = random_streams(config)
-    house = built_and_checked(house_spec(config))
+def walk(scenario: Scenario) -> Walk:
+    """Build and validate the house, plan the tour, and draw the odometry. Raises `WorldsError` or `SimError`."""
+    streams = random_streams(scenario)
+    house = built_and_checked(house_spec(scenario))
     walkable = Walkable(house)
-    tour = plan_tour(house, walkable, streams["tour"], tour_config(config))
-    odometry = tour_odometry(tour, odometry_config(config), streams["odometry"])
+    tour = plan_tour(house, walkable, streams["tour"], tour_config(scenario))
+    odometry = tour_odometry(tour, odometry_config(scenario), streams["odometry"])
     return Walk(house, walkable, tour, odometry)

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from lexis.files.replace import replaced_folder
 from sim.errors import SimError
-from sim.harness.config import RunConfig
+from sim.harness.scenario import Scenario
 from sim.odometry.imu import ImuConfig
 from sim.record.euroc import write_euroc
 from sim.record.rooms import ROOMS, FrameRooms
@@ -50,7 +50,7 @@ _DEPTH_BYTES_PER_PIXEL = 1.0
 
 
 def record(
-    config: RunConfig,
+    config: Scenario,
     out: Path,
     format: str = "euroc",
     images: str = "png",

@@ -17,11 +17,11 @@ from jaxtyping import Float32, Float64, Int64
 from lexis.inputs import pixels
 from lexis.types import Camera, Image, Observation
 from sim.errors import SimError
-from sim.harness.config import RunConfig
+from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 from sim.odometry.imu import GRAVITY_M_S2, Imu, ImuConfig, corrupted, ideal_imu
 from sim.render.lens import Distortion, rendered_camera
-from sim.render.rig import FREE_M, STEREO_BASELINE_M
+from sim.render.rig import FREE_M, STEREO_BASELINE_M, build_rig
 from sim.session import Session
 from sim.truth import Truth
 from sim.world_states import FrameRenderer, WorldStates
@@ -52,7 +52,7 @@ class RecordedFrame:
 class Take:
     """One walk with its sensors and their data. Images are rendered only when `frames` is read."""
 
-    config: RunConfig
+    config: Scenario
     walk: Walk
     cameras: Mapping[str, Camera]
     """Cameras by name; LEXIS receives the images of cam0."""
@@ -130,7 +130,7 @@ class Take:
             yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
 
 
-def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: Distortion | None = None) -> Take:
+def prepare(config: Scenario, imu_config: ImuConfig | None = None, distortion: Distortion | None = None) -> Take:
     """Plan the walk and simulate odometry and IMU for `config`; nothing is rendered yet.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
@@ -139,11 +139,12 @@ def prepare(config: RunConfig, imu_config: ImuConfig | None = None, distortion: 
     Raises what `sim.harness.run` and `Lens` raise, and `SimError` for a camera too far from the IMU.
     """
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
-    pinholes = tuple(config.rig.cameras.values())
-    cameras = (*pinholes, stereo_partner(config.rig.front)) if len(pinholes) == 1 else pinholes
+    rig = build_rig(config.rig)
+    pinholes = tuple(rig.cameras.values())
+    cameras = (*pinholes, stereo_partner(rig.front)) if len(pinholes) == 1 else pinholes
     _check_places(cameras)
     if distortion:
-        rendered_camera(config.rig.front, distortion)  # raises before the walk is planned
+        rendered_camera(rig.front, distortion)  # raises before the walk is planned
     walked = walk(config)
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))

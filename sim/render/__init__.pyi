@@ -11,7 +11,9 @@ from .mjcf import write_mjcf as write_mjcf
 from .raster import Raster as Raster
 from .raster import RenderedFrame as RenderedFrame
 from .rig import Rig as Rig
+from .rig import RigConfig as RigConfig
 from .rig import RigRenderer as RigRenderer
+from .rig import build_rig as build_rig
 from .rig import build_rig_scene as build_rig_scene
 from .rig import make_rig as make_rig
 from .scene import Light as Light

@@ -2,12 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from types import MappingProxyType, TracebackType
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Interval
 from jaxtyping import UInt8
 from scipy.spatial.transform import Rotation
 
+from lexis.settings import Settings
 from lexis.types import Camera, Pose
 from sim.errors import SimError
 from sim.render.camera import fovy_deg, wide_camera
@@ -69,6 +73,41 @@ def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> 
 def build_rig_scene(house: House, rig: Rig) -> Scene:
     """Build a scene in which every camera of `rig` can be rendered."""
     return build_scene(house, rig.size_px, fovy_deg(rig.front.intrinsics))
+
+
+@dataclass(frozen=True)
+class RigConfig(Settings, place="rig", error=SimError):
+    """A rig as plain data: a preset of `RIGS`, the size of its images, and where it sits on the body."""
+
+    name: str = "wide"
+    width: Annotated[int, Ge(16)] = 480
+    """Width of the pinhole images [px]."""
+    height: Annotated[int, Ge(16)] = 360
+    """Height of the pinhole images [px]."""
+    hfov_deg: Annotated[float, Interval(gt=0, lt=180)] = 100.0
+    """Horizontal field of view of the pinhole cameras [deg]."""
+    lever_arm_m: Vector = (0.0, 0.0, 0.0)
+    """Displacement of the whole rig on the body, in B [m]; see `displaced`."""
+    lever_arm_rpy_deg: Vector = (0.0, 0.0, 0.0)
+    """Rotation of the whole rig on the body: roll, pitch, yaw [deg]."""
+
+    def __post_init__(self) -> None:
+        """Raise SimError for values that are not valid."""
+        super().__post_init__()
+        if self.name not in RIGS:
+            raise SimError(f"unknown rig {self.name!r}{did_you_mean(self.name, RIGS)}; valid: {', '.join(RIGS)}")
+        for name in ("lever_arm_m", "lever_arm_rpy_deg"):
+            value = getattr(self, name)
+            if len(value) != 3 or not all(isinstance(each, Real) for each in value):
+                self.refuse(name, "three numbers")
+            object.__setattr__(self, name, tuple(map(float, value)))  # JSON has lists
+
+
+def build_rig(config: RigConfig) -> Rig:
+    """Build the rig that `config` describes. Raises `SimError` for a lever arm that `displaced` refuses."""
+    rig = make_rig(config.name, config.width, config.height, config.hfov_deg)
+    at_the_body = not any(config.lever_arm_m + config.lever_arm_rpy_deg)
+    return rig if at_the_body else displaced(rig, config.lever_arm_m, config.lever_arm_rpy_deg)
 
 
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:

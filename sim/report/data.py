@@ -10,6 +10,8 @@ from jaxtyping import Bool, Float, Float64, Int, UInt8
 from sim.errors import SimError
 from worlds.spec import OpeningKind
 
+UNKNOWN = -1
+"""In the place of a label that the SLAM does not claim."""
 Outline = Float64[np.ndarray, "corners 2"]
 """A polygon of the floor plan, in W [m]."""
 
@@ -170,8 +172,8 @@ class ReportData:
             raise SimError("report: there are no keyframes; at least one is needed")
         for label in ("true_labels", "baseline_labels", "predicted_labels"):
             rows = getattr(self.keyframes, label)
-            if rows.min() < 0 or rows.max() >= names:
-                raise SimError(f"report: {label} must lie in [0, {names}), the rows of label_names")
+            if rows.min() < UNKNOWN or rows.max() >= names:
+                raise SimError(f"report: {label} must lie in [0, {names}), the rows of label_names, or be {UNKNOWN}")
         ends = [k for loop in self.loops for k in (loop.query, loop.match)] + [sample.keyframe for sample in self.samples]
         if ends and not 0 <= min(ends) <= max(ends) < n:
             raise SimError(f"report: loops and samples must name keyframes in [0, {n}), not {min(ends)} to {max(ends)}")

@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64, Int, UInt8
 
 from lexis.perception import TextEncoder
 from lexis.query.answers import best_views_mean, embed_questions
-from sim.harness.config import RunConfig
+from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.training.frames import THINGS, frames_at
 from sim.training.houses import HouseDraw
@@ -77,7 +77,7 @@ class QuestionBatch:
 
 def room_views(draw: HouseDraw) -> RoomViews:
     """Walk through the house as `lexis-sim run` does, and render images. Raises `SimError` if no walk is possible."""
-    walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
+    walked = walk(Scenario(preset=draw.preset, seed=draw.seed))
     T_W_B = walked.tour.T_W_B[evenly_along(walked.tour.T_W_B[:, :3, 3], _SPACING_M, _MOST)]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
     frames = frames_at(walked.house, T_W_B, LEXIS_VIEWS)

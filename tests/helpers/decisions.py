@@ -13,7 +13,7 @@ def decisions(finished, folder):
 
     The map is saved to `folder` and loaded again, because the loaded map must give the same plans as the live one.
     """
-    live = finished.map
+    live = finished.slam.map
     save_map(live, folder)
     return {
         "keyframes": [keyframe.observation_index for keyframe in live.keyframes],

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from sim.bench.encoders.runs import EncoderRun, keyframes_along
-from sim.harness.config import RunConfig
+from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.training.frames import PATCHES, THINGS, Frames
 from sim.training.houses import HouseDraw
@@ -26,7 +26,7 @@ def painted(rooms, rng, T_W_B=None):
 @cache
 def painted_run(seed):
     """A run through a small flat with painted frames."""
-    walked = walk(RunConfig(preset="uh2-apt", seed=seed))
+    walked = walk(Scenario(preset="uh2-apt", seed=seed))
     kept = keyframes_along(walked.tour.T_W_B[:, :3, 3])
     T_W_B = walked.tour.T_W_B[kept]
     room = room_at(walked.house, T_W_B[:, :3, 3])

@@ -7,8 +7,8 @@ def unchecked(settings, /, **values):
     """An instance of a class of settings, as a user without type checks makes it."""
     made = object.__new__(settings)
     for field in fields(settings):
-        if field.init:
-            default = field.default_factory() if field.default is MISSING else field.default
-            object.__setattr__(made, field.name, values.get(field.name, default))
+        if field.name not in values:
+            values[field.name] = field.default_factory() if field.default is MISSING else field.default
+        object.__setattr__(made, field.name, values[field.name])
     made.__post_init__()
     return made

@@ -11,8 +11,8 @@ from jaxtyping import Float64, Int, UInt8
 
 from lexis.config import KeyframeConfig
 from lexis.types import Poses
-from sim.harness.config import RunConfig
 from sim.harness.parts import tour_config
+from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.training.array_cache import Arrays, cached_arrays, house_origin, origin
 from sim.training.frames import Frames, frames_at, frames_origin
@@ -87,7 +87,7 @@ def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k
 
 
 def _rendered(draw: HouseDraw) -> EncoderRun:
-    walked = walk(RunConfig(preset=draw.preset, seed=draw.seed))
+    walked = walk(Scenario(preset=draw.preset, seed=draw.seed))
     keyframes = keyframes_along(walked.tour.T_W_B[:, :3, 3])
     T_W_B = walked.tour.T_W_B[keyframes]
     some = np.unique(np.linspace(0, len(keyframes) - 1, _LOOKED_AT).astype(int))
@@ -108,7 +108,7 @@ def _in_looks(draw: HouseDraw, looks: Sequence[tuple[Any, Any]], T_W_B: Poses) -
 
 
 def _origins(draw: HouseDraw) -> tuple[str, str]:
-    chosen = (tour_config(RunConfig(preset=draw.preset, seed=draw.seed)), KeyframeConfig().spacing_m, _MOST, _LOOKED_AT)
+    chosen = (tour_config(Scenario(preset=draw.preset, seed=draw.seed)), KeyframeConfig().spacing_m, _MOST, _LOOKED_AT)
     own = (HELD_OUT_LOOKS, TRAINED_LOOKS, [f.name for f in fields(EncoderRun)])
     return origin(frames_origin(LEXIS_VIEWS), chosen, own), house_origin(draw)
 

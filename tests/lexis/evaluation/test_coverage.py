@@ -6,10 +6,10 @@ import pytest
 
 from sim.faults.delivery import Dropped
 from sim.faults.poses import Kidnap, OdometryFreeze
-from sim.harness import RunConfig, evaluate, run
+from sim.harness import Scenario, evaluate, run
 from worlds.presets import sample_from_rooms
 
-CONFIG = RunConfig(
+CONFIG = Scenario(
     house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=36.0,
     frame_rate_hz=4.0,
 )  # fmt: skip
@@ -18,7 +18,7 @@ FOREVER_S = 1e6
 
 @pytest.fixture(scope="module")
 def whole():
-    return evaluate(run(CONFIG), [])
+    return evaluate(run(CONFIG)).data()
 
 
 def test_a_run_without_faults_covers_its_walk(whole):
@@ -33,7 +33,7 @@ def test_a_run_without_faults_covers_its_walk(whole):
     ids=lambda fault: fault.name,
 )
 def test_a_run_of_one_keyframe_has_no_perfect_figures_of_nothing(fault, whole):
-    result = evaluate(run(replace(CONFIG, faults=(fault,))), [])
+    result = evaluate(run(replace(CONFIG, faults=(fault,)))).data()
     assert result["run"]["keyframes"] == 1
     assert result["coverage"] == {
         "rooms_with_keyframe": 1,
@@ -48,13 +48,13 @@ def test_a_run_of_one_keyframe_has_no_perfect_figures_of_nothing(fault, whole):
 
 
 def test_half_a_walk_is_covered_by_half():
-    half_s = evaluate(run(CONFIG), [])["run"]["duration_s"] / 2
-    coverage = evaluate(run(replace(CONFIG, faults=(Kidnap(at_s=half_s, skip_s=FOREVER_S),))), [])["coverage"]
+    half_s = evaluate(run(CONFIG)).data()["run"]["duration_s"] / 2
+    coverage = evaluate(run(replace(CONFIG, faults=(Kidnap(at_s=half_s, skip_s=FOREVER_S),)))).data()["coverage"]
     assert 0.35 < coverage["path_covered"] < 0.65
 
 
 def test_a_stretch_that_was_never_seen_is_not_covered(whole):
-    coverage = evaluate(run(replace(CONFIG, faults=(Kidnap(at_s=10.0, skip_s=20.0),))), [])["coverage"]
+    coverage = evaluate(run(replace(CONFIG, faults=(Kidnap(at_s=10.0, skip_s=20.0),)))).data()["coverage"]
     assert coverage["path_covered"] < whole["coverage"]["path_covered"] - 0.1
 
 

@@ -13,7 +13,7 @@ from lexis.query.answers import FITS, ask, best_views_mean
 from lexis.query.calibration import Calibration, find_calibration
 from sim.bench.everyday_questions import TUNING
 from sim.bench.queries import Answered, QueriesRow, answering_rooms, ask_one, row_of, true_rooms
-from sim.harness import RunConfig, run
+from sim.harness import Scenario, run
 from worlds.house import build_house
 from worlds.presets import sample_house
 
@@ -120,13 +120,13 @@ def test_another_encoder_and_a_blank_question_are_refused(lexis_map):
 @pytest.mark.slow
 def test_everyday_questions_to_a_rendered_home_are_answered():
     """Questions about books are left out: the shipped encoder does not recognise books, as its model card says."""
-    finished = run(RunConfig(preset="home", seed=601))
+    finished = run(Scenario(preset="home", seed=601))
     encoder = load_encoder("mini")
-    rooms = true_rooms(finished.house, finished.map, finished.true_poses)
+    rooms = true_rooms(finished.house, finished.slam.map, finished.true_poses)
     asked = [question for question in TUNING if question.text in EVERYDAY]
     assert len(asked) == len(EVERYDAY)
     for question in asked:
-        answered = ask_one(question, finished.house, finished.map, rooms, encoder, find_calibration(encoder))
+        answered = ask_one(question, finished.house, finished.slam.map, rooms, encoder, find_calibration(encoder))
         assert answered.has_answer and answered.succeeded, question.text
 
 

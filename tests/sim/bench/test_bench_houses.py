@@ -3,14 +3,14 @@
 import pytest
 
 from sim.bench.houses import configs
-from sim.harness import RunConfig
+from sim.harness import Scenario
 from sim.harness.parts import house_spec
 from worlds.errors import WorldsError
 from worlds.house import build_house
 from worlds.truth import openness
 
 SEEDS = (500, 501)
-CONFIG = RunConfig(preset="home")
+CONFIG = Scenario(preset="home")
 
 
 def test_without_an_openness_the_houses_are_those_of_the_preset():

@@ -4,8 +4,8 @@ import pytest
 from helpers.blind_encoder import BlindEncoder
 
 from sim.bench.overlap import Overlap, Seconds, measure_overlap
-from sim.harness import RunConfig
-from sim.render.rig import make_rig
+from sim.harness import Scenario
+from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms
 
 
@@ -17,7 +17,7 @@ def test_shares_are_of_the_longer_and_of_the_sum():
 
 def test_each_alone_and_both_at_once_are_measured(monkeypatch):
     monkeypatch.setattr("sim.bench.overlap.load_encoder", lambda name: BlindEncoder())
-    config = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), rig=make_rig("wide", 96, 72))
+    config = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), rig=RigConfig("wide", 96, 72))
     (overlap,) = measure_overlap(config, frames=12, repetitions=1)
     assert min(overlap.rendering.processor, overlap.lexis.processor) > 0.0
     assert overlap.both.wall >= overlap.busiest > 0.0

@@ -15,10 +15,11 @@ from sim.cli import main
 from sim.commands.run import DEMO_SEED
 from sim.errors import SimError
 from sim.faults import FAULTS
-from sim.harness import RunConfig
+from sim.harness import Scenario
 from sim.harness.parts import tour_config
 from sim.odometry.imu import ImuConfig
 from sim.render.lens import Distortion
+from sim.render.rig import build_rig
 from sim.tours.tour import TourConfig
 from worlds.house import build_house
 from worlds.presets import sample_house
@@ -119,7 +120,7 @@ def test_help_and_runs_without_pixels_wait_for_nothing_heavy(module, heavy):
 
 
 def test_the_seed_of_a_run_is_the_harness_s():
-    assert RunConfig().seed == DEMO_SEED
+    assert Scenario().seed == DEMO_SEED
 
 
 def test_generated_houses_check_and_show(tmp_path, capsys):
@@ -225,14 +226,14 @@ def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch,
     assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
     tour, usual = (tour_config(config) for config in seen)
     assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
-    assert usual == tour_config(RunConfig()) == TourConfig("rooms", 140.0)
+    assert usual == tour_config(Scenario()) == TourConfig("rooms", 140.0)
 
 
 def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, capsys):
     seen = []
 
     def stop(config, *_, **options):
-        seen.append((config.rig.front.T_B_C, options["imu_config"], options["distortion"]))
+        seen.append((build_rig(config.rig).front.T_B_C, options["imu_config"], options["distortion"]))
         raise SimError("so far")
 
     monkeypatch.setattr("sim.record.record", stop)
@@ -242,7 +243,7 @@ def test_options_of_the_calibration_reach_the_recording(tmp_path, monkeypatch, c
     np.testing.assert_allclose(place[:3], [[1, 0, 0, -0.05], [0, 0, 1, 0.02], [0, -1, 0, 0.1]], atol=1e-12)
     assert (imu.gyroscope_turn_on, imu.accelerometer_turn_on) == (np.radians(0.5), 20e-3 * 9.81)
     assert lens == Distortion(-0.1, 0.008, 0.0005, -0.0003)
-    np.testing.assert_array_equal(ideal_place, RunConfig().rig.front.T_B_C)
+    np.testing.assert_array_equal(ideal_place, build_rig(Scenario().rig).front.T_B_C)
     assert ideal_imu == ImuConfig() and no_lens is None
 
 

@@ -19,15 +19,18 @@ from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, fingerprint, l
 from sim.feature_sensor.oracle import Oracle
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.feature_sensor.visible_shares import LABEL_WEIGHT, LABELS, SIZE
-from sim.harness import RunConfig, evaluate, run
+from sim.harness import Scenario, evaluate, run
+from sim.harness.adapters import Lexis
+from sim.harness.results import RoomFigures
 from sim.harness.walk import walk
+from sim.render.rig import build_rig
 from sim.report.findings import rooms_without_keyframe
 from sim.session import Session
 from worlds.labels import ROOM_LABELS
 from worlds.presets import sample_from_rooms
 
 HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
-CONFIG = RunConfig(house=HOUSE, seed=5, fidelity="features", frame_rate_hz=2.5, length_m=45.0)
+CONFIG = Scenario(house=HOUSE, seed=5, fidelity="features", frame_rate_hz=2.5, length_m=45.0)
 
 
 class LabelEncoder:
@@ -72,22 +75,22 @@ def config(file):
 def finished(config):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sim.world_states.build_scene", lambda *_: pytest.fail("something was rendered"))
-        return run(config, LabelEncoder())
+        return run(config, Lexis(LabelEncoder()))
 
 
 def test_labels_and_loops_come_out_of_features(finished):
     result = evaluate(finished, [])
-    assert result["fidelity"] == "features"
-    assert result["labels"]["accuracy"] > 0.8 and result["floors"]["accuracy"] == 1.0
-    assert result["loops"]["true"] > 3 and result["loops"]["false"] == 0
-    assert result["trajectory"]["ate_m"] < result["trajectory"]["ate_odometry_m"]
+    assert result.fidelity == "features"
+    assert result.labels.accuracy > 0.8 and result.floors.accuracy == 1.0
+    assert result.loops.true > 3 and result.loops.false == 0
+    assert result.trajectory.ate_m < result.trajectory.ate_odometry_m
 
 
 def test_the_same_seed_gives_the_same_run_and_another_one_another(config, finished):
-    again, other = run(config, LabelEncoder()), run(replace(config, seed=6), LabelEncoder())
-    np.testing.assert_array_equal(again.map.similarities, finished.map.similarities)
-    np.testing.assert_array_equal(again.map.T_W_B, finished.map.T_W_B)
-    assert other.map.similarities[0].tolist() != finished.map.similarities[0].tolist()
+    again, other = run(config, Lexis(LabelEncoder())), run(replace(config, seed=6), Lexis(LabelEncoder()))
+    np.testing.assert_array_equal(again.estimate.similarities, finished.estimate.similarities)
+    np.testing.assert_array_equal(again.estimate.T_W_B, finished.estimate.T_W_B)
+    assert other.estimate.similarities[0].tolist() != finished.estimate.similarities[0].tolist()
 
 
 def test_a_percept_has_no_place_for_truth(finished):
@@ -99,8 +102,8 @@ def test_a_percept_has_no_place_for_truth(finished):
 
 def images(fitted, *faults):
     walked = walk(CONFIG)
-    sensor = FeatureSensor(fitted, CONFIG.rig.front, CONFIG.seed)
-    session = Session(walked.house, walked.tour, walked.odometry, CONFIG.rig.front, faults, CONFIG.seed, sensor)
+    sensor = FeatureSensor(fitted, build_rig(CONFIG.rig).front, CONFIG.seed)
+    session = Session(walked.house, walked.tour, walked.odometry, build_rig(CONFIG.rig).front, faults, CONFIG.seed, sensor)
     return np.array([observation.image.embedding for observation, _ in session])
 
 
@@ -129,7 +132,7 @@ def test_a_model_of_another_encoder_is_refused(config):
             return super().encode_rooms(names)[:, ::-1]
 
     with pytest.raises(SimError, match=r"was fitted to another encoder than 'other'.*fit-features --encoder other"):
-        run(config, Other())
+        run(config, Lexis(Other()))
 
 
 def test_the_model_that_ships_is_of_the_encoder_that_ships():
@@ -187,17 +190,17 @@ def test_a_model_with_parts_that_nothing_can_be_drawn_from_is_refused(changes, s
 
 def test_the_oracle_labels_by_what_is_truly_in_view(file):
     result = evaluate(run(replace(CONFIG, encoder="oracle", feature_model=file)), [])
-    assert result["encoder"] == "oracle" and result["labels"]["accuracy"] > 0.8
+    assert result.encoder == "oracle" and result.labels.accuracy > 0.8
 
 
 def test_rooms_of_the_walk_without_a_keyframe_are_named(config, finished):
     """All frames but one are lost. That one may be labelled perfectly, which says nothing about the other rooms."""
     assert finished.unseen_rooms == () and rooms_without_keyframe(()) is None
-    blind = run(replace(config, faults=(Dropped(1.0),)), LabelEncoder())
+    blind = run(replace(config, faults=(Dropped(1.0),)), Lexis(LabelEncoder()))
     result = evaluate(blind, [])
     walked = dict.fromkeys(truth.room for truth in finished.session.truths)
     _, *others = (finished.house.rooms[room].id for room in walked)
-    assert result["run"]["keyframes"] == 1 and set(result["rooms"].values()) == {None}
+    assert result.run.keyframes == 1 and result.rooms == RoomFigures()
     assert [*blind.unseen_rooms] == others and len(others) == 2
     rest = f"so the figures of labels and rooms do not cover {' and '.join(others)}."
     told = f"No keyframe was taken in 2 rooms of the walk, {rest}"
@@ -214,5 +217,5 @@ def test_the_oracle_sees_no_images_and_knows_no_other_rooms():
 
 
 def test_an_unknown_fidelity_is_refused():
-    with pytest.raises(SimError, match=r"run\.fidelity is 'sound'; valid: render, features"):
-        unchecked(RunConfig, fidelity="sound")
+    with pytest.raises(SimError, match=r"scenario\.fidelity is 'sound'; valid: render, features"):
+        unchecked(Scenario, fidelity="sound")

@@ -12,17 +12,18 @@ from lexis.files.tum_trajectory import read_tum
 from lexis.map.folder import load_map
 from sim.faults.delivery import Duplicated
 from sim.faults.poses import Kidnap, OdometryNaN
-from sim.harness import RunConfig, evaluate, run, try_plans, write_run
+from sim.harness import Scenario, evaluate, run, try_plans, write_run
 from sim.harness.loops import edge_truth
+from sim.harness.results import FloorFigures
 from sim.harness.walk import walk
-from sim.render.rig import STEREO_BASELINE_M, RigRenderer, build_rig_scene, make_rig
+from sim.render.rig import STEREO_BASELINE_M, RigConfig, RigRenderer, build_rig, build_rig_scene
 from sim.session import Session
 from worlds.house import build_house
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
-CONFIG = RunConfig(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
-BRIEF = replace(CONFIG, length_m=24.0, rig=make_rig("stereo", 160, 120))
+CONFIG = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=45.0)
+BRIEF = replace(CONFIG, length_m=24.0, rig=RigConfig("stereo", 160, 120))
 """A run too short for good results, but otherwise like a full one."""
 CONTRACT = {
     "house": {"rooms", "floors", "area_m2", "openness", "spec"},
@@ -57,48 +58,57 @@ def result(finished, trials):
 
 
 def test_the_result_has_every_field_of_the_contract(result):
-    assert result["schema"] == 1 and result["versions"]
-    assert {"seed", "preset", "fidelity", "encoder", "odometry"} <= result.keys()
-    assert {"ate_odometry_m", "ate_m"} <= result["trajectory"].keys()
+    data = result.data()
+    assert data["schema"] == 1 and data["versions"]
+    assert {"seed", "preset", "fidelity", "encoder", "odometry"} <= data.keys()
+    assert {"ate_odometry_m", "ate_m"} <= data["trajectory"].keys()
     for section, names in CONTRACT.items():
-        assert result[section].keys() == names
-    json.dumps(result, allow_nan=False)
-    assert result["time"]["realtime_factor"] == pytest.approx(result["run"]["duration_s"] / result["time"]["slam_s"])
+        assert data[section].keys() == names
+    json.dumps(data, allow_nan=False)
+    assert result.time.realtime_factor == pytest.approx(result.run.duration_s / result.time.slam_s)
+
+
+def test_a_figure_is_found_by_its_dotted_name(result):
+    assert result["labels.accuracy"] == result.labels.accuracy and result["place_recognition.3.tp"] is not None
+    with pytest.raises(KeyError, match=r"'labels.acc': no figure 'acc'; valid: accuracy, accuracy_baseline"):
+        result["labels.acc"]
 
 
 def test_lexis_beats_its_odometry_and_closes_no_false_loop(finished, result):
-    assert 0.0 < result["trajectory"]["ate_m"] < result["trajectory"]["ate_odometry_m"]
-    assert result["loops"]["true"] >= 5 and result["loops"]["recall"] > 0.2
-    assert not (finished.map.loop_weights[~edge_truth(finished)] > 0.5).any()
+    assert 0.0 < result.trajectory.ate_m < result.trajectory.ate_odometry_m
+    assert result.loops.true >= 5 and result.loops.recall > 0.2
+    assert not (finished.estimate.loops.weights[~edge_truth(finished)] > 0.5).any()
 
 
 def test_labels_are_far_better_than_chance(result):
-    assert result["labels"]["accuracy"] > 0.55
-    assert result["labels"]["accuracy_graded"] >= result["labels"]["accuracy"]
+    assert result.labels.accuracy > 0.55
+    assert result.labels.accuracy_graded >= result.labels.accuracy
 
 
 def test_a_single_floor_is_one_floor(result):
-    assert result["floors"] == {"accuracy": 1.0, "count_error": 0}
+    assert result.floors == FloorFigures(accuracy=1.0, count_error=0)
 
 
 def test_every_plan_reaches_its_room(result, trials):
-    assert result["planning"]["queries"] == len(trials) > 0
-    assert result["planning"]["success"] == 1.0 and result["planning"]["collisions"] == 0
+    assert result.planning.queries == len(trials) > 0
+    assert result.planning.success == 1.0 and result.planning.collisions == 0
     assert all(trial.travelled_m >= 0.99 * trial.shortest_m for trial in trials)
 
 
 def test_the_same_seed_gives_the_same_result_apart_from_times():
     first, again = run(BRIEF), run(BRIEF)
-    assert evaluate(first, try_plans(first)) | {"time": None} == evaluate(again, try_plans(again)) | {"time": None}
-    np.testing.assert_array_equal(first.map.T_W_B, again.map.T_W_B)
-    np.testing.assert_array_equal(first.map.similarities, again.map.similarities)
+    figures = [evaluate(each, try_plans(each)).data() | {"time": None} for each in (first, again)]
+    assert figures[0] == figures[1]
+    np.testing.assert_array_equal(first.estimate.T_W_B, again.estimate.T_W_B)
+    np.testing.assert_array_equal(first.estimate.similarities, again.estimate.similarities)
 
 
 def test_lexis_sees_what_the_first_camera_of_the_rig_sees():
-    assert BRIEF.rig.front is BRIEF.rig.cameras["left"] and BRIEF.rig.front.T_B_C[1, 3] == STEREO_BASELINE_M / 2
+    rig = build_rig(BRIEF.rig)
+    assert rig.front is rig.cameras["left"] and rig.front.T_B_C[1, 3] == STEREO_BASELINE_M / 2
     walked = walk(BRIEF)
-    session = Session(walked.house, walked.tour, walked.odometry, BRIEF.rig.front)
-    with closing(iter(session)) as pairs, RigRenderer(build_rig_scene(walked.house, BRIEF.rig), BRIEF.rig) as renderer:
+    session = Session(walked.house, walked.tour, walked.odometry, rig.front)
+    with closing(iter(session)) as pairs, RigRenderer(build_rig_scene(walked.house, rig), rig) as renderer:
         observation, truth = next(pairs)
         np.testing.assert_array_equal(observation.image, renderer.rgb(truth.T_W_B)["left"])
 
@@ -109,16 +119,16 @@ def test_the_folder_holds_what_the_result_says(finished, result, trials, tmp_pat
     out.symlink_to("elsewhere")
     write_run(finished, result, trials, out)
     assert {path.name for path in out.iterdir()} == {
-        "result.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum", "map",
+        "result.json", "scenario.json", "house.json", "report.html", "trajectory.tum", "ground_truth.tum", "odometry.tum",
+        "map",
     }  # fmt: skip
-    assert json.loads((out / "result.json").read_text()) == result
+    assert json.loads((out / "result.json").read_text()) == json.loads(json.dumps(result.data()))
+    assert Scenario.load(out / "scenario.json") == finished.scenario
     assert build_house(HouseSpec.load(out / "house.json")).spec == finished.house.spec
     poses = {name: read_tum(out / f"{name}.tum")[1][:, :3, 3] for name in ("trajectory", "ground_truth", "odometry")}
-    assert ate_rmse(poses["trajectory"], poses["ground_truth"]) == pytest.approx(result["trajectory"]["ate_m"], abs=1e-6)
-    assert ate_rmse(poses["odometry"], poses["ground_truth"]) == pytest.approx(
-        result["trajectory"]["ate_odometry_m"], abs=1e-6
-    )
-    assert np.array_equal(load_map(out / "map").labels, finished.map.labels)
+    assert ate_rmse(poses["trajectory"], poses["ground_truth"]) == pytest.approx(result.trajectory.ate_m, abs=1e-6)
+    assert ate_rmse(poses["odometry"], poses["ground_truth"]) == pytest.approx(result.trajectory.ate_odometry_m, abs=1e-6)
+    assert np.array_equal(load_map(out / "map").labels, finished.estimate.labels)
     assert "http://" not in (out / "report.html").read_text().replace("http://www.w3.org", "")
 
 
@@ -126,14 +136,14 @@ def test_faults_are_counted_and_what_lexis_refuses_is_left_out():
     faults = (OdometryNaN(0.05), Duplicated(0.1), Kidnap(at_s=10.0, skip_s=5.0))
     finished = run(replace(BRIEF, faults=faults))
     result = evaluate(finished, [])
-    counted = result["faults"]
-    assert counted["given"][1] == "duplicated:share=0.1" and counted["frames"].keys() == {f.name for f in faults}
+    counted = result.faults
+    assert counted.given[1] == "duplicated:share=0.1" and counted.frames.keys() == {f.name for f in faults}
     touched = [truth for truth in finished.delivered if {"odometry-nan", "duplicated"} & set(truth.faults)]
-    assert counted["refused"] == len(finished.refused) == len(touched) > 10
-    assert counted["delivered"] == len(finished.delivered) > len(finished.map.keyframes)
-    np.testing.assert_array_equal(finished.true_poses, finished.session.tour.T_W_B[finished.observed])
-    json.dumps(result, allow_nan=False)
+    assert counted.refused == len(finished.refused) == len(touched) > 10
+    assert counted.delivered == len(finished.delivered) > len(finished.estimate.frames)
+    np.testing.assert_array_equal(finished.true_poses, finished.session.tour.T_W_B[finished.estimate.frames])
+    json.dumps(result.data(), allow_nan=False)
 
 
 def test_without_faults_the_result_does_not_mention_them(result):
-    assert "faults" not in result
+    assert result.faults is None and "faults" not in result.data()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.bench.segmentation import run_houses
-from sim.harness import RunConfig
+from sim.harness import Scenario
 
 SEEDS = range(500, 505)
 
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def rows():
-    return [row for _, row in run_houses(RunConfig(preset="home"), SEEDS)]
+    return [row for _, row in run_houses(Scenario(preset="home"), SEEDS)]
 
 
 def test_labels_are_right_and_refinement_helps(rows):

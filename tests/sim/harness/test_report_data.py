@@ -5,51 +5,51 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.harness import RunConfig, evaluate, run
+from sim.harness import Scenario, evaluate, run
+from sim.harness.adapters import Lexis
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.robot.drive import DROP
 from worlds.presets import sample_from_rooms
 
-CONFIG = RunConfig(
+CONFIG = Scenario(
     house=sample_from_rooms(("kitchen", "bedroom", "bathroom"), seed=21), seed=5, fidelity="features", length_m=24.0,
-    frame_rate_hz=4.0, odometry="degraded", loops=False,
+    frame_rate_hz=4.0, odometry="degraded",
 )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def finished():
-    return run(CONFIG)
+    return run(CONFIG, Lexis(loops=False))
 
 
 def test_equal_trajectories_have_equal_curves(finished):
     """Without loops, the optimised trajectory is the odometry, moved as a whole."""
-    table = report_data(finished, {}, []).keyframes
+    table = report_data(finished, evaluate(finished)).keyframes
     assert table.odometry_errors.max() > 0.02
     np.testing.assert_allclose(table.optimised_errors, table.odometry_errors, atol=1e-9)
     rmse = np.sqrt(np.mean(table.odometry_errors**2))
-    assert rmse == pytest.approx(evaluate(finished, [])["trajectory"]["ate_odometry_m"])
+    assert rmse == pytest.approx(evaluate(finished).trajectory.ate_odometry_m)
 
 
 def test_odometry_in_another_frame_has_the_same_curve(finished):
-    keyframes = finished.map.keyframes
     T = np.array([[0.0, -1.0, 0.0, 5.0], [1.0, 0.0, 0.0, -3.0], [0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]])
-    turned = replace(finished.map, keyframes=tuple(replace(k, T_O_B=T @ k.T_O_B) for k in keyframes))
-    table = report_data(replace(finished, map=turned), {}, []).keyframes
+    turned = {frame: given._replace(T_O_B=T @ given.T_O_B) for frame, given in finished.given.items()}
+    table = report_data(replace(finished, given=turned), evaluate(finished)).keyframes
     np.testing.assert_allclose(table.odometry_errors, table.optimised_errors, atol=1e-9)
 
 
 def test_a_failed_plan_says_where_it_ended_and_why(finished):
     eye = finished.session.tour.eye_height_m
     feet = finished.true_poses[:, :3, 3] - [0.0, 0.0, eye]
-    labels = [finished.map.room_names[k] for k in finished.true_labels]
+    labels = [finished.room_names[k] for k in finished.true_labels]
     there, elsewhere = labels.index("kitchen"), labels.index("bedroom")
     room = finished.house.rooms[int(finished.true_rooms[elsewhere])].id
 
     def plan(end, planned, touched=(), success=False):
         path = feet[[end, end]]
         trial = Trial("bathroom", "kitchen", success, 3.0, 0.0, touched, path, feet[[planned]])
-        (shown,) = report_data(finished, {}, [trial]).paths
+        (shown,) = report_data(finished, evaluate(finished), [trial]).paths
         return shown.ended, shown.reason
 
     metres = np.linalg.norm(feet[there] - feet[elsewhere])
@@ -60,5 +60,5 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
     assert plan(elsewhere, there, (DROP,))[1] == "came to a drop"
     assert plan(there, there, success=True)[1] == ""
     nothing = np.zeros((0, 3))
-    (unplanned,) = report_data(finished, {}, [Trial("a", "b", False, 0.0, 0.0, (), nothing, nothing)]).paths
+    (unplanned,) = report_data(finished, evaluate(finished), [Trial("a", "b", False, 0.0, 0.0, (), nothing, nothing)]).paths
     assert (unplanned.ended, unplanned.reason, unplanned.shortest_m) == (None, "no plan was found", None)

@@ -23,19 +23,19 @@ from lexis.maths.quaternions import poses_of
 from sim.cli import main
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
-from sim.harness import RunConfig, run
+from sim.harness import Lexis, Scenario, run
 from sim.odometry.imu import ImuConfig
 from sim.record import record
 from sim.record.settings import write_settings
 from sim.record.take import EPOCH_NS, REST_S, Take, prepare
 from sim.render.lens import Distortion
-from sim.render.rig import displaced, make_rig
+from sim.render.rig import RigConfig, build_rig
 from sim.world_states import FrameRenderer
 from worlds.presets import sample_from_rooms
 from worlds.spec import HouseSpec
 
-CONFIG = RunConfig(
-    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=make_rig("wide", 200, 150, 80.0)
+CONFIG = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=31), seed=5, length_m=13.0, rig=RigConfig("wide", 200, 150, 80.0)
 )
 """The shortest walk that has loops."""
 REST = 20
@@ -54,7 +54,9 @@ def encoder():
 
 @pytest.fixture(scope="module")
 def live(encoder):
-    return run(CONFIG, encoder).map
+    slam = Lexis(encoder)
+    run(CONFIG, slam)
+    return slam.map
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +81,8 @@ def recordings(frames, tmp_path_factory):
     return make
 
 
-ARM = displaced(CONFIG.rig, (0.05, -0.08, 0.03), (4.0, -3.0, 90.0))
+ARM = replace(CONFIG.rig, lever_arm_m=(0.05, -0.08, 0.03), lever_arm_rpy_deg=(4.0, -3.0, 90.0))
+FRONT = build_rig(CONFIG.rig).front
 LENS = Distortion(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05)
 BIASED = replace(SILENT, gyroscope_turn_on=0.01, accelerometer_turn_on=0.2)
 
@@ -228,7 +231,7 @@ def test_stereo_images_and_depth_agree(recordings):
     )
     stamps = (euroc / "timestamps.txt").read_text().split()
     depth_files = [line.split()[1] for line in (tum / "depth.txt").read_text().splitlines() if line[0] != "#"]
-    k, errors = CONFIG.rig.front.intrinsics, []
+    k, errors = FRONT.intrinsics, []
     v, u = np.mgrid[: k.height, : k.width]
     for frame in range(REST, len(stamps), 40):
         images = [cv2.imread(str(euroc / f"mav0/cam{i}/data/{stamps[frame]}.png")) for i in (0, 1)]
@@ -249,7 +252,7 @@ def test_tum_is_read_by_evo_and_true_for_the_camera(recordings):
     folder = recordings("tum", "png")
     truth = file_interface.read_tum_trajectory_file(str(folder / "groundtruth.txt"))
     take = prepare(CONFIG)
-    np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ CONFIG.rig.front.T_B_C, atol=1e-6)
+    np.testing.assert_allclose(np.array(truth.poses_se3), take.T_W_B @ FRONT.T_B_C, atol=1e-6)
     images = (folder / "rgb.txt").read_text().splitlines()[2:]
     assert len(images) == len(take) and images[0] == "1000000000.000000 rgb/1000000000.000000.png"
     accelerations = np.loadtxt(folder / "accelerometer.txt")
@@ -272,7 +275,7 @@ def test_a_bag_says_the_same_as_euroc(recordings):
     np.testing.assert_array_equal([m.angular_velocity.x for m in of["/imu0"]], imu.angular_velocity[:, 0])
     np.testing.assert_array_equal([m.linear_acceleration.z for m in of["/imu0"]], imu.specific_force[:, 2])
     info = of["/cam1/camera_info"][0]
-    assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * CONFIG.rig.front.intrinsics.fx)
+    assert info.p.reshape(3, 4)[0, 3] == pytest.approx(-0.11 * FRONT.intrinsics.fx)
     assert {t.child_frame_id for t in of["/tf_static"][0].transforms} == {"imu0", "cam0", "cam1"}
     odometry = np.array(csv_rows(mav / "odom0" / "data.csv")[1], float)
     assert len(of["/odom"]) == len(of["/odom/increment_covariance"]) == len(odometry)
@@ -294,7 +297,7 @@ def test_settings_say_what_the_sensors_are(recordings):
     assert orb.getNode("File.version").string() == "1.0"
     for name in ("Camera.width", "Camera.height", "Camera.fps", "Camera.RGB", "ORBextractor.nFeatures"):
         assert orb.getNode(name).isInt(), name
-    k = CONFIG.rig.front.intrinsics
+    k = FRONT.intrinsics
     own = files[vins.getNode("cam1_calib").string().removesuffix(".yaml")].getNode("projection_parameters")
     assert own.getNode("fx").real() == k.fx == orb.getNode("Camera2.fx").real()
     assert files["kalibr_imu_chain"].getNode("imu0").getNode("update_rate").real() == 200.0
@@ -311,7 +314,7 @@ def test_settings_say_what_a_lens_and_a_lever_arm_are(on_an_arm):
     assert [orb.getNode(f"Camera2.{name}").real() for name in names] == expected
     assert [vins.getNode("distortion_parameters").getNode(name).real() for name in names] == expected
     assert [kalibr.getNode("cam0").getNode("distortion_coeffs").at(i).real() for i in range(4)] == expected
-    T_B_C = ARM.front.T_B_C
+    T_B_C = build_rig(ARM).front.T_B_C
     np.testing.assert_allclose(orb.getNode("IMU.T_b_c1").mat(), T_B_C, atol=1e-6)
     assert np.linalg.norm(T_B_C[:3, 3]) == pytest.approx(np.linalg.norm([0.05, -0.08, 0.03]))
     sensor = yaml.safe_load((folder / "mav0" / "cam1" / "sensor.yaml").read_text())
@@ -333,7 +336,7 @@ def test_openvins_is_given_its_two_other_files(recordings):
 @pytest.mark.parametrize("form", ["euroc", "tum", "mcap"])
 def test_lexis_reads_distorted_recordings_as_a_pinhole_s(form, on_an_arm):
     """LEXIS rectifies the images, so they equal those of the live run up to the blur of two interpolations."""
-    given, k = list(open_dataset(on_an_arm(form))), CONFIG.rig.front.intrinsics
+    given, k = list(open_dataset(on_an_arm(form))), FRONT.intrinsics
     live = list(prepare(replace(CONFIG, rig=ARM)).frames())[::FEWER]
     known = cv2.undistort(np.full((k.height, k.width), 255, np.uint8), k.matrix, np.array(LENS.coefficients)) == 255
     inside = cv2.erode(known.astype(np.uint8), np.ones((5, 5))).astype(bool)
@@ -347,7 +350,7 @@ def test_the_camera_s_path_is_an_arm_away_from_the_imu_s(on_an_arm):
     """The true states are those of the IMU, whose measurements integrate to them; the truth of TUM is that of the camera."""
     states = np.array(csv_rows(on_an_arm("euroc") / "mav0" / "state_groundtruth_estimate0" / "data.csv")[1], float)
     camera = np.array(file_interface.read_tum_trajectory_file(str(on_an_arm("tum") / "groundtruth.txt")).poses_se3)
-    np.testing.assert_allclose(camera, poses_of(states[:, [1, 2, 3, 5, 6, 7, 4]]) @ ARM.front.T_B_C, atol=1e-6)
+    np.testing.assert_allclose(camera, poses_of(states[:, [1, 2, 3, 5, 6, 7, 4]]) @ build_rig(ARM).front.T_B_C, atol=1e-6)
     aside = camera[:, :3, 3] - states[:, 1:4]
     assert np.linalg.norm(aside.max(axis=0) - aside.min(axis=0)) > 0.1  # the offset rotates with the body
 
@@ -369,7 +372,7 @@ def test_a_distortion_that_folds_is_refused_before_the_work(tmp_path):
 
 def test_settings_are_of_stereo_pairs_only(tmp_path):
     for name, written in (("stereo", True), ("front-rear", False)):
-        write_settings(tmp_path / name, prepare(replace(CONFIG, rig=make_rig(name, 160, 120))))
+        write_settings(tmp_path / name, prepare(replace(CONFIG, rig=RigConfig(name, 160, 120))))
         assert (tmp_path / name).exists() == written
 
 
@@ -389,7 +392,7 @@ def test_rooms_of_frames_are_true_and_the_house_is_beside(recordings):
 @pytest.fixture
 def unlit(monkeypatch):
     """Replaces rendering: frames are black and cost nothing."""
-    size = CONFIG.rig.front.intrinsics.height, CONFIG.rig.front.intrinsics.width
+    size = FRONT.intrinsics.height, FRONT.intrinsics.width
     monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
     monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
 
@@ -497,7 +500,7 @@ def test_distorted_images_are_rectified(recordings, tmp_path):
     edit(tmp_path / "mav0" / "cam0" / "sensor.yaml", "[0.0, 0.0, 0.0, 0.0]", "[-0.2, 0.05, 0.0, 0.0]")
     path = next((tmp_path / "mav0" / "cam0" / "data").iterdir())
     given = next(iter(open_dataset(tmp_path))).image
-    k = CONFIG.rig.front.intrinsics
+    k = FRONT.intrinsics
     expected = cv2.undistort(cv2.imread(str(min(path.parent.iterdir()))), k.matrix, np.array([-0.2, 0.05, 0.0, 0.0]))
     assert np.abs(given[..., ::-1].astype(int) - expected).mean() < 1.0
 

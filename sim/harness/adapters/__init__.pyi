@@ -1,0 +1,1 @@
+from .lexis import Lexis as Lexis

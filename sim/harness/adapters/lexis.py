@@ -1,0 +1,119 @@
+"""LEXIS as a SLAM under test."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from lexis.config import Config
+from lexis.errors import LexisError
+from lexis.loop_arrays import LoopArrays
+from lexis.map.folder import save_map
+from lexis.perception import Encoder
+from lexis.planner import plan
+from lexis.slam import Slam
+from lexis.types import Camera, LexisMap, Observation
+from lexis.verification import Verifier, verify
+from sim.feature_sensor.oracle import Oracle
+from sim.fidelity import ORACLE
+from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.slam_under_test import FeatureInput
+
+
+class Lexis:
+    """Runs `lexis.slam.Slam`, and keeps its map."""
+
+    def __init__(
+        self, encoder: str | Encoder = "mini", config: Config | None = None, loops: bool = True, refine: bool = True
+    ) -> None:
+        """Prepare a run; an encoder that is given by name is loaded once, when the first run starts."""
+        self._encoder, self.config = encoder, _switched(config or Config(), loops, refine)
+        self._slam: Slam | None = None
+        self._map: LexisMap | None = None
+
+    @property
+    def encoder(self) -> Encoder:
+        """The vision-language model; loading it takes seconds."""
+        if isinstance(self._encoder, str):
+            self._encoder = load(self._encoder)
+        return self._encoder
+
+    @property
+    def map(self) -> LexisMap:
+        """The map of the run that finished last. Raises LexisError before."""
+        if self._map is None:
+            raise LexisError("LEXIS has no map yet; valid: after finish()")
+        return self._map
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run on images."""
+        self._start(camera, room_names, verify)
+
+    def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
+        """Begin a run on percepts. Raises `SimError` unless these are those of this encoder."""
+        features.check(self.encoder)
+        self._start(camera, room_names, features.verifier)
+
+    def _start(self, camera: Camera, room_names: Sequence[str], verifier: Verifier) -> None:
+        self._map = None
+        self._slam = Slam(camera, self.encoder, room_names, self.config, verifier)
+
+    def process(self, observation: Observation) -> None:
+        """Map the next observation."""
+        self._running.process(observation)
+
+    def finish(self) -> Estimate:
+        """Complete the map, and claim all that it says."""
+        self._map = self._running.finish()
+        return estimate_of(self._map)
+
+    @property
+    def _running(self) -> Slam:
+        if self._slam is None:
+            raise LexisError("LEXIS was not started; valid: start() first")
+        return self._slam
+
+    def plan(self, start: str, goal: str) -> Sequence[int]:
+        """Keyframes of the shortest path between rooms of two labels."""
+        return plan(self.map, start, goal, self.config.planner).keyframes
+
+    def save(self, folder: Path) -> None:
+        """Write the map to the folder `map`."""
+        save_map(self.map, folder / "map")
+
+
+def estimate_of(map: LexisMap) -> Estimate:
+    """The claims of a map, one row for each keyframe."""
+    loops = LoopArrays.of(map.loops)
+    return Estimate(
+        frames=np.array([keyframe.observation_index for keyframe in map.keyframes], int),
+        T_W_B=map.T_W_B,
+        labels=map.labels,
+        baseline_labels=map.baseline_labels,
+        rooms=map.room_of,
+        floors=map.floors,
+        loops=LoopClaims(loops.query, loops.match, loops.T_match_query, map.loop_weights),
+        candidates=map.candidates,
+        similarities=map.similarities,
+        encoder=map.encoder.name,
+        stage_seconds=map.stage_seconds,
+    )
+
+
+def load(name: str) -> Encoder:
+    """The encoder of that name; `ORACLE` is the one that is told the truth."""
+    if name == ORACLE:
+        return Oracle()
+    from lexis.encoder.open_clip_encoder import load_encoder  # torch takes seconds, and the oracle does without
+
+    return load_encoder(name)
+
+
+def _switched(config: Config, loops: bool, refine: bool) -> Config:
+    """The settings with loop closure or refinement switched off."""
+    if not loops:
+        config = replace(config, place_recognition=replace(config.place_recognition, candidates=0))
+    if not refine:
+        config = replace(config, labels=replace(config.labels, refine=False))
+    return config

@@ -1,0 +1,197 @@
+"""The result of a run as typed values, named as in result.json. A figure that a run cannot have is None."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class HouseFigures:
+    """The house of a run."""
+
+    rooms: int
+    floors: int
+    area_m2: float
+    openness: float
+    spec: str = "house.json"
+    """Name of the file that holds the house, in the folder of the run."""
+
+
+@dataclass(frozen=True)
+class WalkFigures:
+    """The tour of a run, and how many frames the SLAM makes claims about."""
+
+    path_m: float
+    duration_s: float
+    frames: int
+    keyframes: int
+
+
+@dataclass(frozen=True)
+class LabelFigures:
+    """Room labels; see `lexis.evaluation.labels`."""
+
+    accuracy: float | None = None
+    accuracy_baseline: float | None = None
+    """Accuracy before refinement."""
+    accuracy_graded: float | None = None
+    """Accuracy if a frame near an open boundary may carry the label of either side."""
+    per_room: Mapping[str, float] = field(default_factory=dict)
+    """Accuracy by true label."""
+
+
+@dataclass(frozen=True)
+class RoomFigures:
+    """Room instances; see `lexis.evaluation.rooms.RoomScores`."""
+
+    pq: float | None = None
+    precision: float | None = None
+    recall: float | None = None
+    hydra_precision: float | None = None
+    hydra_recall: float | None = None
+    ari: float | None = None
+    v_measure: float | None = None
+    splits: int | None = None
+    merges: int | None = None
+    count_error: int | None = None
+
+
+@dataclass(frozen=True)
+class FloorFigures:
+    """Floors; see `lexis.evaluation.floors`."""
+
+    accuracy: float | None = None
+    count_error: int | None = None
+
+
+@dataclass(frozen=True)
+class LoopFigures:
+    """Loop closures; see `lexis.evaluation.loops.LoopScores`."""
+
+    proposed: int | None = None
+    verified: int | None = None
+    true: int | None = None
+    false: int | None = None
+    precision: float | None = None
+    recall: float | None = None
+
+
+@dataclass(frozen=True)
+class MatchFigures:
+    """Proposed revisits, as in the paper's Fig. 5; see `lexis.evaluation.place_recognition.Counts`."""
+
+    tp: int | None = None
+    fp: int | None = None
+    possible: int | None = None
+
+
+@dataclass(frozen=True)
+class CoverageFigures:
+    """How much of the tour the frames of the estimate cover."""
+
+    rooms_with_keyframe: int
+    rooms_walked: int
+    path_covered: float | None
+
+
+@dataclass(frozen=True)
+class TrajectoryFigures:
+    """Errors of the poses; see `lexis.evaluation.trajectory`."""
+
+    ate_odometry_m: float | None = None
+    """ATE of the odometry that the SLAM was given [m]."""
+    ate_m: float | None = None
+    """ATE of the estimate [m]."""
+    rpe_8m_m: float | None = None
+    """Mean relative position error of the estimate after 8 m [m]."""
+    rpe_8m_odometry_m: float | None = None
+    rpe_24m_m: float | None = None
+    rpe_24m_odometry_m: float | None = None
+
+
+@dataclass(frozen=True)
+class PlanningFigures:
+    """Plans that a simulated robot has driven; see `lexis.evaluation.planning`."""
+
+    queries: int = 0
+    success: float | None = None
+    spl: float | None = None
+    collisions: int | None = None
+
+
+@dataclass(frozen=True)
+class TimeFigures:
+    """Wall time [s]."""
+
+    house_s: float
+    scene_s: float
+    render_s: float
+    slam_s: float
+    """Time inside the SLAM under test, as the harness measured it."""
+    stages_s: Mapping[str, float]
+    """Time by stage, as the SLAM reports it."""
+    realtime_factor: float | None
+    """Duration of the tour over `slam_s`."""
+
+
+@dataclass(frozen=True)
+class FaultFigures:
+    """Faults of a run."""
+
+    given: tuple[str, ...]
+    """The faults in the notation of the command line."""
+    frames: Mapping[str, int]
+    """Frames that each fault changed, by its name."""
+    delivered: int
+    """Observations that reached the SLAM."""
+    refused: int
+    """Observations that the SLAM refused."""
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """All figures of a run, as in result.json."""
+
+    seed: int
+    preset: str | None
+    fidelity: str
+    slam: str
+    """Name of the class of the SLAM under test."""
+    encoder: str | None
+    """The vision-language model that the SLAM says it used."""
+    odometry: str
+    house: HouseFigures
+    run: WalkFigures
+    labels: LabelFigures
+    rooms: RoomFigures
+    floors: FloorFigures
+    loops: LoopFigures
+    place_recognition: Mapping[str, MatchFigures]
+    """By the number of matches per query: "1", "3" and "5"."""
+    coverage: CoverageFigures
+    trajectory: TrajectoryFigures
+    planning: PlanningFigures
+    time: TimeFigures
+    versions: Mapping[str, str | None]
+    scenario: str
+    """Content hash of the scenario."""
+    faults: FaultFigures | None = None
+
+    def data(self) -> dict[str, Any]:
+        """The contents of result.json; runs without faults have no entry for them."""
+        data = {"schema": SCHEMA} | asdict(self)
+        if self.faults is None:
+            del data["faults"]
+        return data
+
+    def __getitem__(self, name: str) -> Any:
+        """The figure of a dotted name, such as "labels.accuracy". Raises KeyError that lists the valid names."""
+        value: Any = self
+        for part in name.split("."):
+            choices = value if isinstance(value, Mapping) else vars(value)
+            if part not in choices:
+                raise KeyError(f"{name!r}: no figure {part!r}; valid: {', '.join(choices)}")
+            value = choices[part]
+        return value

@@ -1,0 +1,161 @@
+"""`Scenario`: everything that decides about a run, as one value with a JSON form and a content hash."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Interval
+
+from lexis.files.reading import FileKind, read_json
+from lexis.files.replace import replaced_file
+from lexis.settings import Settings, settings_data, settings_of
+from sim.errors import SimError
+from sim.faults import FAULTS, Fault
+from sim.faults.images import ImageFault, Smear
+from sim.faults.world import ClosedDoors, Pedestrian
+from sim.fidelity import ORACLE, Fidelity
+from sim.odometry.config import ODOMETRY_PRESETS
+from sim.render.rig import RigConfig
+from sim.tours.config import TourKind
+from sim.tours.sway import SwayName
+from worlds.spec import HouseSpec
+from worlds.valid_names import did_you_mean
+
+FORMAT = "lexis-scenario"
+VERSION = 1
+NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
+"""Faults that the feature sensor cannot represent, since it has no pixels and ignores what moves by itself."""
+_FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)
+
+
+@dataclass(frozen=True)
+class Scenario(Settings, place="scenario", error=SimError):
+    """A house, a tour through it, odometry, faults, cameras and seeds. It says nothing about the SLAM under test.
+
+    The same scenario gives the same observations. It only describes; `sim.harness.parts` builds.
+    """
+
+    preset: str = "home"
+    """Family of houses; ignored if `house` is given."""
+    seed: Annotated[int, Interval(ge=0, lt=2**63)] = 7
+    """Seed of the house (unless given), the tour, the odometry and the faults; each has a random stream of its own."""
+    house: HouseSpec | None = None
+    """A house instead of the one that preset and seed describe."""
+    length_m: Annotated[float, Gt(0)] | None = None
+    """Requested length of the tour [m]. None: the length that is usual for the preset, or for the kind of tour."""
+    tour_kind: TourKind = "rooms"
+    """Where the tour goes; see `TourConfig.kind`."""
+    frame_rate_hz: Annotated[float, Gt(0)] = 10.0
+    """Observations per second [Hz]. Fewer than two per keyframe leave no landmarks."""
+    sway: SwayName = "none"
+    """The gait that is added to the motion; see `sim.tours.sway`."""
+    start_manoeuvre: bool = False
+    """Whether the body swings on the spot for five seconds before the tour."""
+    odometry: str = "multicam"
+    """How the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`."""
+    overconfidence: Annotated[float, Ge(1)] = 1.0
+    """Factor by which the odometry's covariances are too small; 1 is honest."""
+    fidelity: Fidelity = "render"
+    """render: the SLAM gets images. features: it gets what the feature sensor predicts from the true view."""
+    encoder: str = "mini"
+    """The vision-language model: LEXIS uses it unless told otherwise, and the feature sensor imitates it. With fidelity
+    "features" also `ORACLE`."""
+    feature_model: Path | None = None
+    """Feature model that `lexis-sim fit-features` has fitted to the encoder. None: the shipped one for `mini`."""
+    faults: tuple[Fault, ...] = ()
+    """Faults in the order in which they act; see `sim.faults`."""
+    rig: RigConfig = field(default_factory=RigConfig)
+    """Cameras on the body. The SLAM gets the images of the first pinhole camera, recordings those of all of them."""
+
+    def __post_init__(self) -> None:
+        """Raise SimError for values that are not valid, alone or together."""
+        super().__post_init__()
+        if self.odometry not in ODOMETRY_PRESETS:
+            guess = did_you_mean(self.odometry, ODOMETRY_PRESETS)
+            raise SimError(f"unknown odometry {self.odometry!r}{guess}; valid: {', '.join(ODOMETRY_PRESETS)}")
+        if self.fidelity == "render" and self.encoder == ORACLE:
+            raise SimError(f"encoder {ORACLE!r} is told the truth and sees no images; valid: with fidelity 'features'")
+        unseen = [fault.name for fault in self.faults if isinstance(fault, NEEDS_PIXELS)]
+        if self.fidelity == "features" and unseen:
+            raise SimError(f"fault {unseen[0]!r} is seen in images only; valid: with fidelity 'render'")
+
+    def data(self) -> dict[str, Any]:
+        """The scenario as plain data for JSON; `scenario_of` is the inverse."""
+        plain = {each.name: getattr(self, each.name) for each in fields(self)}
+        return (
+            {"format": FORMAT, "version": VERSION}
+            | plain
+            | {
+                "house": None if self.house is None else json.loads(self.house.to_json()),
+                "feature_model": None if self.feature_model is None else str(self.feature_model),
+                "faults": [_fault_data(fault) for fault in self.faults],
+                "rig": settings_data(self.rig),
+            }
+        )
+
+    @property
+    def content_hash(self) -> str:
+        """16 hexadecimal digits that differ where the scenarios differ."""
+        return hashlib.sha256(json.dumps(self.data(), sort_keys=True).encode()).hexdigest()[:16]
+
+    def save(self, path: Path) -> None:
+        """Write the scenario as JSON. Raises `LexisError` where the file cannot be written."""
+        with replaced_file(path) as beside:
+            beside.write_text(json.dumps(self.data(), indent=1) + "\n")
+
+    @staticmethod
+    def load(path: Path) -> "Scenario":
+        """Read a scenario from a JSON file. Raises `SimError` or `worlds.WorldsError` that says what is wrong and where."""
+        try:
+            return scenario_of(read_json(path, _FILE))
+        except SimError as error:
+            if str(error).startswith(str(path)):
+                raise
+            raise SimError(f"{path}: {error}") from None
+
+
+def scenario_of(data: object) -> Scenario:
+    """The scenario in plain data; what the data leaves out keeps its default. Raises `SimError` and `worlds.WorldsError`."""
+    if not isinstance(data, Mapping) or data.get("format") != FORMAT:
+        raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
+    if data.get("version") != VERSION:
+        raise SimError(f"scenario has version {data.get('version')!r:.40}; valid: {VERSION}")
+    values = {name: value for name, value in data.items() if name not in ("format", "version")}
+    if values.get("house") is not None:
+        values["house"] = HouseSpec.from_json(json.dumps(values["house"]))
+    if values.get("feature_model") is not None:
+        values["feature_model"] = Path(str(values["feature_model"]))
+    if "faults" in values:
+        values["faults"] = _faults(values["faults"])
+    return settings_of(Scenario, values)
+
+
+def _fault_data(fault: Fault) -> dict[str, Any]:
+    """A fault by name, with those of its fields that differ from their defaults: some defaults are infinite."""
+    return {"name": fault.name} | {
+        each.name: getattr(fault, each.name) for each in fields(fault) if getattr(fault, each.name) != each.default
+    }
+
+
+def _faults(data: object) -> tuple[Fault, ...]:
+    if not isinstance(data, list) or not all(isinstance(item, Mapping) for item in data):
+        raise SimError("scenario.faults is no list of objects; valid: objects with a name and fields")
+    return tuple(map(_fault, data))
+
+
+def _fault(data: Mapping[str, Any]) -> Fault:
+    name = data.get("name")
+    kind = FAULTS.get(name) if isinstance(name, str) else None
+    if kind is None:
+        raise SimError(f"scenario.faults: unknown fault {name!r:.60}; valid: {', '.join(FAULTS)}")
+    values = {key: value for key, value in data.items() if key != "name"}
+    known = {each.name: each.type for each in fields(kind)}
+    for key, value in values.items():
+        if key not in known:
+            raise SimError(f"scenario.faults: {name} has no field {key!r:.60}; valid: {', '.join(known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise SimError(f"scenario.faults: {name}.{key} is {value!r:.60}; valid: a number")
+    return kind(**values)

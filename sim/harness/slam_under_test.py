@@ -1,0 +1,88 @@
+"""What the harness asks of a SLAM that it tests."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+from lexis.perception import Encoder
+from lexis.types import Camera, Observation
+from lexis.verification import Verifier
+from sim.errors import SimError
+from sim.feature_sensor.model import FeatureModel
+from sim.feature_sensor.oracle import Oracle
+from sim.harness.estimate import Estimate
+
+
+@runtime_checkable
+class SlamUnderTest(Protocol):
+    """Any SLAM. The harness calls `start` once, `process` for every observation, and `finish` once."""
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run with this camera. `room_names` are the labels that rooms may have."""
+
+    def process(self, observation: Observation) -> None:
+        """Take the next observation: an RGB image and a pose by drifting odometry.
+
+        Raise `lexis.errors.ObservationError` to refuse an observation, such as one with a stamp in the past; under faults
+        the run then goes on without it.
+        """
+
+    def finish(self) -> Estimate:
+        """Return what the SLAM claims about the whole run."""
+
+
+def check_slam_methods(slam: object) -> None:
+    """Raise SimError unless `slam` has the methods of a `SlamUnderTest`; the error names the one that is missing."""
+    name = slam.__name__ if isinstance(slam, type) else type(slam).__name__
+    if isinstance(slam, type):
+        raise SimError(f"SLAM under test: {name} is a class; valid: an instance, {name}(...)")
+    for method in ("start", "process", "finish"):
+        if not callable(getattr(slam, method, None)):
+            raise SimError(f"SLAM under test: {name} has no method {method}(); valid: start(), process() and finish()")
+
+
+@runtime_checkable
+class PlansPaths(Protocol):
+    """A SLAM that plans paths between rooms; the harness drives them with a simulated robot."""
+
+    def plan(self, start: str, goal: str) -> Sequence[int]:
+        """Return the rows of the estimate that a path leads through, from a room of one label to a room of another.
+
+        It is called after `finish`. Raise `lexis.errors.PlanError` if there is no path.
+        """
+
+
+@runtime_checkable
+class SavesFiles(Protocol):
+    """A SLAM that adds files of its own to the folder of a run."""
+
+    def save(self, folder: Path) -> None:
+        """Write files into `folder`; called after `finish`."""
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureInput:
+    """What takes the place of images and of geometric verification in runs of fidelity "features"."""
+
+    model: FeatureModel
+    source: str
+    """Where the model was read from, for error messages."""
+    oracle: bool
+    """Whether embeddings hold the truth instead of what the encoder would make of it."""
+    verifier: Verifier
+
+    def check(self, encoder: Encoder) -> None:
+        """Raise `SimError` unless the embeddings of a run are those of this encoder."""
+        if self.oracle != isinstance(encoder, Oracle):
+            raise SimError(f"encoder {encoder.name!r} does not fit the run; valid: the encoder that the scenario names")
+        if not self.oracle:
+            self.model.check(encoder, self.source)
+
+
+@runtime_checkable
+class AcceptsFeatures(Protocol):
+    """A SLAM that can work on percepts (`lexis.types.Percept`) instead of images."""
+
+    def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
+        """Begin a run of fidelity "features", in place of `start`."""

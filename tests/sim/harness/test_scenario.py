@@ -1,0 +1,104 @@
+"""A scenario is the same after a trip through JSON, and says clearly what is wrong with a damaged one."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.errors import SimError
+from sim.faults import FAULTS
+from sim.faults.delivery import Dropped
+from sim.faults.poses import Kidnap
+from sim.harness.scenario import NEEDS_PIXELS, Scenario, scenario_of
+from sim.odometry.config import ODOMETRY_PRESETS
+from sim.render.rig import RIGS, RigConfig
+from sim.tours.config import TOUR_KINDS
+from sim.tours.sway import SWAYS
+from worlds.presets import PRESETS, sample_from_rooms
+
+HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
+FULL = Scenario(
+    seed=2**62, house=HOUSE, length_m=31.7, tour_kind="loop", frame_rate_hz=7.0, sway="quadruped", odometry="mono",
+    overconfidence=20.0, fidelity="features", encoder="oracle", feature_model=Path("some/model.npz"),
+    faults=(Dropped(1 / 3, burst=2), Kidnap(at_s=10.0)), rig=RigConfig("stereo", 160, 120, 90.0, (0.1, 0.0, -0.05)),
+)  # fmt: skip
+
+
+@st.composite
+def scenarios(draw):
+    fidelity = draw(st.sampled_from(("render", "features")))
+    kinds = [kind for kind in FAULTS.values() if fidelity == "render" or not issubclass(kind, NEEDS_PIXELS)]
+    return Scenario(
+        preset=draw(st.sampled_from(PRESETS)),
+        seed=draw(st.integers(0, 999_999)),
+        house=draw(st.sampled_from((None, HOUSE))),
+        length_m=draw(st.none() | st.floats(1.0, 500.0)),
+        tour_kind=draw(st.sampled_from(TOUR_KINDS)),
+        frame_rate_hz=draw(st.floats(0.1, 60.0)),
+        sway=draw(st.sampled_from(SWAYS)),
+        odometry=draw(st.sampled_from(sorted(ODOMETRY_PRESETS))),
+        overconfidence=draw(st.floats(1.0, 300.0)),
+        fidelity=fidelity,
+        faults=tuple(kind() for kind in draw(st.lists(st.sampled_from(kinds), max_size=3))),
+        rig=RigConfig(draw(st.sampled_from(sorted(RIGS))), draw(st.integers(16, 900))),
+    )
+
+
+@given(scenarios())
+def test_json_and_back(scenario):
+    again = scenario_of(json.loads(json.dumps(scenario.data(), allow_nan=False)))
+    assert again == scenario and again.content_hash == scenario.content_hash
+
+
+def test_every_field_survives_a_file(tmp_path):
+    FULL.save(tmp_path / "scenario.json")
+    assert Scenario.load(tmp_path / "scenario.json") == FULL
+
+
+def test_what_is_left_out_keeps_its_default():
+    assert scenario_of({"format": "lexis-scenario", "version": 1, "seed": 3}) == Scenario(seed=3)
+
+
+def test_different_scenarios_have_different_hashes():
+    others = [replace(FULL, **{name: value}) for name, value in (
+        ("seed", 1), ("house", None), ("length_m", 31.8), ("odometry", "perfect"), ("faults", ()),
+        ("rig", RigConfig("stereo")),
+    )]  # fmt: skip
+    assert len({scenario.content_hash for scenario in (FULL, *others)}) == len(others) + 1
+
+
+GOOD = {"format": "lexis-scenario", "version": 1}
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ([], "is no scenario; valid: a JSON object with format 'lexis-scenario'"),
+        ({"format": "lexis-house"}, "is no scenario; valid"),
+        (GOOD | {"version": 2}, "scenario has version 2; valid: 1"),
+        (GOOD | {"sede": 3}, "scenario has no setting 'sede'; valid: preset, seed"),
+        (GOOD | {"seed": -1}, "scenario.seed is -1; valid: >= 0"),
+        (GOOD | {"faults": "fog"}, "scenario.faults is no list of objects; valid"),
+        (GOOD | {"faults": [{"name": "fog"}]}, "scenario.faults: unknown fault 'fog'; valid: dropped"),
+        (GOOD | {"faults": [{"name": "dropped", "sahre": 1}]}, "scenario.faults: dropped has no field 'sahre'; valid: "),
+        (GOOD | {"faults": [{"name": "dropped", "share": "x"}]}, "scenario.faults: dropped.share is 'x'; valid: a number"),
+        (GOOD | {"rig": {"name": "wide", "width": 3}}, "rig.width is 3; valid: >= 16"),
+    ],
+)
+def test_bad_data_names_the_field_and_what_is_valid(data, message):
+    with pytest.raises(SimError) as caught:
+        scenario_of(data)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_bad_file_is_named(tmp_path):
+    file = tmp_path / "scenario.json"
+    file.write_text(json.dumps(GOOD | {"sede": 3}))
+    with pytest.raises(SimError, match=r"scenario\.json: scenario has no setting 'sede'"):
+        Scenario.load(file)
+    file.write_text("{")
+    with pytest.raises(SimError, match=r"scenario\.json: cannot be used: is not JSON"):
+        Scenario.load(file)

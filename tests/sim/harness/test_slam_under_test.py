@@ -1,0 +1,113 @@
+"""A SLAM that is not LEXIS: what it claims is judged, what it does not claim is null, and mistakes of adapters are named."""
+
+import json
+
+import numpy as np
+import pytest
+from helpers.unchecked import unchecked
+
+from lexis.errors import ObservationError
+from sim.errors import SimError
+from sim.faults.delivery import Dropped
+from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
+from sim.harness.figures import evaluate
+from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
+from worlds.presets import sample_from_rooms
+
+SCENARIO = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"
+)
+
+
+class Recorder:
+    """Keeps the odometry of every frame, and claims what it is told to claim."""
+
+    def __init__(self, **claims):
+        self.claims, self.frames, self.poses = claims, [], []
+
+    def start(self, camera, room_names):
+        self.room_names = room_names
+
+    def process(self, observation):
+        self.frames.append(observation.index)
+        self.poses.append(observation.T_O_B)
+
+    def finish(self):
+        claims = {name: claim(self) if callable(claim) else claim for name, claim in self.claims.items()}
+        return Estimate(**{"frames": np.array(self.frames)} | claims)
+
+
+def poses(slam):
+    return np.array(slam.poses)
+
+
+def test_what_is_not_claimed_is_null():
+    result = check(SCENARIO, Recorder())
+    assert result.slam == "Recorder" and result.encoder is None
+    assert (result.labels, result.rooms, result.floors, result.loops) == (
+        LabelFigures(), RoomFigures(), FloorFigures(), LoopFigures(),
+    )  # fmt: skip
+    assert result.trajectory.ate_m is None and result.trajectory.ate_odometry_m > 0.0
+    assert result.planning.queries == 0 and result.planning.success is None
+    json.dumps(result.data(), allow_nan=False)
+
+
+def test_poses_alone_are_judged_alone():
+    result = check(SCENARIO, Recorder(T_W_B=poses))
+    assert result.trajectory.ate_m == result.trajectory.ate_odometry_m > 0.0
+    assert result.labels == LabelFigures()
+
+
+def test_the_truth_is_perfect():
+    finished = run(SCENARIO, Recorder())
+    labels, rooms, floors = finished.true_labels, finished.true_rooms, finished.true_storeys
+    result = check(SCENARIO, Recorder(T_W_B=finished.true_poses, labels=labels, rooms=rooms, floors=floors))
+    assert result.labels.accuracy == result.rooms.pq == result.floors.accuracy == 1.0
+    assert result.trajectory.ate_m < 1e-9 and result.rooms.splits == result.rooms.merges == 0
+
+
+def test_a_folder_is_written_for_any_claims(tmp_path):
+    for name, claims in {"nothing": {}, "poses": {"T_W_B": poses}}.items():
+        finished = run(SCENARIO, Recorder(**claims))
+        write_run(finished, evaluate(finished), try_plans(finished), tmp_path / name)
+        assert (tmp_path / name / "report.html").exists() and not (tmp_path / name / "map").exists()
+        assert (tmp_path / name / "trajectory.tum").exists() == bool(claims)
+
+
+def test_refused_observations_are_counted_under_faults_and_fatal_without():
+    class Picky(Recorder):
+        def process(self, observation):
+            if observation.index % 3 == 1:
+                raise ObservationError("not this one")
+            super().process(observation)
+
+    with pytest.raises(ObservationError, match="not this one"):
+        check(SCENARIO, Picky())
+    faulty = Scenario(**{**vars(SCENARIO), "faults": (Dropped(0.1),)})
+    assert check(faulty, Picky()).faults.refused > 5
+
+
+def test_claims_of_another_size_are_named():
+    with pytest.raises(SimError, match="labels has 3 rows; valid: 5, one for each of the frames"):
+        unchecked(Estimate, frames=np.arange(5), labels=np.zeros(3, int))
+
+
+def one_loop(**changes):
+    values = {"query": np.array([5]), "match": np.array([0]), "T_match_query": np.eye(4)[None], "weights": np.ones(1)}
+    return LoopClaims(**values | changes)
+
+
+@pytest.mark.parametrize(
+    ("claims", "message"),
+    [
+        ({"frames": np.array([0, 10**6])}, "frame 1000000 is none; valid: indices of observations that the SLAM was given"),
+        ({"frames": np.array([3, 2])}, "frames must be one or more indices of observations, from 0 and ascending"),
+        ({"frames": np.zeros(0, int)}, "frames must be one or more indices"),
+        ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
+        ({"loops": one_loop(query=np.array([10**6]))}, "loops and candidates refer to rows 0 to 1000000; valid: 0 to"),
+        ({"candidates": ((0, (-1,)),)}, "loops and candidates refer to rows -1 to 0; valid"),
+    ],
+)
+def test_claims_that_cannot_be_are_named(claims, message):
+    with pytest.raises(SimError, match=message):
+        check(SCENARIO, Recorder(**claims))
