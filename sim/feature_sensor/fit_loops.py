@@ -47,7 +47,7 @@ _NODES = 21
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Outcomes of verification, one row for each pair of keyframes."""
+    """Outcomes of loop verification, with one row for each pair of keyframes that was verified."""
 
     query: Int[np.ndarray, "n"]
     """Number of the query keyframe, unique over all walks."""

@@ -23,7 +23,7 @@ from worlds.stairs.flights import StairsKind
 
 SLAB_M = 0.3
 _SHORTEST_BAND = 250
-"""A band with a planned length below this is left out [cm]."""
+"""Least planned length of a band, that is, of a row of rooms along a corridor [cm]; shorter bands are left out."""
 
 
 @dataclass(frozen=True)

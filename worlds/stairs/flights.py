@@ -102,9 +102,9 @@ class StairsLayout:
     treads: tuple[Slab, ...]
     """Steps and landings, from the lowest to the highest."""
     foot: Slab
-    """Floor of the lower storey inside the cell, before the first riser."""
+    """Floor in the cell (the room of the stairs) before the first riser, level with the lower storey."""
     head: Slab
-    """Floor of the upper storey inside the cell, after the last riser."""
+    """Floor in the cell (the room of the stairs) after the last riser, level with the upper storey."""
     line: tuple[Point, ...]
     """Walking line from the side of the cell where the climb begins to the side where it ends. It runs straight along every
     flight, and above the middle of each tread it is at the tread's height."""
@@ -142,7 +142,7 @@ class _Flight:
     risers: int
     """Number of risers."""
     riser: float
-    """Height of each."""
+    """Height of each riser."""
     tread: float
     """Depth of each tread."""
     width: float
