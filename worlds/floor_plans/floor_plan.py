@@ -51,12 +51,12 @@ class PlanStyle:
 
 
 def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
-    """Layouts of all storeys, lowest first.
+    """Return the layouts of all storeys, lowest first.
 
     1. `_topology` chooses how many bands there are, and draws their depths, from the total length of the rooms.
     2. `_stairs` chooses the stairs before any room is placed, because they take the same part of every storey.
-    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last one round the spine's end, and
-       `bands.measured` sets the lengths of all bands so that every storey stands on the one below.
+    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last room of a band round the spine's
+       end, and `bands.measured` sets the lengths of all bands so that every storey stands on the storey below.
     4. The spine becomes wider where it is a living room and its area would be too small. This comes after step 3, because
        the area depends on the spine's length.
     5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies
