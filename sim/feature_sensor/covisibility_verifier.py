@@ -71,7 +71,7 @@ class TrueView:
 
 
 def predictors(first: TrueView, second: TrueView, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
-    """Return the values of `PREDICTORS` for two views."""
+    """Return the inputs of the logistic loop model (`PREDICTORS`) for a pair of views."""
     shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
     relative = between(first.T_W_B, second.T_W_B)
     return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
