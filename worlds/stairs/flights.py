@@ -46,9 +46,10 @@ Point = tuple[float, float, float]
 def cell_needed(
     kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_WIDTH_M
 ) -> tuple[float, float]:
-    """Least length (along the first flight) and width of a cell between wall centre lines, rounded up to the centimetre [m].
+    """Least length (along the first flight) and width of the cell (the room) of stairs, rounded up to the centimetre [m].
 
-    `rise_m` is the height from floor to floor; treads are to be at least `tread_m` deep and flights at least `width_m` wide.
+    Both are measured between wall centre lines. `rise_m` is the height from floor to floor; treads are to be at least
+    `tread_m` deep and flights at least `width_m` wide.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
