@@ -1,4 +1,4 @@
-"""One run: builds a house, walks a tour with drifting odometry, feeds LEXIS, and keeps its map together with the truth."""
+"""One run: build the house, walk it, drift the odometry, feed LEXIS. What came out, beside what is true."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -27,7 +27,7 @@ from worlds.walkable import Walkable
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A finished run. Arrays with a value for each keyframe are indexed by keyframe id."""
+    """A finished run. Arrays "of keyframes" are indexed by keyframe id."""
 
     config: RunConfig
     house: House
@@ -35,35 +35,35 @@ class Run:
     session: Session
     map: LexisMap
     seconds: dict[str, float]
-    """Wall-clock time of planning house and tour, of building the scene, and of rendering [s]."""
+    """Wall time of house and tour, of building the scene, and of rendering [s]."""
     delivered: tuple[Truth, ...]
-    """Truth of every observation that LEXIS was given, in that order."""
+    """What was true of every observation, in the order in which LEXIS was given them."""
     refused: tuple[str, ...] = ()
-    """Error messages of the observations that LEXIS refused; empty without faults."""
+    """Why LEXIS did not take some of them; only under faults."""
 
     @property
     def observed(self) -> Int[np.ndarray, "n"]:
-        """Return the index of the observation that became each keyframe."""
+        """Index of the observation that became each keyframe."""
         return np.array([keyframe.observation_index for keyframe in self.map.keyframes], int)
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
-        """Return the stamps of the keyframes [s]."""
+        """Of keyframes [s]."""
         return np.array([keyframe.stamp for keyframe in self.map.keyframes])
 
     @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """Return the true poses T_W_B of the keyframes."""
+        """T_W_B of keyframes."""
         return np.asarray(self.session.tour.T_W_B[self.observed])
 
     @property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """Return the odometry poses T_O_B of the keyframes, as LEXIS was given them."""
+        """T_O_B of keyframes, as LEXIS was given them."""
         return np.array([keyframe.T_O_B for keyframe in self.map.keyframes])
 
     @property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
-        """Return the true room of each keyframe as an index into `house.rooms`."""
+        """Index into `house.rooms` of keyframes."""
         return np.array([self.session.truths[i].room for i in self.observed], int)
 
     @property
@@ -79,21 +79,21 @@ class Run:
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
-        """Return the true label of each keyframe as an index into the map's room names."""
+        """Index into the map's room names of keyframes."""
         return np.array([self.map.room_names.index(self.session.truths[i].label) for i in self.observed], int)
 
     @property
     def true_storeys(self) -> Int[np.ndarray, "n"]:
-        """Return the true storey of each keyframe as an index."""
+        """Storey of keyframes."""
         return np.array([self.session.truths[i].storey for i in self.observed], int)
 
 
 def run(config: RunConfig, encoder: Encoder | None = None, progress: Callable[[float], None] | None = None) -> Run:
     """Run LEXIS on the simulated house that `config` describes.
 
-    `encoder` replaces the encoder that `config` names; `progress` is called with the share of frames done. In a run with
-    faults, observations that LEXIS refuses are skipped, as by a driver that logs the error and continues. Raises
-    `WorldsError`, `SimError` or `LexisError` if a run with this configuration is impossible.
+    `encoder` replaces the one that `config` names; `progress` is told the share of frames done. Under faults, observations
+    that LEXIS refuses are left out, as a driver would that logs the error and goes on. Raises `WorldsError`,
+    `SimError` or `LexisError` where the config asks for what cannot be.
     """
     encoder = encoder or _encoder(config.encoder)
     sensor = _sensor(config, encoder)
