@@ -27,7 +27,7 @@ MAX_LINE = 400
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """Exit statuses as shells define them: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""Errors of writing. An OSError without a file name comes from a standard stream."""
+"""Errors that mean that an output cannot be written, for example to a full disk."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -87,6 +87,7 @@ def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type
     except expected as error:
         return _bad_input(parser, str(error), *getattr(error, "__notes__", ()))
     except OSError as error:
+        # Only an error of a standard stream has no file name.
         if error.filename is not None or error.errno not in _UNWRITABLE:
             raise
         _drop_output()

@@ -106,17 +106,17 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     max_reprojection_px: Annotated[float, Gt(0)] = 3.0
     """Largest reprojection error of an inlier [px]."""
     min_inliers: Annotated[int, Ge(4)] = 15
-    """Distinct key points of the query that must agree."""
+    """Least number of distinct key points of the query among the inliers."""
     min_cells: Annotated[int, Interval(ge=1, le=36)] = 5
-    """Cells of a 6 x 6 grid on the image that the inliers must reach."""
+    """Least number of cells of a 6 x 6 grid on the image that must contain an inlier."""
     gate_m: Annotated[float, Ge(0)] = 0.5
     """Largest distance between a loop's relative pose and the current estimate, constant part [m]."""
     gate_share: Annotated[float, Ge(0)] = 0.03
-    """Part of that distance that grows with the length of path since the candidate [m/m]."""
+    """Growth of `gate_m` with the length of the path between the candidate and the query [m/m]."""
     gate_rad: Annotated[float, Ge(0)] = 0.1
     """Largest angle between a loop's relative pose and the current estimate, constant part [rad]."""
     gate_rad_m: Annotated[float, Ge(0)] = 0.005
-    """Part of that angle that grows with the length of path since the candidate [rad/m]."""
+    """Growth of `gate_rad` with the length of the path between the candidate and the query [rad/m]."""
     max_edges: Annotated[int, Ge(1)] = 3
     """Loop edges kept per query, best first."""
     pixel_sigma: Annotated[float, Gt(0)] = 1.5
@@ -124,7 +124,7 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     rotation_sigma_rad: Annotated[float, Gt(0)] = 0.005
     """Common error of the landmarks, added in quadrature to the standard deviation of a loop edge's rotation [rad]."""
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
-    """Common error of the landmarks, added likewise to the standard deviation of the translation [m]."""
+    """Common error of the landmarks, added in quadrature to the standard deviation of a loop edge's translation [m]."""
     max_sigma_m: Annotated[float, Gt(0)] = 0.06
     """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Few or distant landmarks
     determine the pose less well than this, and the edge would follow their errors."""

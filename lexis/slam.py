@@ -79,7 +79,7 @@ class Slam:
     def process(self, observation: Observation) -> None:
         """Process the next observation; a keyframe enters the graph once the frames after it have arrived.
 
-        The caller may reuse the observation's arrays for the next one: none of them is read after this method returns.
+        The caller may reuse the arrays of the observation, because they are not read after this method returns.
 
         Raises:
             ObservationError: the observation does not fit the camera or the sequence.

@@ -55,9 +55,9 @@ class Percept:
     """An embedding and features sent in place of an image, by a camera that encodes on board or by a simulated camera."""
 
     embedding: Float32[np.ndarray, "d"]
-    """f_CLIP, unit norm, made by the encoder that also encodes the room names."""
+    """Embedding of the image with unit norm (f_CLIP in the paper), made by the encoder that also encodes the room names."""
     features: Features
-    """f_AKAZE; may be empty."""
+    """AKAZE features of the image (f_AKAZE in the paper). There may be none."""
 
 
 @dataclass(frozen=True, eq=False)

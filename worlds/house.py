@@ -113,9 +113,10 @@ class House:
 
 
 def build_house(spec: HouseSpec) -> House:
-    """Build the house that `spec` describes; windows and furniture are filled in where the spec leaves them open.
+    """Build the house that `spec` describes. Windows and furniture are added where the spec has None.
 
-    Raises `HouseError` where no such house can be built: the message names the room, opening, stairs or piece at fault.
+    Lists in the spec, even empty ones, stay as they are. Raises `HouseError` if the house cannot be built; the message names
+    the room, opening, stairs or piece at fault.
     """
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)

@@ -40,13 +40,14 @@ class StoreyPlan:
     level: int
     """Index into the storeys of `house`."""
     floor_m: float
+    """Height of the floor in W [m]."""
     ceiling_m: float
-    """Heights in W [m]."""
+    """Height of the ceiling in W [m]."""
     pieces: BoundaryPieces
     outer: Mapping[str, Sequence[Boundary]]
-    """By room id: the outer walls without an opening. Rooms that have none are missing."""
+    """Outer walls without an opening, by room id. Rooms without any outer wall of this sort are missing."""
     windows: tuple[WindowSpec, ...]
-    """Those of the spec, or sampled ones where the spec leaves them open."""
+    """Windows of the storey: the windows in the spec, or sampled windows if the spec lists none."""
 
     @staticmethod
     def of(house: HouseSpec, level: int, floor_m: float, ceiling_m: float) -> "StoreyPlan":

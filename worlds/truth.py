@@ -131,7 +131,7 @@ def ambiguity_at(
 def is_ambiguous(opening: OpeningSpec) -> bool:
     """Whether an opening makes a boundary so open that one cannot tell by looking where one room ends.
 
-    That holds for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
+    This holds for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
     doors.
     """
     if opening.kind in ("cased", "arch"):

@@ -45,7 +45,7 @@ class ModelSource:
     preprocess: Mapping[str, Any]
     """Mean and standard deviation of the image and, if stated, size [px] and resizing; empty for a `mini` model."""
     checkpoint: Path | None = None
-    """Local file with the weights; None if they come from the hub, or if a folder has none."""
+    """Local file with the weights; None if the weights come from the hub, or if the local folder contains no weights."""
     hub: tuple[str, tuple[str, ...]] | None = None
     """Repository on the hub, and the possible names of the weights there."""
     config: Path | None = None

@@ -1,7 +1,7 @@
-"""Files: read with care where they come from outside, and written whole or not at all.
+"""Safe reading of untrusted files, and atomic writing: a file or folder is written completely or not at all.
 
-`reading` and `arrays` read files that nobody vouches for; `replace` (with `swap` and `temporary_folder`) writes a file or
-folder beside its place and renames it; `tum_trajectory` and `camera` are two small formats.
+`reading` and `arrays` read untrusted files. `replace` (with `swap` and `temporary_folder`) writes a file or folder under a
+temporary name in the same place and then renames it. `tum_trajectory` and `camera` read and write two small formats.
 """
 
 import lazy_loader

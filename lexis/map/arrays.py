@@ -88,7 +88,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
 
 
 def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
-    """The keyframes of arrays that passed `check`."""
+    """Convert the arrays of a map back to keyframes. The arrays must have passed `check`."""
     keypoints = _split(arrays["keypoints"], arrays["feature_count"])
     descriptors = _split(arrays["descriptors"], arrays["feature_count"])
     points = _split(arrays["landmark_points"], arrays["landmark_count"])
@@ -109,13 +109,16 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
 
 
 def unpack_loops(arrays: Arrays) -> tuple[LoopEdge, ...]:
-    """The loop edges of arrays that passed `check`."""
+    """Convert the arrays of a map back to loop edges. The arrays must have passed `check`."""
     fields = (arrays[f"loop_{name}"] for name in ("query", "match", "pose", "covariance", "inliers"))
     return LoopArrays(*fields).edges()
 
 
 def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """The query keyframes, each with the keyframes proposed for it, of arrays that passed `check`."""
+    """Convert the arrays of a map back to loop candidates: every query keyframe with the keyframes proposed for it.
+
+    The arrays must have passed `check`.
+    """
     matches = _split(arrays["candidate_match"], arrays["candidate_count"])
     return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
 

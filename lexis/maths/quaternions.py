@@ -19,9 +19,10 @@ _LARGE = 0.49
 
 
 def as_quaternions(rotations: Float64[np.ndarray, "n 3 3"]) -> Quaternions:
-    """Unit quaternions x y z w, with w >= 0, of rotation matrices that are orthonormal within 1e-6.
+    """Convert rotation matrices that are orthonormal within 1e-6 to unit quaternions x y z w, with w >= 0.
 
-    One large component follows from the unit norm; the others are rounded to multiples of 2**-40.
+    Three components are rounded to multiples of 2**-40, so that repeated conversions change nothing. The fourth, which is
+    large, is computed from the unit norm.
     """
     if not len(rotations):
         return np.zeros((0, 4))

@@ -1,4 +1,4 @@
-"""Steps that the commands of `lexis-sim house` share: the argument for a file, checking and writing, and a description."""
+"""What the commands of `lexis-sim house` share: the file argument, writing a checked house, and describing one in a line."""
 
 from pathlib import Path
 

@@ -30,7 +30,7 @@ RIG_HELP = (
     "(default: %(default)s)"
 )
 _WIDE = 110
-"""Columns from which there is room for the meaning of every figure."""
+"""Least width of the terminal, in columns, at which the printed table also explains every figure."""
 
 
 def add_to(commands: Commands) -> None:

@@ -56,7 +56,7 @@ class Exposure(ImageFault):
     """Exposure error as a power of two; negative is darker."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """Return the image with scaled light."""
+        """Return the image as exposed to `2 ** stops` times the light, clipped at white."""
         return _with_light(image, 2.0**self.stops)
 
 

@@ -15,11 +15,11 @@ from worlds.house import Furniture, House
 _TRIES = 30
 """Number of places that are tried for a piece."""
 _WALL_M = 0.1
-"""Distance kept from a room's polygon, which runs along the centre of walls."""
+"""Least distance of moved furniture from the polygon of its room, which runs along the centre of walls [m]."""
 _BODY_M = 0.3
-"""Distance kept from the path of the body."""
+"""Least distance of moved furniture from the rest of the body's path [m]."""
 _ON_FLOOR_M = 0.02
-"""A piece that is lower than this stands on the floor."""
+"""Largest height of the underside of a piece that stands on the floor [m]."""
 _FIXED = frozenset(
     (
         *("kitchen counter", "kitchen sink", "kitchen island", "stove", "dishwasher", "washing machine", "utility sink"),

@@ -56,7 +56,7 @@ class LoopModel:
     """False edges to draw from. They may be empty if `false_rate` is 0."""
 
     def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:
-        """Return the probability of a true edge; 0 if the views share nothing."""
+        """Return the probability that verification confirms a loop with a correct edge; 0 if the views do not overlap."""
         shared = predictors[..., PREDICTORS.index("covisibility")] > 0.0
         return np.asarray(np.where(shared, expit(predictors @ self.weights), 0.0))
 
@@ -71,7 +71,7 @@ class TrueView:
 
 
 def predictors(first: TrueView, second: TrueView, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
-    """Return the values of `PREDICTORS` for two views."""
+    """Return the inputs of the logistic loop model (`PREDICTORS`) for a pair of views."""
     shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
     relative = between(first.T_W_B, second.T_W_B)
     return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])

@@ -35,19 +35,20 @@ from worlds.walkable import Walkable
 _FRAME_RATE_HZ = 3.5
 """One frame every 0.2 m. This is dense enough for keyframes and for the frames that support them."""
 _OTHERS = 4
-"""Number of other keyframes within `_OTHERS_M` that are verified per keyframe, besides LEXIS's candidates."""
+"""Number of nearby keyframes that are verified per query, in addition to LEXIS's candidates."""
 _OTHERS_M = 4.0
+"""Largest distance between a query and these additional keyframes [m]."""
 _GAP = 20
-"""Smallest difference of index between a query and such a keyframe."""
+"""Smallest difference between the index of a query and the index of an additional keyframe to verify."""
 _LAGS = 9
-"""Two trials of one query are compared if their rows are less than this apart. Trials of a query are consecutive rows."""
+"""Number of rows within which two trials of one query are compared. The trials of a query are consecutive rows."""
 _NODES = 21
 """Number of nodes of the quadrature over a query's common random variable."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Outcomes of verification, one row for each pair of keyframes."""
+    """Outcomes of loop verification, with one row for each pair of keyframes that was verified."""
 
     query: Int[np.ndarray, "n"]
     """Number of the query keyframe, unique over all walks."""

@@ -27,7 +27,7 @@ class Sample:
     T_W_B: Float64[np.ndarray, "n 4 4"]
     views: VisibleShares
     embeddings: Float32[np.ndarray, "n d"]
-    """Of the rendered images."""
+    """Embeddings of the rendered images."""
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:

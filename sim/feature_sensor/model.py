@@ -84,7 +84,10 @@ def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
 
 
 def save_features(model: FeatureModel, path: Path) -> None:
-    """Write a model in single precision, its embedding weights in half. Raises `LexisError` if it cannot be written."""
+    """Write a feature model: the embedding weights in half precision, everything else in single precision.
+
+    Raises `LexisError` if the file cannot be written.
+    """
     arrays = _flat(model)
     arrays["embedding.weights"] = arrays["embedding.weights"].astype(np.float16)
     with replaced_file(path) as file, file.open("wb") as stream:

@@ -17,7 +17,11 @@ from sim.fidelity import ORACLE
 from worlds.labels import ROOM_LABELS
 
 _NOTHING = len(ROOM_LABELS)
-"""Dimension of a view that shows no room. After it come the kinds of objects, which distinguish places with equal labels."""
+"""Index of the embedding's dimension for views that show no room.
+
+The dimensions before this one stand for room labels. The dimensions after it stand for kinds of objects, which distinguish
+places with equal labels.
+"""
 _SIZE = _NOTHING + 1 + len(OBJECTS)
 
 

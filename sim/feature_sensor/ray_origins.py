@@ -43,9 +43,9 @@ class UprightCameras:
     ahead: Float32[np.ndarray, "k 2"]
     """Unit vectors of the viewing direction in the plan."""
     lines: Float32[np.ndarray, "k columns 2"]
-    """Direction of each column in the plan, at unit depth."""
+    """Horizontal direction of the rays of each image column, scaled to unit depth."""
     slope: Float32[np.ndarray, "k rows"]
-    """Rise of each row at unit depth. It is never zero."""
+    """Rise of the rays of each image row, per unit of depth; never zero."""
     storey: Int[np.ndarray, "k"]
     """Index of the storey that holds the camera."""
 

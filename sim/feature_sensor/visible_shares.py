@@ -15,24 +15,24 @@ from worlds.truth import NOWHERE
 COLUMNS, ROWS = 40, 30
 """Number of rays per image. An object that fills 1 % of the image is hit by a dozen of them."""
 LABEL_WEIGHT = 0.05
-"""Weight of room labels in a description. It is small, so that a ridge regression prefers what is visible."""
+"""Weight of room labels in the description of a view. It is small, so that a ridge regression prefers what is visible."""
 _NEAR_M = 2.5
-"""Depth up to which things count as near, which are mostly in the camera's own room [m]."""
+"""Depth up to which things count as near [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-"""A description holds the share of rays that are shorter than each of these."""
+"""Depths [m]. For each of them, the description of a view holds the share of rays that hit something nearer."""
 _COLOUR_WEIGHT = 2.0
-"""Weight of colours in [0, 1] in a description."""
+"""Weight of colours in [0, 1] in the description of a view."""
 _LEAST_SHARE = 0.02
 """Share of the image below which a surface's colour is weakened in proportion."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
-"""Part of a description that holds the shares of room labels."""
+"""Entries of a view's description vector that hold the shares of the image by room label."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
-"""Length of a description."""
+"""Length of the description vector of a view, the input of the embedding model."""
 
 
 @dataclass(frozen=True, eq=False)
 class VisibleShares:
-    """What cameras see: the share of each thing in each image, and the hits of the rays."""
+    """Visible contents of images: the share of each image that each thing fills, and the hits of the rays."""
 
     around: Surroundings
     hits: Hits

@@ -44,14 +44,15 @@ class Imu:
     """Measurements in B."""
 
     stamps: Float64[np.ndarray, "n"]
-    """[s]"""
+    """Times of the measurements [s]."""
     angular_velocity: Float64[np.ndarray, "n 3"]
-    """[rad/s]"""
+    """Angular velocity of B relative to W, expressed in B [rad/s]."""
     specific_force: Float64[np.ndarray, "n 3"]
     """Acceleration less gravity: +9.81 along z at rest [m/s²]."""
     gyroscope_bias: Float64[np.ndarray, "n 3"]
-    """That is contained in the measurements."""
+    """Bias that `angular_velocity` contains [rad/s]."""
     accelerometer_bias: Float64[np.ndarray, "n 3"]
+    """Bias that `specific_force` contains [m/s²]."""
 
 
 def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:

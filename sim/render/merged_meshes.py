@@ -13,14 +13,17 @@ from worlds.visuals.surfaces import OUTSIDE
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """A merged mesh. It is drawn if the camera may see one of its cells."""
+    """A merged mesh. The mesh is drawn if the camera may see at least one of its visibility cells."""
 
     visual: Visual
     cells: Cells
 
 
 def cells_of(part: Visual, visibility: Visibility) -> Cells:
-    """Return a part's cells: the room's cell for a wall, floor or ceiling; all cells that it reaches into for an object."""
+    """Return the visibility cells that contain a part of the scene.
+
+    A wall, floor or ceiling is in the cell of its room. An object is in every cell that it reaches into.
+    """
     if part.image == ATLAS:
         return visibility.cells_of(part.corners)
     room = part.name.rpartition("/")[0]

@@ -28,7 +28,7 @@ Cells = frozenset[int]
 _MARGIN_M = 0.1
 """Margin by which openings are enlarged."""
 _TOLERANCE_M = 0.01
-"""An object has to reach this far into a cell to count as in it."""
+"""Least depth to which an object must reach into a cell to count as inside that cell [m]."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class Confusion:
 
 
 def confusion(table: KeyframeTable, label_names: Sequence[str]) -> Confusion:
-    """Count keyframes by label: a row for each true label, a column for each of these and of the other predicted labels."""
+    """Count keyframes by label: a row for every true label, a column for every label that is true or predicted."""
     n = len(label_names)
     counts = np.zeros((n, n), dtype=np.int64)
     np.add.at(counts, (table.true_labels, table.predicted_labels), 1)

@@ -17,7 +17,7 @@ from scipy.spatial.distance import cdist
 from lexis.maths.ties import rounded
 
 CELL_M = 0.08
-"""Size of a cell."""
+"""Side length of a cell of the grid on which local paths are planned [m]."""
 _FINE = 4
 """Divisions of a cell to which obstacle points are rounded."""
 _HALF = 22
@@ -26,25 +26,28 @@ _N = 2 * _HALF + 1
 _SCANS = 12
 """Number of recent scans that are kept."""
 _SAME_M = 0.4
-"""Scans whose heights differ by more than this, on stairs, show different obstacles and are not combined [m]."""
+"""Largest difference between the heights of two scans that are combined [m]. On stairs, higher or lower scans show different
+obstacles."""
 _PREFERRED_M = 0.25
-"""Clearance beyond the least distance. More than this is no better [m]."""
+"""Preferred clearance in addition to the least distance from obstacles [m]; more clearance lowers the cost no further."""
 _BLOCKED = 1000.0
-"""Cost of a metre below the least distance. It is finite, so that a path is always found, but any other one is preferred."""
+"""Cost of a metre of path below the least distance from obstacles. The cost is finite, so that a path is always found, but
+any path outside is preferred."""
 _CROWDING = 5.0
-"""Additional cost of a metre at the least distance."""
+"""Additional cost of a metre of path at the least distance from obstacles."""
 _MISS_COST = 30.0
 """Cost of every metre between the path's end and the target. It exceeds the cost of a metre at the least distance."""
 _STRAYED_M = 0.3
-"""Distance from the route that drift explains, and that costs nothing."""
+"""Distance from the route that costs nothing, because drift explains it [m]."""
 _STRAYING = 20.0
-"""Additional cost of a metre per metre that it is farther away. The route itself was walked before, so it is free."""
+"""Additional cost of a metre of path for every metre that it is farther from the route than `_STRAYED_M`. The robot prefers
+the route because the route was walked before and is therefore free of obstacles."""
 
 
 class LocalMap:
     """The hits of the last few scans, in the frame of the estimated pose.
 
-    `least_m` is the least distance between the robot's centre and any of them.
+    `least_m` is the least distance that the robot's centre keeps from every hit [m].
     """
 
     def __init__(self, least_m: float) -> None:

@@ -27,14 +27,14 @@ SMOOTHED = 0.95
 _SCATTER_M = 0.25
 """Repeated visits pass within this distance of a stop, so that revisits do not have the very same viewpoint."""
 _CIRCUIT_M = 40.0
-"""Default length of the loop's circuit."""
+"""Default length of one lap of a `loop` tour [m]."""
 _PLACES = 48
 """Number of places that a random tour draws from."""
 _WIDER = 1.25
 """Factor by which the lanes of a lawn-mower tour are spaced wider until the tour is short enough."""
 _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
-"""A shorter lap is not repeated, because it would be walked on the spot."""
+"""Least length of a lap that is repeated [m]; to repeat a shorter lap would be to walk on the spot."""
 _NEAR_ENOUGH_M = 0.15
 """Detours whose lengths differ by less than this from the best one count as equally good."""
 _DRAWN = 0.3

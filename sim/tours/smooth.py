@@ -53,7 +53,10 @@ _TURNS_BACK = -0.85
 
 
 def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
-    """Smooth a walkable line and return points 1 cm apart. Points where it turns back stay, other corners are rounded."""
+    """Smooth a walkable polyline and return points 1 cm apart.
+
+    Corners are rounded, except where the polyline turns back.
+    """
     base = _divided(line)
     base[:, 2] = _rounded(base[:, 2])
     reach = walkable.radius_m + _SPARE_M[1] + _REACH_M

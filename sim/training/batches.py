@@ -13,9 +13,9 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""A thing counts as present in an image if it fills more than this share of it."""
+"""Share of an image that a thing must exceed to count as present in the image."""
 PATCH_PRESENT = 0.02
-"""A thing counts as present in a patch if it fills more than this share of it."""
+"""Share of a patch that a thing must exceed to count as present in the patch."""
 STRETCH = 4
 """Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
 

@@ -159,7 +159,7 @@ def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
 
 
 def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: range) -> Frames:
-    """Of the first houses that the seed draws."""
+    """Render (or load) the frames of the first `houses` houses that the seed draws."""
     stream = (TRAINING_SEEDS, TUNING_SEEDS).index(seeds)
     draws = list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
     sets = []

@@ -47,7 +47,8 @@ class DistilConfig:
     compositions: int = 250_000
     scenes: int = 15_000
     near: int = 2_500
-    """Number of words that belong to houses according to the teacher; most words of compositions are drawn from them."""
+    """Number of words, nearest to room captions by the teacher's embeddings, from which most words of the random
+    compositions are drawn."""
     epochs: int = 3
     batch: int = 512
     learning_rate: float = 2e-3

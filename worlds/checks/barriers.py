@@ -18,7 +18,7 @@ from worlds.house import Furniture, House
 from worlds.spec import PASSABLE
 
 _BESIDE_M = 0.6
-"""A piece at most this far from an opening may block it: a little more than the width of the body."""
+"""Largest distance from an opening at which a piece may block it [m]; a little more than the width of the body."""
 
 
 def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iterator[str]:

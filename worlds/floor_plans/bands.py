@@ -25,7 +25,8 @@ from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
 
 _SHORTEST_BELOW = 350
-"""Nothing is built on top of a band shorter than this: its small rooms would grow with the rooms above them [cm]."""
+"""Least length of a band on which an upper storey is built [cm]. Small rooms in a shorter band would grow with the rooms
+above them."""
 _WRAPPING_LABELS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
 """Labels of rooms that may bend round the end of the spine."""
 _STRETCH = 1.5

@@ -16,7 +16,7 @@ from worlds.floor_plans.rectangles import Edge, Rect
 from worlds.floor_plans.room_sizes import SIZES
 
 DOOR_FRONT = 140
-"""Length that a host keeps of its bay's front (the side along the corridor), enough for its door [cm]."""
+"""Least width that the main room of a bay (a slice of a row of rooms) keeps along the corridor, enough for its door [cm]."""
 _ARM = 170
 """Least depth of the part of a host that lies behind a carved room, so that this part can be used [cm]."""
 _SLENDER = {"toilet": 2.6, "storage room": 2.6, "pantry": 2.6, "laundry room": 2.4, "bathroom": 2.2, "print room": 2.2}

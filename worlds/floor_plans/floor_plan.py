@@ -23,7 +23,7 @@ from worlds.stairs.flights import StairsKind
 
 SLAB_M = 0.3
 _SHORTEST_BAND = 250
-"""A band with a planned length below this is left out [cm]."""
+"""Least planned length of a band, that is, of a row of rooms along a corridor [cm]; shorter bands are left out."""
 
 
 @dataclass(frozen=True)
@@ -39,24 +39,24 @@ class PlanStyle:
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
     """Kinds of stairs to choose from; None: U-shaped stairs at the spine's end, all others stand in the north band."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """A plan has rooms on one side of the spine if all its rooms together are shorter than a length from this range [m]."""
+    """Range of a length [m]: if all rooms side by side are shorter, they stand on one side of the spine (the corridor)."""
     winged_m: float = 26.0
-    """A plan may have a second wing if all its rooms together are at least this long [m]."""
+    """Least length of all rooms side by side in a plan with a second wing [m]."""
     wings: float = 0.7
-    """Share of such plans that have a second wing; those of 40 m and more always have one."""
+    """Share of the plans of at least this length that have a second wing; plans of 40 m and more always have one."""
     spine_m2: float = 0.0
     """Least area of the spine, for plans in which the spine is a living room [m²]."""
     wrapped: float = 0.35
-    """Share of plans whose last south room bends round the spine's end, where one is suitable."""
+    """Share of plans in which the last room south of the spine (the corridor), if suitable, bends round the spine's end."""
 
 
 def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
-    """Layouts of all storeys, lowest first.
+    """Return the layouts of all storeys, lowest first.
 
     1. `_topology` chooses how many bands there are, and draws their depths, from the total length of the rooms.
     2. `_stairs` chooses the stairs before any room is placed, because they take the same part of every storey.
-    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last one round the spine's end, and
-       `bands.measured` sets the lengths of all bands so that every storey stands on the one below.
+    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last room of a band round the spine's
+       end, and `bands.measured` sets the lengths of all bands so that every storey stands on the storey below.
     4. The spine becomes wider where it is a living room and its area would be too small. This comes after step 3, because
        the area depends on the spine's length.
     5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies

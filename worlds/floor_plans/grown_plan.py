@@ -11,8 +11,8 @@ A request (`RoomRequest`) says what a room is like, where it stands relative to 
 - Any list of requests gives a valid house that can be walked, so that no drawn example is thrown away.
 - A request never changes the rooms before it, so that Hypothesis can shrink a failing house by leaving rooms out.
 
-A storey that bears another is a full rectangle at least as large as that one. All arithmetic is in whole decimetres, so that
-walls meet exactly.
+A storey below another storey is a full rectangle that is at least as large as the storey above. All arithmetic is in whole
+decimetres, so that walls meet exactly.
 """
 
 import math
@@ -71,18 +71,19 @@ class RoomRequest:
     label: str
     width_dm: int = MIN_SIZE_DM
     depth_dm: int = MIN_SIZE_DM
-    """Depth wished for. The first room of a row sets the row's depth, and no other room is deeper."""
+    """Requested depth [dm]. The first room of a row sets the depth of the row, and no other room of the row is deeper."""
     start: Start = "beside"
-    """Whether it stands beside the room before it, or starts a row or a storey."""
+    """Whether the room stands beside the previous room, or starts a new row or a new storey."""
     shape: Shape = "rectangle"
     height_m: float = 2.6
     """Height of the ceiling above the floor [m]; only the first room of a storey decides it."""
     way_in: OpeningRequest = OpeningRequest()
-    """Opening to a neighbour that stands already; where nobody can walk through it, a door is added beside it."""
+    """Opening to an earlier room, in the west or in the row below; if nobody can walk through the opening, a door is added
+    beside it."""
     other: OpeningRequest = OpeningRequest(None)
-    """Opening to a second such neighbour, if there is one."""
+    """Opening to the other of these two neighbours, if both exist."""
     from_south: bool = False
-    """Whether `way_in` leads to the row below rather than to the room in the west, where both exist."""
+    """Whether `way_in` leads to the row below and not to the room in the west, if both exist."""
 
 
 def grow(

@@ -78,7 +78,7 @@ class BayRun:
 
     bays: tuple[Bay, ...]
     joint: OpeningKind | None = None
-    """Kind of the opening between neighbouring hosts of the run; None: there is none."""
+    """Kind of the opening between the main rooms of neighbouring bays; None: there is no opening."""
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,10 @@ class StairsBay:
         return self.width if self.kind == "straight" else self.length
 
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
-        """The arms as (u0, v0, u1, v1) [cm]."""
+        """Rectangles (u0, v0, u1, v1) of the arms, the pieces of corridor beside the stairs [cm].
+
+        u runs along the band and v away from the spine.
+        """
         match self.kind:
             case "straight":
                 return (0, 0, _ARM, self.width), (_ARM + self.length, 0, self.front, self.width)
@@ -94,7 +97,10 @@ class StairsBay:
         return ()
 
     def cell(self) -> tuple[int, int, int, int]:
-        """The cell as (u0, v0, u1, v1) [cm]."""
+        """Rectangle (u0, v0, u1, v1) of the cell, the room of the stairs [cm].
+
+        u runs along the band and v away from the spine.
+        """
         match self.kind:
             case "straight":
                 return _ARM, 0, _ARM + self.length, self.width

@@ -80,7 +80,7 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class AgainstWall:
-    """Placed on the floor with its back to a wall."""
+    """Placement of a piece on the floor, with its back to a wall."""
 
     beside: tuple[str, ...] = ()
     """Kinds next to which the piece is preferably placed."""
@@ -90,14 +90,14 @@ class AgainstWall:
 
 @dataclass(frozen=True)
 class OnFloor:
-    """Placed on the floor, independently of the walls."""
+    """Placement of a piece on the floor, independently of the walls."""
 
     spot: Literal["centre", "anywhere"] = "anywhere"
 
 
 @dataclass(frozen=True)
 class Around:
-    """Placed on the floor, facing a piece of one of the kinds in `hosts`; the count is per host."""
+    """Placement of a piece on the floor, facing a piece of one of the kinds in `hosts`; the count is per host."""
 
     hosts: tuple[str, ...]
     side: Literal["all", "front"] = "all"
@@ -108,7 +108,7 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placed on the top face of a piece of one of the kinds in `hosts`; the count is per host."""
+    """Placement of an object on top of a piece of one of the kinds in `hosts`; the count is per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
@@ -116,7 +116,7 @@ class OnTop:
 
 @dataclass(frozen=True)
 class OnWall:
-    """Hung on a wall, with the underside at a height drawn from `height_m` [m]."""
+    """Placement of a piece that hangs on a wall, with the underside at a height drawn from `height_m` [m]."""
 
     height_m: Range = (1.25, 1.6)
     above: tuple[str, ...] = ()
@@ -125,7 +125,7 @@ class OnWall:
 
 @dataclass(frozen=True)
 class OnCeiling:
-    """Hung from the ceiling near the centre of the room."""
+    """Placement of a piece that hangs from the ceiling near the centre of the room."""
 
 
 Place = AgainstWall | OnFloor | Around | OnTop | OnWall | OnCeiling

@@ -46,9 +46,10 @@ Point = tuple[float, float, float]
 def cell_needed(
     kind: StairsKind, rise_m: float, tread_m: float = MIN_TREAD_M, width_m: float = MIN_WIDTH_M
 ) -> tuple[float, float]:
-    """Least length (along the first flight) and width of a cell between wall centre lines, rounded up to the centimetre [m].
+    """Least length (along the first flight) and width of the cell (the room) of stairs, rounded up to the centimetre [m].
 
-    `rise_m` is the height from floor to floor; treads are to be at least `tread_m` deep and flights at least `width_m` wide.
+    Both are measured between wall centre lines. `rise_m` is the height from floor to floor; treads are to be at least
+    `tread_m` deep and flights at least `width_m` wide.
     """
     n = risers(kind, rise_m)
     if kind == "straight":
@@ -102,9 +103,9 @@ class StairsLayout:
     treads: tuple[Slab, ...]
     """Steps and landings, from the lowest to the highest."""
     foot: Slab
-    """Floor of the lower storey inside the cell, before the first riser."""
+    """Floor in the cell (the room of the stairs) before the first riser, level with the lower storey."""
     head: Slab
-    """Floor of the upper storey inside the cell, after the last riser."""
+    """Floor in the cell (the room of the stairs) after the last riser, level with the upper storey."""
     line: tuple[Point, ...]
     """Walking line from the side of the cell where the climb begins to the side where it ends. It runs straight along every
     flight, and above the middle of each tread it is at the tread's height."""
@@ -142,7 +143,7 @@ class _Flight:
     risers: int
     """Number of risers."""
     riser: float
-    """Height of each."""
+    """Height of each riser."""
     tread: float
     """Depth of each tread."""
     width: float

@@ -13,7 +13,7 @@ _WOOD = (0.62, 0.47, 0.33)
 _DARK_WOOD = (0.36, 0.26, 0.18)
 _RAIL_HEIGHT_M, _RAIL_M, _POST_M = 0.95, 0.05, 0.03
 _RAIL_DEPTH_M = 0.2
-"""More than the height of a riser, so that the rails of neighbouring steps overlap into one hand rail."""
+"""Height of a rail's cross-section [m]; more than a riser, so that the rails of neighbouring steps join to one hand rail."""
 _POST_SPACING_M = 0.3
 _MIN_SILL_M = 0.02
 

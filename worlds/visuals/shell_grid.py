@@ -30,7 +30,10 @@ _Box = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class ShellGrid:
-    """The cells between consecutive `planes` across the x, y and z axes."""
+    """An irregular grid that divides the space around a house into box-shaped cells, each of them solid or free.
+
+    The cells lie between consecutive `planes`, which are perpendicular to the x, y and z axes.
+    """
 
     planes: tuple[Float64[np.ndarray, "px"], Float64[np.ndarray, "py"], Float64[np.ndarray, "pz"]]
     """Coordinates of the planes [m], ascending."""
@@ -48,7 +51,7 @@ class ShellGrid:
 
 
 def shell_grid(house: House) -> ShellGrid:
-    """The grid of a house.
+    """Build the grid that says which cells of a house are solid, and to which room each free cell belongs.
 
     1. Cut space along all faces of walls, openings, floors and ceilings.
     2. Fill the slabs and the walls as solid.

@@ -32,19 +32,22 @@ class EncoderRow:
     accuracy: float
     """Zero-shot label accuracy among the labels of the house."""
     ceiling: float | None
-    """Label accuracy of the ceiling classifier, which knows what is truly visible; None without training frames."""
+    """Label accuracy of a reference classifier that knows the true content of every image: the attainable accuracy.
+
+    None if there are no training frames for the classifier.
+    """
     trained_names: float
     """Mean label accuracy if rooms are given random names that were used in training."""
     held_out_names: float
     """Mean label accuracy if rooms are given random names that were never used in training."""
     things: float | None
-    """Questions for a thing that stands only in rooms of one label: share that rank a room of that label first."""
+    """Share of questions for a thing that rank a room of the right label first. The thing stands in rooms of one label."""
     typical_things: float | None
-    """The same share for questions for things that are typical of a room."""
+    """Share of questions for things that are typical of a room label that rank a room of that label first."""
     activities: float | None
-    """The same share for questions for activities that are typical of a room."""
+    """Share of questions for activities that are typical of a room label that rank a room of that label first."""
     held_out_questions: float | None
-    """Mean share over these three topics for questions in words that were never used in training."""
+    """Mean of these shares over things, typical things and activities, for questions in words never used in training."""
     trained_looks: float
     """Label accuracy in pairs of texture and lighting that occur together in training."""
     held_out_looks: float
@@ -56,7 +59,7 @@ class EncoderRow:
     recall: float | None
     """Recall@1 of revisits, by the cosine similarity of embeddings."""
     recall_in_room: float | None
-    """The same among keyframes with the query's predicted label only, as LEXIS searches."""
+    """Recall@1 of revisits if only keyframes with the query's predicted label are searched, as LEXIS does."""
     recall_orb: float | None
     """Recall@1 of revisits by ORB bag-of-words."""
     calibration_error: float
@@ -94,7 +97,7 @@ class References:
     orb: OrbWords | None = None
 
     def of(self, run: EncoderRun) -> "ReferenceAnswers":
-        """Their answers on one run, which are the same for all encoders."""
+        """Run the reference methods on one run. The answers are the same for all encoders."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
             return ReferenceAnswers(right, {})
@@ -103,7 +106,7 @@ class References:
 
 
 class ReferenceAnswers(NamedTuple):
-    """The references' answers on one run."""
+    """Answers of the reference methods (the ceiling classifier and ORB bag-of-words) on one run."""
 
     ceiling_right: Bool[np.ndarray, "n"] | None
     found: Mapping[str, Bool[np.ndarray, "revisits"]]

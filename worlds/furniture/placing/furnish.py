@@ -177,11 +177,12 @@ class RoomKinds:
     standing: tuple[Kind, ...]
     """Kinds that stand by themselves."""
     seats: Mapping[str, tuple[Kind, ...]]
-    """Required kinds around a host, by the host's name; they are placed right after it."""
+    """Kinds of required seats around another piece (the host), by the name of the host's kind. Seats are placed right after
+    their host."""
     details: tuple[Kind, ...]
     """Kinds that are placed last."""
     guests: Mapping[str, tuple[Kind, ...]]
-    """All kinds that stand at or on a host, or hang above it, by the host's name."""
+    """All kinds that stand at or on another piece (the host), or hang above it, by the name of the host's kind."""
 
 
 @cache

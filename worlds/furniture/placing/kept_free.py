@@ -20,7 +20,7 @@ SIGHT_DEPTH_M = 0.35
 _SWING_MARGIN_M = 0.06
 _LEAF_HALF_M = 0.02
 _STANDS_OPEN_RAD = 1.2
-"""A leaf opened farther than this is an obstacle [rad]; a body would push aside one that is only ajar."""
+"""Opening angle above which a door leaf is an obstacle [rad]; a leaf that is only ajar can be pushed aside."""
 
 
 class Space(NamedTuple):

@@ -45,7 +45,10 @@ class Side:
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
     def interval(self, a: Point, b: Point) -> Interval | None:
-        """The part of the segment a - b that lies on the side, as distances from its start; None if there is none [m]."""
+        """The part of the segment from `a` to `b` that lies on this side, as distances from the start of the side [m].
+
+        None if no part of the segment lies on the side.
+        """
         off = 1 if self.turn % 2 == 0 else 0
         if abs(a[off] - self.start[off]) > EPS_M or abs(b[off] - self.start[off]) > EPS_M:
             return None
@@ -56,7 +59,7 @@ class Side:
 
 @dataclass(frozen=True)
 class RoomShape:
-    """A rectilinear room."""
+    """Outline of a rectilinear room."""
 
     origin: Point
     """Corner of the bounding box with least x and y, in the storey's coordinates [m]."""
