@@ -5,10 +5,10 @@
     result = check(Scenario(preset="home", seed=7), MySlam())
     assert result.floors.accuracy > 0.9
 
-`scenario` describes a run, `parts` and `walk` build its house, tour and odometry. `slam_under_test` is what the harness asks
-of a SLAM, `estimate` what the SLAM may claim, and `adapters` holds LEXIS and others. `runner` feeds the SLAM, `planning`
-drives its plans, `figures` (with `loops`) computes the `results`, and `outputs` writes the folder of a run with its report,
-for which `report_data` prepares the data.
+`scenario` describes a run, `parts` and `walk` build its house, tour and odometry. `slam_under_test` is what the harness
+asks of a SLAM, `estimate` what the SLAM may claim, and `adapters` holds LEXIS and others. `runner` feeds the SLAM,
+`planning` drives its plans, `figures` (with `loops`) computes the `results`, about which `claims` are made, and `outputs`
+writes the folder of a run with its report, for which `report_data` prepares the data.
 """
 
 import lazy_loader

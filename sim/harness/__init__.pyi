@@ -1,4 +1,5 @@
 from .adapters import Lexis as Lexis
+from .claims import Claim as Claim
 from .estimate import Estimate as Estimate
 from .estimate import LoopClaims as LoopClaims
 from .figures import check as check

@@ -1,0 +1,63 @@
+"""`Claim`: a statement about the figures of a run, such as "rooms.pq >= 0.6", and whether a result fulfils it."""
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from sim.errors import SimError
+from sim.harness.results import RunResult
+
+_OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+    {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
+)
+_FORM = re.compile(r"\s*([\w.]+)\s*(<=|>=|==|!=|<|>)\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*")
+Outcome = Literal["holds", "fails", "unknown"]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A figure of `RunResult` by its dotted name, compared with a limit."""
+
+    figure: str
+    comparison: str
+    limit: float
+
+    @staticmethod
+    def parse(text: str) -> "Claim":
+        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for another form."""
+        if (match := _FORM.fullmatch(text)) is None:
+            raise SimError(f"claim {text!r:.80} is not understood; valid: a figure, < <= > >= == or !=, and a number")
+        try:
+            return Claim(match[1], match[2], float(match[3]))
+        except ValueError:
+            raise SimError(f"claim {text!r:.80}: {match[3]!r} is no number; valid: a number such as 0.7") from None
+
+    def __str__(self) -> str:
+        return f"{self.figure} {self.comparison} {self.limit:g}"
+
+    def value(self, result: RunResult) -> float | None:
+        """The figure in a result; None if the run cannot have it. Raises `SimError` for a name that is no figure."""
+        try:
+            value = result[self.figure]
+        except KeyError as error:
+            raise SimError(f"claim {str(self)!r}: {error.args[0]}") from None
+        if value is not None and not isinstance(value, int | float):
+            raise SimError(f"claim {str(self)!r}: {self.figure} is no number; valid: the name of a figure below it")
+        return value
+
+    def outcome(self, result: RunResult) -> Outcome:
+        """Whether the claim holds; unknown if the figure is None."""
+        value = self.value(result)
+        if value is None:
+            return "unknown"
+        return "holds" if _OPERATORS[self.comparison](value, self.limit) else "fails"
+
+    @property
+    def opposite(self) -> "Claim":
+        """The claim that holds where this one fails."""
+        pairs = (("<", ">="), (">", "<="), ("==", "!="))
+        other = dict(pairs) | {b: a for a, b in pairs}
+        return Claim(self.figure, other[self.comparison], self.limit)

@@ -1,0 +1,53 @@
+"""Claims are read from text, compared with figures, and say clearly what is wrong with them."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.errors import SimError
+from sim.harness.claims import Claim
+from sim.harness.results import LabelFigures, RunResult
+
+OPERATORS = st.sampled_from(("<", "<=", ">", ">=", "==", "!="))
+
+
+def result(accuracy):
+    """A result of which only the labels are looked at."""
+    made = object.__new__(RunResult)
+    object.__setattr__(made, "labels", LabelFigures(accuracy=accuracy, per_room={"kitchen": 0.25}))
+    return made
+
+
+@given(OPERATORS, st.floats(-1e6, 1e6))
+def test_text_and_back(comparison, limit):
+    claim = Claim("labels.accuracy", comparison, float(f"{limit:g}"))
+    assert Claim.parse(str(claim)) == claim
+
+
+@given(OPERATORS, st.sampled_from((0.0, 0.5, 1.0)), st.sampled_from((0.0, 0.5, 1.0)))
+def test_a_claim_holds_where_its_opposite_fails(comparison, value, limit):
+    claim = Claim("labels.accuracy", comparison, limit)
+    assert {claim.outcome(result(value)), claim.opposite.outcome(result(value))} == {"holds", "fails"}
+    assert claim.opposite.opposite == claim
+    assert claim.outcome(result(None)) == "unknown"
+
+
+def test_a_claim_about_one_room():
+    assert Claim.parse("labels.per_room.kitchen < 0.5").outcome(result(0.9)) == "holds"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "claim '' is not understood; valid: a figure, <"),
+        ("labels.accuracy", "is not understood"),
+        ("labels.accuracy < high", "is not understood"),
+        ("labels.accuracy < 1.2.3", "'1.2.3' is no number"),
+        ("labels.acc < 0.7", "no figure 'acc'; valid: accuracy, accuracy_baseline"),
+        ("labels < 0.7", "labels is no number; valid: the name of a figure below it"),
+    ],
+)
+def test_bad_claims_are_named(text, message):
+    with pytest.raises(SimError) as caught:
+        Claim.parse(text).outcome(result(0.5))
+    assert message in str(caught.value)
