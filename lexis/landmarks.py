@@ -73,6 +73,8 @@ class _Tracks:
 
 def triangulate(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> Landmarks:
     """Triangulate the reference's key points that at least `min_views` images agree on; there may be none."""
+    if not len(reference.features.keypoints):
+        return Landmarks(np.zeros((0, 3)), np.zeros(0, int))
     tracks = _match(reference, supports, camera, config)
     ids = np.flatnonzero(tracks.seen.sum(axis=1) >= config.min_views)
     tracks = tracks[ids]

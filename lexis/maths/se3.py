@@ -31,10 +31,11 @@ def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "n 
 
 def skew(vectors: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3 3"]:
     """The skew-symmetric matrix ``[v]x`` with ``skew(v) @ w == cross(v, w)``."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    zero = np.zeros_like(x)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    matrix = np.zeros((*vectors.shape, 3))
+    for row, column, entry in ((2, 1, 0), (0, 2, 1), (1, 0, 2)):
+        matrix[..., row, column] = vectors[..., entry]
+        matrix[..., column, row] = -vectors[..., entry]
+    return matrix
 
 
 def exp(tangents: Float64[np.ndarray, "*batch 6"]) -> Transforms:
@@ -76,7 +77,7 @@ def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch
     R = T[..., :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
         orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
-        right_handed = np.einsum("...i,...i", np.cross(R[..., 0], R[..., 1]), R[..., 2]) > 0
+        right_handed = np.linalg.det(R) > 0
     homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)
     finite = np.isfinite(T).all(axis=(-1, -2))
     return np.asarray(finite & orthonormal & homogeneous & right_handed)

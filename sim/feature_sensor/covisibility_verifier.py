@@ -10,6 +10,7 @@ For each candidate:
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int
@@ -68,20 +69,27 @@ class TrueView:
     T_W_B: Pose
     T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
+    grid: RayGrid
+    """The rays of the camera."""
+
+    @cached_property
+    def points(self) -> Float64[np.ndarray, "k 3"]:
+        """End points of the rays that hit something, in the frame of the camera [m]."""
+        z = np.where(np.isfinite(self.depth), self.depth, 0.0).astype(float)
+        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z], axis=-1)[z > 0.0]
 
 
-def predictors(first: TrueView, second: TrueView, grid: RayGrid) -> Float64[np.ndarray, "predictors"]:
+def predictors(first: TrueView, second: TrueView) -> Float64[np.ndarray, "predictors"]:
     """Return the inputs of the logistic loop model (`PREDICTORS`) for a pair of views."""
-    shared = float(np.sqrt(_seen_by(first, second, grid) * _seen_by(second, first, grid)))
+    shared = float(np.sqrt(_seen_by(first, second) * _seen_by(second, first)))
     relative = between(first.T_W_B, second.T_W_B)
     return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
 
 
-def _seen_by(viewer: TrueView, other: TrueView, grid: RayGrid) -> float:
+def _seen_by(viewer: TrueView, other: TrueView) -> float:
     """Return the share of the other view's rays whose end points the viewer sees, too."""
-    z = np.where(np.isfinite(other.depth), other.depth, 0.0).astype(float)
-    points = np.stack([grid.x[:, None] * z, grid.y[None] * z, z], axis=-1)[z > 0.0]
-    local = transform(inverse(viewer.T_W_C) @ other.T_W_C, points)
+    grid = viewer.grid
+    local = transform(inverse(viewer.T_W_C) @ other.T_W_C, other.points)
     local = local[local[:, 2] > _DEPTH_M]
     at = local[:, :2] / local[:, 2:]
     first, step = np.array([grid.x[0], grid.y[0]]), np.array([grid.x[1] - grid.x[0], grid.y[1] - grid.y[0]])
@@ -89,15 +97,15 @@ def _seen_by(viewer: TrueView, other: TrueView, grid: RayGrid) -> float:
     inside = ((ray >= 0) & (ray < viewer.depth.shape)).all(axis=1)
     met = viewer.depth[tuple(ray[inside].T)]
     depth = local[inside, 2]
-    return float(np.count_nonzero(np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)) / z.size
+    return float(np.count_nonzero(np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)) / other.depth.size
 
 
 class CovisibilityVerifier:
     """A `lexis.verification.Verifier` that uses the ground truth. Its result for a pair depends on pair and seed only."""
 
-    def __init__(self, model: LoopModel, sight_of: Callable[[int], TrueView], grid: RayGrid, seed: int) -> None:
+    def __init__(self, model: LoopModel, sight_of: Callable[[int], TrueView], seed: int) -> None:
         """`sight_of` maps the index of an observation to its ground truth."""
-        self._model, self._sight_of, self._grid, self._seed = model, sight_of, grid, seed
+        self._model, self._sight_of, self._seed = model, sight_of, seed
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
@@ -108,7 +116,7 @@ class CovisibilityVerifier:
 
     def _edge(self, query: Keyframe, match: Keyframe) -> LoopEdge | None:
         seen, before = self._sight_of(query.observation_index), self._sight_of(match.observation_index)
-        chance = float(self._model.probability(predictors(before, seen, self._grid)))
+        chance = float(self._model.probability(predictors(before, seen)))
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
         rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
         share = self._model.query_share

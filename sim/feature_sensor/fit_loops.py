@@ -87,7 +87,8 @@ def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Cam
     mapped = slam.finish()
     poses = tour.T_W_B[[keyframe.observation_index for keyframe in mapped.keyframes]]
     views = look(survey(house), poses, camera)
-    sights = [TrueView(T, T @ camera.T_B_C, depth) for T, depth in zip(poses, views.hits.depth, strict=True)]
+    grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
+    sights = [TrueView(T, T @ camera.T_B_C, depth, grid) for T, depth in zip(poses, views.hits.depth, strict=True)]
     return _tried(mapped, _pairs(mapped, poses, rng), sights, camera, config)
 
 
@@ -104,13 +105,12 @@ def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random
 def _tried(
     mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[TrueView], camera: Camera, config: Config
 ) -> Trials:
-    grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
     queries, rows, edges = [], [], []
     for query, matches in pairs:
         locator = Locator(mapped.keyframes[query], mapped.keyframes, camera, config.verification)
         for match in matches:
             queries.append(query)
-            rows.append(predictors(sights[match], sights[query], grid))
+            rows.append(predictors(sights[match], sights[query]))
             edges.append(locator.from_match(match))
     truth = np.array([sight.T_W_B for sight in sights])
     found = np.array([edge is not None for edge in edges], bool)

@@ -47,16 +47,16 @@ class FeatureSensor:
     def verifier(self, houses: Sequence[House], T_W_B: Poses) -> CovisibilityVerifier:
         """Return the verifier of loops of the same tour."""
         sights: dict[int, TrueView] = {}
+        grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
 
         def sight_of(frame: int) -> TrueView:
             if frame not in sights:
                 T_W_C = T_W_B[frame] @ self._camera.T_B_C
                 views = look(self._survey(houses[frame]), T_W_B[frame : frame + 1], self._camera)
-                sights[frame] = TrueView(T_W_B[frame], T_W_C, views.hits.depth[0])
+                sights[frame] = TrueView(T_W_B[frame], T_W_C, views.hits.depth[0], grid)
             return sights[frame]
 
-        grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
-        return CovisibilityVerifier(self._model.loops, sight_of, grid, self._seed[0])
+        return CovisibilityVerifier(self._model.loops, sight_of, self._seed[0])
 
     def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
         if self._oracle:

@@ -51,11 +51,11 @@ def house():
 def sight(house, x, y, yaw):
     T_W_B = np.eye(4)
     T_W_B[:3, :3], T_W_B[:3, 3] = turned(yaw), (x, y, 1.4)
-    return TrueView(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0])
+    return TrueView(T_W_B, T_W_B @ CAMERA.T_B_C, look(survey(house), T_W_B[None], CAMERA).hits.depth[0], GRID)
 
 
 def shared(first, second):
-    return predictors(first, second, GRID)[PREDICTORS.index("covisibility")]
+    return predictors(first, second)[PREDICTORS.index("covisibility")]
 
 
 def test_a_view_shares_all_with_itself_and_nothing_with_another_room_or_its_back(house):
@@ -71,7 +71,7 @@ def test_what_is_shared_is_mutual_and_falls_with_turn_and_distance(house):
     steps = [shared(here, sight(house, 1.5 + step, 2.5, 0.0)) for step in (0.0, 0.5, 1.5, 3.0)]
     assert (np.diff(turns) < 0).all() and (np.diff(steps) < 0).all()
     there = sight(house, 2.5, 3.0, 0.5)
-    np.testing.assert_allclose(predictors(here, there, GRID), predictors(there, here, GRID), atol=1e-9)
+    np.testing.assert_allclose(predictors(here, there), predictors(there, here), atol=1e-9)
 
 
 def graph_of(count):
@@ -85,8 +85,9 @@ def graph_of(count):
 
 def confirmed(house, chosen, seed=0, queries=40, matches=10):
     """Loop edges between equal views, by query."""
-    here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32))
-    verifier = CovisibilityVerifier(chosen, lambda index: here, RayGrid(*np.float32([[-0.5, 0.5]] * 2)), seed)
+    few = RayGrid(*np.float32([[-0.5, 0.5]] * 2))
+    here = replace(sight(house, 2.0, 2.5, 0.3), depth=np.ones((2, 2), np.float32), grid=few)
+    verifier = CovisibilityVerifier(chosen, lambda index: here, seed)
     graph = graph_of(matches + queries)
     return [
         verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE)
@@ -116,7 +117,7 @@ def test_false_edges_come_at_their_rate_with_their_error(house):
 
 def test_nothing_in_common_is_never_truly_confirmed(house):
     sights = [sight(house, 2.0, 2.5, 0.0), sight(house, 8.0, 2.5, 0.0)]
-    verifier = CovisibilityVerifier(model(40.0), lambda index: sights[index], GRID, 0)
+    verifier = CovisibilityVerifier(model(40.0), lambda index: sights[index], 0)
     graph = graph_of(2)
     assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE) == []
 
@@ -126,14 +127,14 @@ def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
     names = [[[edge.match for edge in edges] for edges in found] for found in (first, again, other)]
     assert names[0] == names[1] != names[2]
     here = sight(house, 2.0, 2.5, 0.3)
-    verifier, graph = CovisibilityVerifier(model(), lambda index: here, GRID, 1), graph_of(50)
+    verifier, graph = CovisibilityVerifier(model(), lambda index: here, 1), graph_of(50)
     back = verifier(graph.keyframes[10], [*range(9, -1, -1)], graph, CAMERA, ANYWHERE)
     assert sorted(edge.match for edge in back) == sorted(edge.match for edge in first[0])
 
 
 def test_an_edge_that_contradicts_the_odometry_is_refused(house):
     here = sight(house, 2.0, 2.5, 0.3)
-    verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, GRID, 1), graph_of(2)
+    verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, 1), graph_of(2)
     assert len(verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE)) == 1
     assert verifier(graph.keyframes[1], [0], graph, CAMERA, VerificationConfig()) == []
 
@@ -163,5 +164,5 @@ def test_fitting_recovers_the_random_effect_of_queries(rng, share):
 
 
 def test_without_candidates_no_view_is_computed(house):
-    verifier, graph = CovisibilityVerifier(model(), lambda index: pytest.fail("asked"), GRID, 1), graph_of(1)
+    verifier, graph = CovisibilityVerifier(model(), lambda index: pytest.fail("asked"), 1), graph_of(1)
     assert verifier(graph.keyframes[0], [], graph, CAMERA, replace(ANYWHERE, max_edges=1)) == []
