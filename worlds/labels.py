@@ -1,6 +1,10 @@
-"""The labels that rooms can have; the order is that in which lists of labels are shown."""
+"""The labels that rooms can have. CONTRIBUTING.md lists what else a new label needs.
+
+Lists of labels are shown in this order.
+"""
 
 STAIRS = "stairs"
+"""The label of stairs, which are one room through all the storeys that they join."""
 
 ROOM_LABELS = (
     "kitchen",
@@ -31,3 +35,4 @@ ROOM_LABELS = (
 )
 
 OUTDOOR_LABELS = ("garden", "balcony")
+"""Labels of places without walls or ceiling."""

@@ -14,7 +14,7 @@ from sim.harness.slam_under_test import SavesFiles
 from sim.report import write_report
 
 MARKER = "result.json"
-"""By which a folder is known to be that of a run."""
+"""File that identifies a folder as that of a run, which a new run may replace."""
 
 
 def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path) -> None:

@@ -28,36 +28,36 @@ these poses was. odometry: the odometry alone, while mapping and while driving. 
 INSIDE_M = 0.5
 """The shortest path that the SPL compares with ends so far inside a room [m]."""
 _STREAM = 3
-"""Of drives among the streams that a run's seed spawns; see `sim.faults` for the others."""
+"""Position of the drives among the random streams of a run's seed; see `sim.faults` for the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One query, and how the robot fared."""
+    """The result of one plan that a robot has driven."""
 
     start: str
     goal: str
     success: bool
-    """It stands in a room of the goal's label and has touched nothing."""
+    """Whether the robot stands in a room of the goal's label and has touched nothing."""
     shortest_m: float
     """Shortest walkable path from the start to `INSIDE_M` inside a room of the goal's label; see `shortest_into` [m]."""
     travelled_m: float
     touched: tuple[str, ...]
-    """Names of what it ran into."""
+    """Names of the objects that the robot collided with."""
     path: Float64[np.ndarray, "k 3"]
-    """Of the robot, in W [m]."""
+    """Path of the robot, in W [m]."""
     planned: Float64[np.ndarray, "j 3"]
-    """The plan's keyframes where they truly are, on the walked surface in W [m]; none where no plan was found."""
+    """True positions of the plan's frames on the walked surface, in W [m]; empty if no plan was found."""
 
     @property
     def collisions(self) -> int:
-        """1 where it touched something, which ended the drive."""
+        """1 if the robot touched something, which ends a drive; else 0."""
         return int(bool(self.touched))
 
 
 @dataclass(frozen=True, eq=False)
 class _Belief:
-    """What the robot goes by."""
+    """The robot's estimate of the map and of its own pose."""
 
     keyframes: Float64[np.ndarray, "n 4 4"]
     """Poses of the map's keyframes, in a frame of its own."""

@@ -68,11 +68,14 @@ degraded      0.26 m  2.36 deg   0.54 m  4.15 deg   0.78 m  6.10 deg   0.50 m
 openvins      0.07 m  0.85 deg   0.13 m  1.06 deg   0.19 m  1.26 deg   0.11 m
 ============  =================  =================  =================  ========
 
-`multicam` is 1 % and 0.05 deg/m at 24 m, `degraded` 2 % and 0.2 deg/m: what visual-inertial odometry makes of a house with
-little texture. `mono` turns 1/0.61 as far off as `multicam`, the published ratio. `openvins` is the curve published for
-monocular OpenVINS in EuRoC's Vicon rooms (0.094 m 0.83 deg, 0.111 m 1.22 deg, 0.184 m 1.43 deg), a small room that it never
-leaves: it drifts too little over a house to tell a good back end from a bad one, so no other preset is measured by it.
+- `multicam` drifts by 1 % and 0.05 deg/m over 24 m, as visual-inertial odometry with several cameras does in a house.
+- `degraded` drifts by 2 % and 0.2 deg/m over 24 m, as visual-inertial odometry does in a house with little texture.
+- `mono` has the yaw error of `multicam` divided by 0.61, the published ratio between several cameras and one.
+- `openvins` follows the curve published for monocular OpenVINS in EuRoC's Vicon rooms (0.094 m 0.83 deg, 0.111 m 1.22 deg,
+  0.184 m 1.43 deg). These sequences stay in one small room. The preset drifts too little over a house to show the difference
+  between a good and a bad back end, so the other presets are not fitted to it.
 
-The NEES per degree of freedom of single increments is `overconfidence`. Of increments composed as if they were independent
-over 8 to 96 m it is 0.8 to 1.0 times that (`openvins`: 0.5 to 0.8): tilt errors undo each other, and biases do not.
+`overconfidence` is the NEES per degree of freedom of single increments. If increments are composed over 8 to 96 m as though
+they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8), because tilt errors cancel
+each other while biases do not.
 """
