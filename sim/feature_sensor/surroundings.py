@@ -17,7 +17,9 @@ from worlds.visuals.surface_textures import finishes
 from worlds.visuals.surfaces import rectangles
 
 SURFACES = ("wall", "floor", "ceiling")
-OBJECTS = (*sorted(CATALOGUE), "door", "window", STAIRS_OBJECT)
+_SHIPPED = sorted(name for name, kind in CATALOGUE.items() if kind.build.__module__.startswith("worlds."))
+OBJECTS = (*_SHIPPED, "door", "window", STAIRS_OBJECT)
+"""Kinds of objects that the shipped feature model was fitted to. Furniture that a user declares has none of these kinds."""
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
 """Visual kinds of things: objects, and surfaces by the pattern of their finish. The setting `texture` of a house's
 appearance, which changes the rendered textures, is ignored."""
@@ -52,7 +54,7 @@ class Surroundings:
     names: tuple[str, ...]
     """Names as in `sim.render.scene.Scene.object_of_geom`: "<room id>/<wall|floor|ceiling>", or the id of an object."""
     kind: Int[np.ndarray, "things"]
-    """Index into `KINDS` of each thing."""
+    """Index into `KINDS` of each thing; `NOWHERE` for furniture that a user has declared."""
     colour: Float32[np.ndarray, "rooms surfaces 3"]
     """Colours of each room's surfaces, RGB in [0, 1]."""
     room: Int[np.ndarray, "things"]
@@ -88,7 +90,7 @@ def survey(house: House) -> Surroundings:
     return Surroundings(
         house,
         tuple(name for name, _, _ in things),
-        np.array([kinds[kind] for _, kind, _ in things]),
+        np.array([kinds.get(kind, NOWHERE) for _, kind, _ in things]),
         colour,
         np.array([index[house.room_by_id[room].id] for _, _, room in things]),
         Blocks(values[:, :2], values[:, 2:4], values[:, 4], values[:, 5:], thing),

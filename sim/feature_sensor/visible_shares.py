@@ -98,6 +98,6 @@ def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarra
 def _summed(
     shares: Float32[np.ndarray, "n things"], group: Int[np.ndarray, "things"], groups: int
 ) -> Float64[np.ndarray, "n {groups}"]:
-    member = np.zeros((len(group), groups))
-    member[np.arange(len(group)), group] = 1.0
+    member, known = np.zeros((len(group), groups)), np.flatnonzero(group != NOWHERE)
+    member[known, group[known]] = 1.0
     return np.asarray(shares @ member)

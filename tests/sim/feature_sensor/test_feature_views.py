@@ -12,10 +12,13 @@ from sim.feature_sensor.surroundings import KINDS, SURFACES, survey
 from sim.feature_sensor.visible_shares import COLUMNS, LABELS, ROWS, look, shares_of
 from sim.render.camera import CameraRenderer, fovy_deg, wide_camera
 from sim.render.scene import build_scene
+from worlds.furniture import registry
+from worlds.furniture.catalogue import CATALOGUE
 from worlds.house import build_house
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec, RoomSpec, StoreySpec
 from worlds.truth import NOWHERE, room_at
+from worlds.variant import explicit
 from worlds.visuals.surface_textures import finishes
 
 CAMERA = wide_camera(160, 120)
@@ -24,6 +27,22 @@ CAMERA = wide_camera(160, 120)
 @pytest.fixture(scope="module", params=["home", "uh2-apt"])
 def house(request):
     return build_house(sample_house(request.param, 5))
+
+
+def test_furniture_of_a_user_hides_things_and_has_no_kind(monkeypatch):
+    """The shipped model was fitted before a user declared kinds of furniture: descriptions must keep their length."""
+    spec = explicit(sample_house("home", 5))
+    here = viewpoints(build_house(spec), 24)
+    sideboard = next(piece for piece in spec.storeys[0].furniture if piece.kind == "sideboard")
+    monkeypatch.setitem(registry.KINDS, "harp", replace(CATALOGUE["sideboard"], name="harp", build=lambda size, rng: ()))
+    storey = spec.storeys[0]
+    pieces = tuple(piece.model_copy(update={"kind": "harp"}) if piece is sideboard else piece for piece in storey.furniture)
+    harps = spec.model_copy(update={"storeys": (storey.model_copy(update={"furniture": pieces}), *spec.storeys[1:])})
+    before, after = (look(survey(build_house(each)), here, CAMERA) for each in (spec, harps))
+    np.testing.assert_array_equal(before.hits.depth, after.hits.depth)
+    lost = before.of_kinds() - after.of_kinds()
+    assert lost[:, KINDS.index("sideboard")].max() > 0.01 and after.described().shape == before.described().shape
+    np.testing.assert_allclose(np.delete(lost, KINDS.index("sideboard"), axis=1), 0.0, atol=1e-6)
 
 
 @pytest.fixture(scope="module")
