@@ -50,14 +50,14 @@ def everything():
     """All results of a run: fingerprints, and result.json without times."""
     done = run(CONFIG)
     tour, odometry = done.session.tour, done.session.odometry
-    result = evaluate(done, ())
+    result, lexis_map = evaluate(done).data(), done.slam.map
     del result["time"]
     return {
         "house": house(done),
         "trajectory": digest(tour.stamps, tour.T_W_B),
         "odometry": digest(odometry.T_O_B, odometry.increment_covariance),
         "images": digest(*(observation.image for observation, _ in done.session)),
-        "map": digest(done.map.T_W_B, done.map.labels, *(keyframe.embedding for keyframe in done.map.keyframes)),
+        "map": digest(lexis_map.T_W_B, lexis_map.labels, *(keyframe.embedding for keyframe in lexis_map.keyframes)),
         "result": json.loads(json.dumps(result)),
     }
 

@@ -176,12 +176,13 @@ def test_bad_command_lines(cases, inputs, tmp_path, monkeypatch):
     def work(*_, **__):
         raise SimError("the work would begin here")
 
+    monkeypatch.chdir(tmp_path)  # damaged lines may name an output folder without a path
     monkeypatch.setattr(cli, "_encoder", lambda model, options=None: TinyEncoder())
     for heavy in (
         "sim.harness.run",
         "sim.record.record",
         "lexis.encoder.open_clip_encoder.load_encoder",
-        "sim.bench.planning.load_encoder",
+        "sim.bench.planning.run",
     ):
         monkeypatch.setattr(heavy, work)
 
