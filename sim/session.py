@@ -55,11 +55,11 @@ class Session:
         truths = _truths(house, tour)
         self._distortion = distortion
         rendered = rendered_camera(camera, distortion) if distortion else camera
-        self._staging = WorldStates(house, tour, rendered, self.faults, seed)
+        self._world_states = WorldStates(house, tour, rendered, self.faults, seed)
         self._sensor = sensor
         if sensor is None:
-            self._staging.compile()
-        self.truths = self._staging.marked(truths)
+            self._world_states.compile()
+        self.truths = self._world_states.marked(truths)
         """Ground truth of every frame of the tour. It records faults of the world, not faults of the observations."""
         self.render_seconds = 0.0
         """Time that the background thread has spent on rendering or sensing so far [s]."""
@@ -67,7 +67,7 @@ class Session:
     @property
     def scene(self) -> Scene:
         """The scene at the start of the tour."""
-        return self._staging.set_at(0).scene
+        return self._world_states.world_at(0).scene
 
     def __len__(self) -> int:
         """Return the number of frames of the tour."""
@@ -87,20 +87,20 @@ class Session:
 
     def verifier(self) -> Verifier:
         """Return the loop verifier: that of LEXIS if there are images, otherwise the sensor's model of it."""
-        return verify if self._sensor is None else self._sensor.verifier(self._staging.houses, self.tour.T_W_B)
+        return verify if self._sensor is None else self._sensor.verifier(self._world_states.houses, self.tour.T_W_B)
 
     def _images(self) -> Generator[Image | Percept, None, None]:
         return self._rendered() if self._sensor is None else self._sensed(self._sensor)
 
     def _sensed(self, sensor: FeatureSensor) -> Generator[Percept, None, None]:
         start = time.perf_counter()
-        for percept in sensor.percepts(self._staging.houses, self.tour.T_W_B):
+        for percept in sensor.percepts(self._world_states.houses, self.tour.T_W_B):
             self.render_seconds += time.perf_counter() - start
             yield percept
             start = time.perf_counter()
 
     def _rendered(self) -> Generator[Image, None, None]:
-        with closing(FrameRenderer(self._staging, self.camera, self._distortion)) as renderer:
+        with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
             for frame, T_W_B in enumerate(self.tour.T_W_B):
                 start = time.perf_counter()
                 image = renderer.rgb(frame, T_W_B)

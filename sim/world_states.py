@@ -37,13 +37,13 @@ class CompiledHouse:
 class RenderableWorld:
     """A static house and the actors that move in it."""
 
-    stand: CompiledHouse
+    compiled: CompiledHouse
     actors: tuple[Actor, ...]
 
     @property
     def scene(self) -> Scene:
         """The compiled scene of the static part."""
-        return self.stand.scene
+        return self.compiled.scene
 
 
 class WorldStates:
@@ -59,32 +59,32 @@ class WorldStates:
         """Indices of the world faults that are active at each frame."""
         self._names = [fault.name for _, fault in world]
         self._sets: dict[tuple[int, ...], RenderableWorld] = {}
-        stands: dict[int, CompiledHouse] = {}
+        houses: dict[int, CompiledHouse] = {}
         for active in dict.fromkeys(self.active):
             stage = WorldState(house)
             for place, fault in (world[k] for k in active):
                 stage = fault.change(stage, tour, fault_rng(seed, place))
-            stand = stands.setdefault(id(stage.house), CompiledHouse(stage.house, camera))
-            self._sets[active] = RenderableWorld(stand, stage.actors)
+            compiled = houses.setdefault(id(stage.house), CompiledHouse(stage.house, camera))
+            self._sets[active] = RenderableWorld(compiled, stage.actors)
 
     @property
     def houses(self) -> list[House]:
         """The house at each frame. Frames whose house is equal share one object."""
-        return [self._sets[active].stand.house for active in self.active]
+        return [self._sets[active].compiled.house for active in self.active]
 
     def compile(self) -> None:
         """Compile all scenes, so that no frame has to wait for it."""
         for each in self._sets.values():
             each.scene  # noqa: B018
 
-    def set_at(self, frame: int) -> RenderableWorld:
+    def world_at(self, frame: int) -> RenderableWorld:
         """Return the world at a frame."""
         return self._sets[self.active[frame]]
 
     def solids_at(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> list[Solid]:
         """Return the solids of all actors at a frame, for a body at `T_W_B`."""
         stamp = float(self._stamps[frame])
-        return [solid for actor in self.set_at(frame).actors for solid in actor.solids_at(stamp, T_W_B)]
+        return [solid for actor in self.world_at(frame).actors for solid in actor.solids_at(stamp, T_W_B)]
 
     def marked(self, truths: Sequence[Truth]) -> tuple[Truth, ...]:
         """Return the truths of all frames with the names of the active world faults recorded in them."""
@@ -101,7 +101,7 @@ class FrameRenderer:
     """
 
     def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:
-        self._staging = staging
+        self._world_states = staging
         self._lens = Lens(camera.intrinsics, distortion) if distortion else None
         self._camera = camera if self._lens is None else Camera(self._lens.pinhole, camera.T_B_C)
         self._renderer: CameraRenderer | None = None
@@ -117,11 +117,11 @@ class FrameRenderer:
         return depth if self._lens is None else self._lens.nearest(depth)
 
     def _set(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> CameraRenderer:
-        scene = self._staging.set_at(frame).scene
+        scene = self._world_states.world_at(frame).scene
         if self._renderer is None or self._renderer.scene is not scene:
             self.close()
             self._renderer = CameraRenderer(scene, self._camera)
-        self._renderer.place(self._staging.solids_at(frame, T_W_B))
+        self._renderer.place(self._world_states.solids_at(frame, T_W_B))
         return self._renderer
 
     def close(self) -> None:

@@ -68,7 +68,7 @@ class Agreement:
     """Mean of the figure over rendered runs."""
     features: float
     """Mean of the figure over runs with features."""
-    off: float
+    mean_difference: float
     """Mean absolute difference between the two."""
 
 

@@ -38,7 +38,7 @@ class SpeedFigure:
     median: float
     worst: float
     runs: int
-    bar: str = ""
+    limit: str = ""
     """Required limit, such as "<= 500"; empty if there is none."""
 
 

@@ -96,7 +96,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
         table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
         for figure in section.figures:
             table.add_row(
-                figure.name, *(f"{value:.4g}" for value in (figure.median, figure.worst)), figure.bar, str(figure.runs)
+                figure.name, *(f"{value:.4g}" for value in (figure.median, figure.worst)), figure.limit, str(figure.runs)
             )
         yield table
 
@@ -119,7 +119,7 @@ def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
     title = f"how well features predict renders, at {rate:,.0f} keyframes/s on one core"
     summary = Table(*headers, title=title, title_justify="left")
     for group, name, found in summarised(pairs):
-        means = (f"{value:.3f}" for value in (found.rendered, found.features, found.off))
+        means = (f"{value:.3f}" for value in (found.rendered, found.features, found.mean_difference))
         summary.add_row(group, str(found.houses), name, *means, shown(found.rho, "{:.2f}"))
     yield summary
 

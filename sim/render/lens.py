@@ -55,25 +55,25 @@ class Distortion:
     def __bool__(self) -> bool:
         return any(self.coefficients)
 
-    def bent(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+    def distort(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
         """Distort points of the image plane at distance 1."""
         square = (points**2).sum(axis=1, keepdims=True)
         twice = 2.0 * points.prod(axis=1, keepdims=True)
         tangential = twice * [self.p1, self.p2] + (square + 2.0 * points**2) * [self.p2, self.p1]
         return np.asarray(points * (1.0 + square * (self.k1 + square * self.k2)) + tangential)
 
-    def straightened(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Undistort points: the inverse of `bent`, by Newton's method. Raises `SimError` if it does not converge."""
+    def undistort(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """Undistort points: the inverse of `distort`, by Newton's method. Raises `SimError` if it does not converge."""
         straight = points
         with np.errstate(all="ignore"):
             for _ in range(_ITERATIONS):
-                straight = straight - self._newton_step(straight, self.bent(straight) - points)
-            found = np.abs(self.bent(straight) - points).max(axis=1) < _RESIDUAL
+                straight = straight - self._newton_step(straight, self.distort(straight) - points)
+            found = np.abs(self.distort(straight) - points).max(axis=1) < _RESIDUAL
         if not found.all():
             raise self._too_strong()
         return straight
 
-    def check_unfolded(self, straight: Float64[np.ndarray, "n 2"]) -> None:
+    def check_no_fold(self, straight: Float64[np.ndarray, "n 2"]) -> None:
         """Raise `SimError` if the distorted image folds over between its centre and any of the undistorted points.
 
         It folds where the Jacobian of the distortion is no longer positive definite.
@@ -92,7 +92,7 @@ class Distortion:
         return np.asarray(solved / (along_x * along_y - mixed**2)[:, None])
 
     def _slopes(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "3 n"]:
-        """Return the Jacobian of `bent`, which is symmetric: dx/dx, dx/dy = dy/dx, dy/dy."""
+        """Return the Jacobian of `distort`, which is symmetric: dx/dx, dx/dy = dy/dx, dy/dy."""
         x, y = points.T
         square = x**2 + y**2
         radial, slope = 1.0 + square * (self.k1 + square * self.k2), 2.0 * (self.k1 + 2.0 * self.k2 * square)
@@ -116,8 +116,8 @@ class Lens:
 
     def __init__(self, intrinsics: Intrinsics, distortion: Distortion) -> None:
         k = intrinsics
-        border = distortion.straightened(_border(k))
-        distortion.check_unfolded(border)
+        border = distortion.undistort(_border(k))
+        distortion.check_no_fold(border)
         border = border * [k.fx, k.fy] + [k.cx, k.cy]
         (left, top), (right, bottom) = np.floor(border.min(axis=0)) - _MARGIN_PX, np.ceil(border.max(axis=0)) + _MARGIN_PX
         width, height = int(right - left) + 1, int(bottom - top) + 1
@@ -129,7 +129,7 @@ class Lens:
         """The pinhole to render. It has the focal lengths of the camera, but another image size and principal point."""
         v, u = np.mgrid[: k.height, : k.width]
         pixels = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
-        straight = distortion.straightened((pixels - [k.cx, k.cy]) / [k.fx, k.fy])
+        straight = distortion.undistort((pixels - [k.cx, k.cy]) / [k.fx, k.fy])
         at = straight * [k.fx, k.fy] + [self.pinhole.cx, self.pinhole.cy]
         self._at = at.astype(np.float32).reshape(k.height, k.width, 2)
 

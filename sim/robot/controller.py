@@ -97,7 +97,11 @@ class Controller:
         nearest = self._nearest(here)
         at_end = nearest + 1 >= len(self._path)
         if np.linalg.norm(here - self._planned_at) >= _REPLAN_M or (at_end and self._has_new_scan):
-            self._path, self._planned_at, self._has_new_scan = self._map.way(here, self._route.ahead(HORIZON_M)), here, False
+            self._path, self._planned_at, self._has_new_scan = (
+                self._map.plan_path(here, self._route.ahead(HORIZON_M)),
+                here,
+                False,
+            )
             nearest = self._nearest(here)
         if len(self._path) < 2:
             return None

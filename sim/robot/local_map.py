@@ -69,7 +69,7 @@ class LocalMap:
         share = np.clip(to @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
-    def way(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
+    def plan_path(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
         """Plan the cheapest path: clear of obstacles, close to the route, and as near to its end as is worth the cost."""
         cells = start + _cells() * CELL_M
         strayed = cdist(cells, route).min(axis=1)

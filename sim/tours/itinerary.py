@@ -49,7 +49,7 @@ class Itinerary:
     """Nodes that are always visited."""
     again: Sequence[int]
     """Nodes that are visited next, repeatedly, as far as the length allows."""
-    unasked: int
+    default_repeats: int
     """Number of repeated visits if no length is requested."""
     distance: Callable[[int, int], float]
     """Walking distance between consecutive nodes [m]."""
@@ -63,7 +63,7 @@ class Planner:
     walkable: Walkable
     config: TourConfig
     stops: Stops
-    ways: KnownPaths
+    paths: KnownPaths
     seed: int
     """Seed of all draws. Planning again for another length draws the same numbers."""
 
@@ -89,7 +89,7 @@ class Planner:
         plan = kinds[self.config.kind](np.inf if length_m is None else length_m, rng)
         if length_m is not None:
             return self._filled(plan, length_m, rng)
-        again = [self._scatter(node, rng) for node in islice(cycle(plan.again), plan.unasked)]
+        again = [self._scatter(node, rng) for node in islice(cycle(plan.again), plan.default_repeats)]
         return [*plan.first, *again, plan.first[0]]
 
     def _rooms(self, most_m: float, rng: np.random.Generator) -> Itinerary:
@@ -126,11 +126,11 @@ class Planner:
                 circuit = wider
         nodes: list[int] = self.stops.nodes[circuit].tolist()
         nodes += self._detour(nodes[-1], nodes[0], length_m - self.stops.length(circuit), nodes[-1])
-        around = polyline_length(self.ways.line([*nodes, nodes[0]]))
+        around = polyline_length(self.paths.line([*nodes, nodes[0]]))
         if self.config.circuit_m is not None and around < 0.8 * self.config.circuit_m:
             raise SimError(f"tour: circuit_m is {self.config.circuit_m:g}; valid: up to {around:.0f} in this house")
         again = [*nodes[1:], nodes[0]]
-        return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.ways.length)
+        return Itinerary(nodes, again, self.config.laps * len(again) - len(nodes), self.paths.length)
 
     def _random(self, _: float, rng: np.random.Generator) -> Itinerary:
         comfortable = self.walkable.connected & (self.walkable.clearance >= COMFORT_M) & ~self._on_stairs()
@@ -148,8 +148,8 @@ class Planner:
         lane_m = self.config.lane_m
         while True:
             lanes = lanes_through(self.walkable, rooms, lane_m)
-            if lane_m > _WIDEST_M or sum(self.ways.length(a, b) for a, b in pairwise([*lanes, lanes[0]])) <= most_m:
-                return Itinerary(lanes, lanes, 0, self.ways.length)
+            if lane_m > _WIDEST_M or sum(self.paths.length(a, b) for a, b in pairwise([*lanes, lanes[0]])) <= most_m:
+                return Itinerary(lanes, lanes, 0, self.paths.length)
             lane_m *= _WIDER
 
     def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
@@ -192,12 +192,12 @@ class Planner:
         return int(rng.choice(near[self.walkable.solids.clear(centre, self.walkable.nodes[near], self.walkable.radius_m)]))
 
 
-def _itinerary(stops: Stops, first: Sequence[int], again: Sequence[int], unasked: int = 0) -> Itinerary:
+def _itinerary(stops: Stops, first: Sequence[int], again: Sequence[int], default_repeats: int = 0) -> Itinerary:
     nodes = stops.nodes.tolist()
     number = {node: k for k, node in enumerate(nodes)}
     return Itinerary(
         [nodes[k] for k in first],
         [nodes[k] for k in again],
-        unasked,
+        default_repeats,
         lambda a, b: float(stops.between[number[a], number[b]]),
     )

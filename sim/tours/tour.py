@@ -104,4 +104,4 @@ def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
 
 
 def _smooth(planner: Planner, length_m: float | None) -> Float64[np.ndarray, "k 3"]:
-    return smooth_path(planner.ways.line(planner.nodes(length_m)), planner.walkable)
+    return smooth_path(planner.paths.line(planner.nodes(length_m)), planner.walkable)

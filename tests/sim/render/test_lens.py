@@ -54,8 +54,8 @@ def test_points_are_bent_as_opencv_bends_them(distortion):
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (100, 2))
     rays = np.column_stack([points, np.ones(100)])
     theirs, _ = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.eye(3), np.array(distortion.coefficients))
-    np.testing.assert_allclose(distortion.bent(points), theirs[:, 0], atol=1e-12)
-    np.testing.assert_allclose(distortion.straightened(distortion.bent(points)), points, atol=1e-8)
+    np.testing.assert_allclose(distortion.distort(points), theirs[:, 0], atol=1e-12)
+    np.testing.assert_allclose(distortion.undistort(distortion.distort(points)), points, atol=1e-8)
 
 
 def test_rectified_by_opencv_it_is_the_pinhole_s_image(distortion, seen):

@@ -98,7 +98,7 @@ def test_a_wall_is_passed_round_its_near_end_but_not_round_a_far_one(wall_ends_a
     route = np.linspace(start, [0.0, 0.6 - HORIZON_M], 18)
     wall = np.stack([np.arange(-1.8, wall_ends_at, 0.02), np.zeros(round((wall_ends_at + 1.8) / 0.02))], axis=1)
     around.add(wall - start, *start, 0.0, 0.0)
-    way = around.way(start, route)
+    way = around.plan_path(start, route)
     lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
     assert np.allclose(way[0], start) and lengths.max() < 1.5 * CELL_M
     assert (np.linalg.norm(way[-1] - route[-1]) < CELL_M) == goes_round
@@ -128,7 +128,7 @@ def test_no_path_leads_through_a_wall(away_m):
     around = LocalMap(LEAST_M)
     wall = np.stack([np.full(200, away_m), np.linspace(-2.0, 2.0, 200)], axis=1)
     around.add(wall, 0.0, 0.0, 0.0, 0.0)
-    assert around.way(np.zeros(2), np.linspace([0.0, 0.0], [HORIZON_M, 0.0], 18))[:, 0].max() < away_m
+    assert around.plan_path(np.zeros(2), np.linspace([0.0, 0.0], [HORIZON_M, 0.0], 18))[:, 0].max() < away_m
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -138,7 +138,7 @@ def test_the_detour_closer_to_the_route_is_taken(side):
     y = np.arange(-0.6, 0.6, 0.02)
     around.add(np.stack([np.full(len(y), 0.8), y], axis=1), 0.0, 0.0, 0.0, 0.0)
     route = np.concatenate([np.linspace([0.0, 0.0], [0.8, side], 13), np.linspace([0.8, side], [1.6, 0.0], 13)])
-    way = around.way(start, route)
+    way = around.plan_path(start, route)
     beside = np.abs(way[:, 0] - 0.8) < CELL_M
     assert beside.any() and (side * way[beside, 1] > 0.6).all()
 
