@@ -19,8 +19,8 @@ from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import info_text, map_info
 from lexis.map.path_directions import directions, place, plan_summary
-from lexis.map.room_names import instance_names, unused_names
 from lexis.planner import plan
+from lexis.room_names import instance_names, unused_names
 from lexis.settings import settings_data
 from lexis.types import LexisMap
 

@@ -17,10 +17,9 @@ from scipy.spatial import cKDTree
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
-from lexis.loop_arrays import LoopArrays
-from lexis.map.room_names import find_rooms, instance_names
 from lexis.maths.ties import rounded
-from lexis.types import LexisMap, RoomInstance
+from lexis.room_names import find_rooms, instance_names
+from lexis.types import LexisMap, LoopArrays, RoomInstance
 
 MAX_STEP_M = 3.0
 """Largest distance between consecutive keyframes that are connected; a larger one is a gap in the recording [m]."""

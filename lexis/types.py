@@ -5,6 +5,7 @@ y down, z forward). ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b 
 6x6, **rotation first** as in GTSAM, for a perturbation on the right: ``T = T_mean @ Exp(xi)``.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -117,6 +118,37 @@ class LoopEdge:
     """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
     """Number of the query's key points that see a landmark where the pose predicts it."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopArrays:
+    """The fields of loop edges, each stacked in the order of the edges. Without edges, the arrays keep their other axes."""
+
+    query: Int[np.ndarray, "m"]
+    match: Int[np.ndarray, "m"]
+    T_match_query: Float64[np.ndarray, "m 4 4"]
+    covariance: Float64[np.ndarray, "m 6 6"]
+    """[rad², m²]"""
+    inliers: Int[np.ndarray, "m"]
+
+    @staticmethod
+    def of(edges: Sequence[LoopEdge]) -> "LoopArrays":
+        """The arrays of `edges`."""
+        return LoopArrays(
+            np.array([edge.query for edge in edges], int),
+            np.array([edge.match for edge in edges], int),
+            np.array([edge.T_match_query for edge in edges], float).reshape(-1, 4, 4),
+            np.array([edge.covariance for edge in edges], float).reshape(-1, 6, 6),
+            np.array([edge.inliers for edge in edges], int),
+        )
+
+    def edges(self) -> tuple[LoopEdge, ...]:
+        """The loop edges: the inverse of `of`. Poses and covariances are views of the arrays."""
+        numbers = zip(self.query.tolist(), self.match.tolist(), self.inliers.tolist(), strict=True)
+        return tuple(
+            LoopEdge(query, match, self.T_match_query[i], self.covariance[i], inliers)
+            for i, (query, match, inliers) in enumerate(numbers)
+        )
 
 
 @dataclass(frozen=True, eq=False)

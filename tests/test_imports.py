@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import networkx
 import pytest
 
 ROOT = Path(__file__).parent.parent
@@ -55,3 +56,28 @@ def test_mujoco_comes_from_sim_gl_alone():
 )
 def test_every_form_of_import_is_seen(source):
     assert list(imported(source)) == ["sim"]
+
+
+def package(module):
+    """The part of the project that a module belongs to: a package or a module directly below `lexis`, `sim` or `worlds`."""
+    return ".".join(module.split(".")[:2])
+
+
+def imports_of(path):
+    """The modules of this project that a file imports, also inside functions."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in ("lexis", "sim", "worlds"):
+            for alias in node.names:
+                name = f"{node.module}.{alias.name}"
+                whole = ROOT / name.replace(".", "/")
+                yield name if whole.is_dir() or whole.with_suffix(".py").exists() else node.module
+
+
+@pytest.mark.parametrize("top", ["lexis", "sim", "worlds"])
+def test_packages_do_not_import_each_other_in_circles(top):
+    graph = networkx.DiGraph()
+    for path in (ROOT / top).rglob("*.py"):
+        module = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        edges = ((package(module), package(imported)) for imported in imports_of(path))
+        graph.add_edges_from((a, b) for a, b in edges if a != b and a.startswith(f"{top}.") and b.startswith(f"{top}."))
+    assert [component for component in networkx.strongly_connected_components(graph) if len(component) > 1] == []

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from shapely.geometry import Polygon, box
 
+from worlds.arches import arch_drop
 from worlds.errors import HouseError
-from worlds.openings.arches import arch_drop
 from worlds.spec import OpeningSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1

@@ -1,8 +1,8 @@
 """A finished map: its folder on disk, pictures, summaries, directions for people, and other room names.
 
 `folder` saves and loads a map (`arrays` is the layout of its numbers). `info` summarises it, `picture` and `export` show it
-to other programs, `room_names` numbers rooms of equal name, `path_directions` describes a plan in words, `relabelling`
-assigns other room names without encoding an image again, and `encoder_check` compares encoders by their weights.
+to other programs, `path_directions` describes a plan in words, `relabelling` assigns other room names without encoding an
+image again, and `encoder_check` compares encoders by their weights.
 """
 
 import lazy_loader

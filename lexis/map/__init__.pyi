@@ -6,5 +6,3 @@ from .info import info_text as info_text
 from .info import map_info as map_info
 from .picture import map_svg as map_svg
 from .relabelling import relabel as relabel
-from .room_names import find_rooms as find_rooms
-from .room_names import instance_names as instance_names

@@ -10,9 +10,8 @@ from jaxtyping import Int, Shaped
 from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import MAX_POSITION_M, usable_covariances
-from lexis.loop_arrays import LoopArrays
 from lexis.maths.se3 import is_rigid
-from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopEdge
+from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge
 
 LAYOUT: Layout = {
     "observation_index": ("i8", ("keyframes",)),

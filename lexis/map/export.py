@@ -13,8 +13,8 @@ from lexis.errors import LexisError
 from lexis.files.replace import replaced_file
 from lexis.files.tum_trajectory import write_tum
 from lexis.map.picture import map_svg
-from lexis.map.room_names import instance_names
 from lexis.maths.se3 import between
+from lexis.room_names import instance_names
 from lexis.types import Covariance, LexisMap, Pose
 
 TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])

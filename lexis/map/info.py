@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from lexis.map.room_names import instance_names, unused_names
 from lexis.planner import MIN_LOOP_WEIGHT
+from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
 
 

@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from lexis.floors import NO_FLOOR
-from lexis.map.room_names import instance_names
 from lexis.maths.paths import arc_length
 from lexis.maths.stretches import stretches_of
 from lexis.planner import Plan
+from lexis.room_names import instance_names
 from lexis.types import LexisMap
 
 TURN_RAD = np.radians(45.0)

@@ -17,7 +17,7 @@ from scipy.stats import spearmanr
 
 from lexis.config import Config, LandmarkConfig
 from lexis.perception import Encoder
-from sim.feature_sensor.fit_samples import choices
+from sim.feature_fitting.fit_samples import choices
 from sim.feature_sensor.model import MINI_FEATURES, load_features
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import FIDELITIES

@@ -30,7 +30,7 @@ def add_to(commands: Commands) -> None:
 def _fit(arguments: argparse.Namespace) -> int:
     from lexis.encoder.model_source import MINI
     from lexis.encoder.open_clip_encoder import load_encoder
-    from sim.feature_sensor.fit import fit_features
+    from sim.feature_fitting.fit import fit_features
     from sim.feature_sensor.model import MINI_FEATURES, save_features
 
     if arguments.out is None and arguments.encoder != MINI:

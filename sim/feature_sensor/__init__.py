@@ -1,10 +1,10 @@
 """The feature sensor: what LEXIS would extract from images, predicted without rendering any.
 
 A percept is made in steps: `surroundings` describes a house as blocks, `ray_origins` and `crossings` prepare the rays that
-`rays` casts from a pose, `visible_shares` sums up how much of the image each thing fills, and `embedding` draws an embedding
-from a model of the encoder. `covisibility_verifier` replaces geometric verification, `oracle` replaces the encoder by one
-without error, and `sensor` puts everything together. `fit` (with `fit_samples`, `fit_embedding` and `fit_loops`) fits the
-`model` to a real encoder.
+`rays` casts from a pose, `visible_shares` sums up how much of the image each thing fills, and `embedding` draws an
+embedding from a model of the encoder. `covisibility_verifier` replaces geometric verification, `oracle` replaces the
+encoder by one without error, and `sensor` puts everything together. `model` holds all fitted parameters;
+`sim.feature_fitting` fits them to a real encoder.
 """
 
 import lazy_loader

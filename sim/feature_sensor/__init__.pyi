@@ -1,6 +1,5 @@
 from .covisibility_verifier import CovisibilityVerifier as CovisibilityVerifier
 from .covisibility_verifier import LoopModel as LoopModel
-from .fit import fit_features as fit_features
 from .model import FeatureModel as FeatureModel
 from .model import load_features as load_features
 from .model import save_features as save_features

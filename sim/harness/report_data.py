@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
 from lexis.evaluation.trajectory import LEAST_POSES, align
-from lexis.map.room_names import numbered
 from lexis.maths.se3 import inverse
+from lexis.room_names import numbered
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial

@@ -14,9 +14,9 @@ from lexis.datasets.euroc import ODOMETRY, SENSORS
 from lexis.maths.quaternions import pose_rows
 from lexis.types import Camera
 from sim.odometry.imu import ImuConfig
-from sim.record.images import SUFFIXES, encoded
 from sim.record.settings import write_settings
 from sim.record.take import RecordedFrame, Take
+from sim.render.image_files import SUFFIXES, encoded
 
 IMAGE_COLUMNS = ("#timestamp [ns]", "filename")
 IMU_COLUMNS = (

@@ -17,10 +17,10 @@ from lexis.maths.quaternions import pose_rows
 from lexis.maths.se3 import between, compose_covariance
 from lexis.types import Observation
 from sim.errors import SimError
-from sim.record.images import SUFFIXES, encoded
 from sim.record.messages import Messages
 from sim.record.settings import write_settings
 from sim.record.take import RecordedFrame, Take
+from sim.render.image_files import SUFFIXES, encoded
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer

@@ -13,8 +13,8 @@ from jaxtyping import Float64
 from lexis.maths.se3 import inverse
 from lexis.types import Camera
 from sim.odometry.imu import GRAVITY_M_S2, ImuConfig
-from sim.record.images import DEPTH_FACTOR
 from sim.record.take import REST_S, Take
+from sim.render.image_files import DEPTH_FACTOR
 from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"

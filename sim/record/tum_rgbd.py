@@ -13,9 +13,9 @@ from jaxtyping import Float64
 
 from lexis.datasets.tum_rgbd import CAMERA, COVARIANCE, IMAGE_LIST, ODOMETRY, covariance_line, odometry_line, write_camera
 from lexis.maths.quaternions import pose_rows
-from sim.record.images import SUFFIXES, encoded, encoded_depth
 from sim.record.settings import write_rgbd_settings
 from sim.record.take import RecordedFrame, Take
+from sim.render.image_files import SUFFIXES, encoded, encoded_depth
 
 ASSOCIATIONS = "associations.txt"
 """List of images with their depth maps, as the benchmark's `associate.py` writes it for ORB-SLAM3.

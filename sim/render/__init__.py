@@ -3,7 +3,7 @@
 `scene` compiles a house into a model of few large meshes (`merged_meshes`) and draws only what `visibility` lets through
 doors. `raster` owns the GL context that `gl` chooses; `camera`, `rig`, `fisheye` and `lens` are kinds of cameras.
 `collision_geoms` adds what robots collide with, `actor` and `decorative_geoms` draw what moves, `mjcf` writes the model to
-files, and `gl_probe` and `llvm_order` work around drivers.
+files, `image_files` encodes images, and `gl_probe` and `llvm_order` work around drivers.
 """
 
 import lazy_loader

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from lexis.files.replace import replaced_file, replaced_folder
-from sim.record.images import encoded
 from sim.render.collision_geoms import add_collisions
+from sim.render.image_files import encoded
 from sim.render.scene import house_mjspec
 from worlds.house import House
 from worlds.visuals.house_visuals import visuals

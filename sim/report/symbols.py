@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from sim.report.data import PlannedLeaf, PlannedOpening
 from sim.report.drawing import Mark
-from worlds.openings.arches import arch_drop, arch_rise
+from worlds.arches import arch_drop, arch_rise
 from worlds.spec import OpeningKind
 from worlds.walls import WALL_THICKNESS_M
 

@@ -11,8 +11,8 @@ from helpers.map_builder import CAMERA, build_map, corridor_with_offices, random
 from lexis.config import PlannerConfig
 from lexis.errors import PlanError
 from lexis.floors import NO_FLOOR
-from lexis.map.room_names import instance_names
 from lexis.planner import adjacency, path_end, plan
+from lexis.room_names import instance_names
 
 
 def test_a_plan_goes_from_room_to_room_along_edges_of_the_graph(rng):

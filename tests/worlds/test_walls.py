@@ -7,9 +7,9 @@ import pytest
 import shapely
 from helpers.opening_rooms import every_kind, opening
 
+from worlds.arches import arch_rise, spandrel_area
 from worlds.errors import HouseError
 from worlds.house import build_house
-from worlds.openings.arches import arch_rise, spandrel_area
 from worlds.presets import sample_house
 from worlds.spec import OpeningSpec
 from worlds.walls import (

@@ -2,8 +2,6 @@ from .floor_plan import PlanStyle as PlanStyle
 from .floor_plan import lay_out as lay_out
 from .grown_plan import RoomRequest as RoomRequest
 from .grown_plan import grow as grow
-from .layout import Link as Link
-from .layout import StoreyLayout as StoreyLayout
 from .programmes import Bay as Bay
 from .programmes import BayRun as BayRun
 from .programmes import StoreyProgramme as StoreyProgramme

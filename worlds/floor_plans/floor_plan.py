@@ -13,12 +13,12 @@ import numpy as np
 
 from worlds.floor_plans.bands import assign, measured, placed_bays, wrap_round
 from worlds.floor_plans.bays import bay_width
-from worlds.floor_plans.layout import StoreyLayout
 from worlds.floor_plans.outdoors import add_outdoors
 from worlds.floor_plans.programmes import StoreyProgramme
 from worlds.floor_plans.rectangles import SquareSymmetry
 from worlds.floor_plans.storey_draft import draft_storey
 from worlds.floor_plans.wings import BANDS, Band, Depths, Shell, StairsBay, stairs_bay
+from worlds.layout import StoreyLayout
 from worlds.stairs.flights import StairsKind
 
 SLAB_M = 0.3

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 
 from worlds.errors import WorldsError
 from worlds.floor_plans.bays import bay_rooms
-from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.floor_plans.programmes import Bay, BayRun, StoreyProgramme
 from worlds.floor_plans.rectangles import Corner, Rect, SquareSymmetry, contact, metres, outline
 from worlds.floor_plans.wings import Band, Shell
 from worlds.labels import STAIRS
+from worlds.layout import Link, StoreyLayout
 from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
 
 _LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from worlds.openings.arches import spandrel_area
+from worlds.arches import spandrel_area
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.partitions import Partition, gap_area
 from worlds.openings.placement import CORNER_M, MIN_DOOR_M, MIN_OPEN_M, Span, free_spans, make_opening

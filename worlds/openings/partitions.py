@@ -3,8 +3,8 @@
 from collections import defaultdict
 from dataclasses import dataclass
 
+from worlds.arches import spandrel_area
 from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.arches import spandrel_area
 from worlds.openings.opening_draft import join_stretches
 from worlds.spec import HouseSpec, OpeningSpec
 from worlds.walls import Boundary, boundaries

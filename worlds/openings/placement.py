@@ -7,7 +7,7 @@ from dataclasses import replace
 from numpy.random import Generator, default_rng
 
 from worlds.errors import WorldsError
-from worlds.floor_plans.layout import Link, StoreyLayout
+from worlds.layout import Link, StoreyLayout
 from worlds.openings.door_swings import hang_leaf
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.spec import PASSABLE, OpeningKind, OpeningSpec

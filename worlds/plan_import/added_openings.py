@@ -10,8 +10,8 @@ from itertools import product
 import numpy as np
 
 from worlds.errors import HouseError, SpecError
-from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.layout import Link, StoreyLayout
 from worlds.openings.opening_draft import OpeningDraft
 from worlds.openings.placement import MIN_DOOR_M, free_spans, place_openings
 from worlds.spec import PASSABLE, HouseSpec, OpeningSpec, RoomSpec, StoreySpec

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 from shapely.geometry import Polygon
 
+from worlds.arches import arch_rise
 from worlds.house import House
 from worlds.labels import STAIRS
-from worlds.openings.arches import arch_rise
 from worlds.spec import OpeningSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary
 

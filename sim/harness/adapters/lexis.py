@@ -8,12 +8,11 @@ import numpy as np
 
 from lexis.config import Config
 from lexis.errors import LexisError
-from lexis.loop_arrays import LoopArrays
 from lexis.map.folder import save_map
 from lexis.perception import Encoder
 from lexis.planner import plan
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, Observation
+from lexis.types import Camera, LexisMap, LoopArrays, Observation
 from lexis.verification import Verifier, verify
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE

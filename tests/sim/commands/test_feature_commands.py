@@ -30,7 +30,7 @@ def status_of(argv):
 )
 def test_bad_input(argv, hint, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.feature_sensor.fit.fit_features", lambda *_, **__: pytest.fail("rendered for nothing"))
+    monkeypatch.setattr("sim.feature_fitting.fit.fit_features", lambda *_, **__: pytest.fail("rendered for nothing"))
     assert status_of(argv) == 2
     printed = capsys.readouterr()
     assert hint in printed.err and printed.err.count("\n") == 1 and printed.out == ""

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from helpers.viewpoints import viewpoints
 
+from sim.feature_fitting.fit_embedding import fit_embedding
+from sim.feature_fitting.fit_samples import Sample
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
-from sim.feature_sensor.fit_embedding import fit_embedding
-from sim.feature_sensor.fit_samples import Sample
 from sim.feature_sensor.surroundings import KINDS, survey
 from sim.feature_sensor.visible_shares import SIZE, look
 from sim.render.camera import wide_camera

@@ -10,6 +10,7 @@ from lexis.config import PoseGraphConfig, VerificationConfig
 from lexis.maths import se3
 from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks
+from sim.feature_fitting.fit_loops import Trials, fit_loops
 from sim.feature_sensor.covisibility_verifier import (
     PREDICTORS,
     CovisibilityVerifier,
@@ -19,7 +20,6 @@ from sim.feature_sensor.covisibility_verifier import (
     fit_logistic,
     predictors,
 )
-from sim.feature_sensor.fit_loops import Trials, fit_loops
 from sim.feature_sensor.ray_origins import RayGrid
 from sim.feature_sensor.surroundings import survey
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, look

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from worlds.errors import WorldsError
-from worlds.floor_plans.layout import Link, StoreyLayout
 from worlds.house import build_house
+from worlds.layout import Link, StoreyLayout
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
 from worlds.openings.placement import APART_M, CORNER_M, place_openings
 from worlds.spec import PASSABLE, HouseSpec, RoomSpec, StoreySpec

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from lexis.perception import Encoder
+from sim.feature_fitting.fit_embedding import fit_embedding
+from sim.feature_fitting.fit_loops import fit_loops, joined, try_verification
+from sim.feature_fitting.fit_samples import choices, sample
 from sim.feature_sensor.covisibility_verifier import LoopModel, MeasuredEdges
-from sim.feature_sensor.fit_embedding import fit_embedding
-from sim.feature_sensor.fit_loops import fit_loops, joined, try_verification
-from sim.feature_sensor.fit_samples import choices, sample
 from sim.feature_sensor.model import FeatureModel, fingerprint
 from sim.training.houses import HouseDraw
 

@@ -15,8 +15,8 @@ from scipy.optimize import nnls
 
 from lexis.perception import Encoder
 from lexis.room_labels import similarities
+from sim.feature_fitting.fit_samples import Sample
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
-from sim.feature_sensor.fit_samples import Sample
 
 RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
 """Ridge penalties that are tried. They apply to unscaled descriptions."""

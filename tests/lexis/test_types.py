@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from lexis.loop_arrays import LoopArrays
-from lexis.types import LoopEdge
+from lexis.types import LoopArrays, LoopEdge
 from tests.helpers.map_builder import random_pose
 
 

@@ -1,0 +1,1 @@
+from .fit import fit_features as fit_features
