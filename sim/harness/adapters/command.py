@@ -131,8 +131,8 @@ class _Frame:
 
 
 def _times(take: Take, frames: Sequence[_Frame]) -> RecordedTimes:
-    indices = [AT_REST] * take.rest_frames + [frame.index for frame in frames[take.rest_frames :]]
-    return RecordedTimes(np.array([frame.stamp_ns for frame in frames]) / 1e9, np.array(indices), take.frame_s)
+    indices = [AT_REST if k < take.rest_frames else frame.index for k, frame in enumerate(frames)]
+    return RecordedTimes(np.array([frame.stamp_ns for frame in frames], float) / 1e9, np.array(indices, int), take.frame_s)
 
 
 def _session(take: Take) -> Session:
