@@ -4,16 +4,20 @@ import argparse
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lexis.command_line import seed
+from sim.errors import SimError
 from sim.faults.catalogue import parse_fault, usage
-from sim.fidelity import ORACLE
+from sim.fidelity import FIDELITIES, ORACLE
 from sim.odometry.config import ODOMETRY_PRESETS
 from sim.tours.config import TOUR_KINDS
 from sim.tours.sway import SWAYS
 from worlds.presets import PRESETS
 from worlds.spec import HouseSpec
+
+if TYPE_CHECKING:
+    from sim.harness import Scenario
 
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
 """Adds itself to a parser."""
@@ -26,6 +30,15 @@ TOUR_HELP = "where the walk goes; both-ways: every room and the same way back (d
 SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
+RIG_HELP = (
+    "wide, stereo, front-rear, four or fisheye; LEXIS sees the first pinhole: the front, left or front left one "
+    "(default: %(default)s)"
+)
+SCENARIO_HELP = "a run as a file, such as scenario.json in the folder of a run, in place of all options that describe one"
+_DESCRIBES_A_RUN = (
+    "preset", "house", "seed", "tour", "length", "sway", "rate", "start_manoeuvre", "odometry", "overconfidence", "fault",
+    "encoder", "fidelity", "feature_model", "rig",
+)  # fmt: skip
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 
@@ -101,9 +114,11 @@ def add_run_seed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=seed, default=DEMO_SEED, help="of house, tour and odometry (default: %(default)s)")
 
 
-def add_walk(parser: argparse.ArgumentParser) -> None:
-    """The house, the walk through it, its odometry, and what breaks."""
+def add_walk(parser: argparse.ArgumentParser, scenario: bool = False) -> None:
+    """The house, the walk through it, its odometry, and what breaks; or, on request, a scenario that says all of this."""
     house = parser.add_mutually_exclusive_group()
+    if scenario:
+        house.add_argument("--scenario", type=Path, metavar="FILE", help=SCENARIO_HELP)
     house.add_argument("--preset", default="home", help=PRESET_HELP)
     house.add_argument("--house", type=Path, metavar="FILE.json", help="a house of your own")
     add_run_seed(parser)
@@ -120,6 +135,36 @@ def add_walk(parser: argparse.ArgumentParser) -> None:
         "--fault", action="append", default=[], metavar="NAME[:VALUE,FIELD=VALUE...]", help="what breaks; may be repeated"
     )
     parser.epilog = f"{parser.epilog}\n\nfaults, with their fields and defaults:\n{usage()}"
+
+
+def add_scenario(parser: argparse.ArgumentParser) -> None:
+    """Everything that describes a run, as options or as a file."""
+    add_walk(parser, scenario=True)
+    parser.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
+    parser.add_argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP)
+    parser.add_argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
+    parser.add_argument("--rig", default="wide", metavar="NAME", help=RIG_HELP)
+    parser.set_defaults(defaults_of_a_run={name: parser.get_default(name) for name in _DESCRIBES_A_RUN})
+
+
+def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
+    """The scenario that `add_scenario` has asked for. Raises `WorldsError`, `SimError` or `LexisError` for a bad one."""
+    from sim.harness import Scenario
+    from sim.render.rig import RigConfig
+
+    if arguments.scenario is not None:
+        given = [name for name, value in arguments.defaults_of_a_run.items() if getattr(arguments, name) != value]
+        if given:
+            option = f"--{given[0].replace('_', '-')}"
+            raise SimError(f"{option} is given beside --scenario; valid: one of the two, since the file says all of a run")
+        return Scenario.load(arguments.scenario)
+    return Scenario(
+        encoder=arguments.encoder,
+        fidelity=arguments.fidelity,
+        feature_model=arguments.feature_model,
+        rig=RigConfig(arguments.rig),
+        **walk_options(arguments),
+    )
 
 
 def add_tour(parser: argparse.ArgumentParser) -> None:

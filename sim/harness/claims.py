@@ -3,9 +3,9 @@
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal, get_type_hints
 
 from sim.errors import SimError
 from sim.harness.results import RunResult
@@ -27,13 +27,15 @@ class Claim:
 
     @staticmethod
     def parse(text: str) -> "Claim":
-        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for another form."""
+        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for another form or an unknown figure."""
         if (match := _FORM.fullmatch(text)) is None:
             raise SimError(f"claim {text!r:.80} is not understood; valid: a figure, < <= > >= == or !=, and a number")
         try:
-            return Claim(match[1], match[2], float(match[3]))
+            claim = Claim(match[1], match[2], float(match[3]))
         except ValueError:
             raise SimError(f"claim {text!r:.80}: {match[3]!r} is no number; valid: a number such as 0.7") from None
+        _check_name(claim)
+        return claim
 
     def __str__(self) -> str:
         return f"{self.figure} {self.comparison} {self.limit:g}"
@@ -61,3 +63,17 @@ class Claim:
         pairs = (("<", ">="), (">", "<="), ("==", "!="))
         other = dict(pairs) | {b: a for a, b in pairs}
         return Claim(self.figure, other[self.comparison], self.limit)
+
+
+def _check_name(claim: Claim) -> None:
+    """Raise `SimError` unless results have such a figure. Names below a mapping, such as room names, differ by the run."""
+    kind: Any = RunResult
+    for part in claim.figure.split("."):
+        if not is_dataclass(kind):
+            return
+        types = get_type_hints(kind)
+        if part not in types:
+            raise SimError(f"claim {str(claim)!r}: {claim.figure!r}: no figure {part!r}; valid: {', '.join(types)}")
+        kind = types[part]
+    if is_dataclass(kind):
+        raise SimError(f"claim {str(claim)!r}: {claim.figure} is no number; valid: the name of a figure below it")

@@ -47,8 +47,8 @@ class Run:
     house: House
     walkable: Walkable
     session: Session
-    slam: SlamUnderTest
-    """The SLAM after `finish`, which may plan paths and save files."""
+    slam: object
+    """The SLAM after `finish`, which may plan paths and save files; or the program that was run."""
     estimate: Estimate
     given: Mapping[int, Given]
     """What the SLAM was told about every frame that it took, by the index of the observation."""

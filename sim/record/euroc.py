@@ -42,7 +42,8 @@ def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], image
     (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
     write_settings(folder / "settings", take)
     _write_imu(sensors / "imu0", take)
-    _write_states(sensors / "state_groundtruth_estimate0", take)
+    if take.with_truth:
+        _write_states(sensors / "state_groundtruth_estimate0", take)
     _write_frames(folder, take, frames, SUFFIXES[images])
 
 

@@ -14,7 +14,7 @@ from sim.errors import SimError
 from sim.harness.scenario import Scenario
 from sim.odometry.imu import ImuConfig
 from sim.record.euroc import write_euroc
-from sim.record.rooms import ROOMS, FrameRooms
+from sim.record.rooms import ROOMS, FrameRooms, write_labels
 from sim.record.ros2 import write_bag
 from sim.record.take import RecordedFrame, Take, prepare
 from sim.record.tum_rgbd import write_tum_rgbd
@@ -75,20 +75,40 @@ def record(
     `SimError` for an unknown format or kind of images, a distortion that cannot be rendered, or too little disk space; and
     whatever `sim.harness.run` raises.
     """
-    form = _format(format, images)
+    check_format(format, images)
     with replaced_folder(out, ROOMS) as folder:
-        take = prepare(config, imu_config, distortion)
-        _check_space(folder, take, form, images)
-        rooms = FrameRooms(take.walk.house)
-        others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")
-        with closing(take.frames(others, form.depth)) as frames:
-            form.write(folder, take, _reported(rooms.note(frames), len(take), progress), images)
-        rooms.write(folder / ROOMS)
-        (folder / "house.json").write_text(take.walk.house.spec.to_json(), encoding="utf-8")
+        write_take(folder, prepare(config, imu_config, distortion), format, images, progress)
         return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
-def _format(name: str, images: str) -> Format:
+def write_take(
+    folder: Path,
+    take: Take,
+    format: str,
+    images: str = "png",
+    progress: Callable[[float], None] | None = None,
+    note: Callable[[RecordedFrame], None] | None = None,
+) -> None:
+    """Write a take to an empty folder; `note` is told every frame that was written.
+
+    Without truth, `rooms.json` lists the labels that rooms may have, and the house is left out. Raises `SimError` as
+    `record` does.
+    """
+    form = check_format(format, images)
+    _check_space(folder, take, form, images)
+    rooms = FrameRooms(take.walk.house)
+    others = () if form.depth else tuple(name for name in take.cameras if name != "cam0")
+    with closing(take.frames(others, form.depth)) as frames:
+        form.write(folder, take, _reported(rooms.note(frames), len(take), progress, note), images)
+    if take.with_truth:
+        rooms.write(folder / ROOMS)
+        (folder / "house.json").write_text(take.walk.house.spec.to_json(), encoding="utf-8")
+    else:
+        write_labels(folder / ROOMS, take.walk.house)
+
+
+def check_format(name: str, images: str = "png") -> Format:
+    """The format of that name. Raises `SimError` for an unknown one, and for images that it cannot hold."""
     if name not in FORMATS:
         raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")
     if images not in FORMATS[name].images:
@@ -109,9 +129,14 @@ def _check_space(folder: Path, take: Take, form: Format, images: str) -> None:
 
 
 def _reported(
-    frames: Iterable[RecordedFrame], total: int, progress: Callable[[float], None] | None
+    frames: Iterable[RecordedFrame],
+    total: int,
+    progress: Callable[[float], None] | None,
+    note: Callable[[RecordedFrame], None] | None,
 ) -> Iterator[RecordedFrame]:
     for done, frame in enumerate(frames, 1):
         yield frame
+        if note is not None:
+            note(frame)
         if progress is not None:
             progress(done / total)

@@ -55,6 +55,11 @@ class FrameRooms:
         path.write_text(json.dumps(data) + "\n", encoding="utf-8")
 
 
+def write_labels(path: Path, house: House) -> None:
+    """Write only the labels that rooms may have, which a SLAM is told, and nothing about the house."""
+    path.write_text(json.dumps({"schema": 1, "labels": house.spec.room_labels}) + "\n", encoding="utf-8")
+
+
 def _room(room: Room) -> dict[str, Any]:
     return {
         "id": room.id,

@@ -94,7 +94,8 @@ class _Inertial:
             stamp = int(self._take.imu_ns[k])
             message = self._bag.messages.imu(stamp, imu.angular_velocity[k], imu.specific_force[k], config)
             self._bag.write(stamp, "/imu0", message)
-            self._bag.write(stamp, "/ground_truth/pose", self._bag.messages.pose(stamp, self._truth[k]))
+            if self._take.with_truth:
+                self._bag.write(stamp, "/ground_truth/pose", self._bag.messages.pose(stamp, self._truth[k]))
         self._next = max(end, self._next)
 
 

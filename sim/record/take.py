@@ -61,6 +61,8 @@ class Take:
     """Distortion of the lens of every camera."""
     imu: Imu
     """IMU data. Stamps count from the start of the walk, so those of the rest before it are negative [s]."""
+    with_truth: bool = True
+    """Whether recordings contain the true poses, for programs that evaluate themselves."""
 
     @property
     def rest_frames(self) -> int:
@@ -130,7 +132,9 @@ class Take:
             yield replace(first, stamp_ns=stamp_ns(stamp), observation=replace(still, stamp=stamp))
 
 
-def prepare(config: Scenario, imu_config: ImuConfig | None = None, distortion: Distortion | None = None) -> Take:
+def prepare(
+    config: Scenario, imu_config: ImuConfig | None = None, distortion: Distortion | None = None, with_truth: bool = True
+) -> Take:
     """Plan the walk and simulate odometry and IMU for `config`; nothing is rendered yet.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
@@ -149,7 +153,9 @@ def prepare(config: Scenario, imu_config: ImuConfig | None = None, distortion: D
     # The IMU has its own random stream, so that recording does not change the random numbers of the run.
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(crc32(b"imu"),)))
     imu = corrupted(_with_rest(ideal_imu(walked.tour.motion, imu_config.rate_hz), imu_config.rate_hz), imu_config, rng)
-    return Take(config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu)
+    return Take(
+        config, walked, {f"cam{k}": camera for k, camera in enumerate(cameras)}, imu_config, distortion, imu, with_truth
+    )
 
 
 def _check_places(cameras: Sequence[Camera]) -> None:

@@ -36,8 +36,9 @@ def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], im
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
     write_camera(folder / CAMERA, camera, take.distortion.coefficients)
     write_rgbd_settings(folder / "settings", take)
-    truth = pose_rows(take.T_W_B @ camera.T_B_C)
-    _write_rows(folder / "groundtruth.txt", "# timestamp tx ty tz qx qy qz qw", take, truth)
+    if take.with_truth:
+        truth = pose_rows(take.T_W_B @ camera.T_B_C)
+        _write_rows(folder / "groundtruth.txt", "# timestamp tx ty tz qx qy qz qw", take, truth)
     _write_rows(folder / "accelerometer.txt", "# timestamp ax ay az", take, take.imu.specific_force)
     for name in ("rgb", "depth"):
         (folder / name).mkdir()

@@ -171,7 +171,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
         "house_s": Definition("house", _SECONDS, "generating, furnishing and checking the house, and planning the walk"),
         "scene_s": Definition("scene", _SECONDS, "building the MuJoCo model"),
         "render_s": Definition("rendering", _SECONDS, "rendering images, or drawing features in their place"),
-        "slam_s": Definition("LEXIS", _SECONDS, "all stages of the SLAM system"),
+        "slam_s": Definition("SLAM", _SECONDS, "all stages of the SLAM system"),
         "realtime_factor": Definition(
             "real-time factor", "{:.2f} ×", "simulated duration divided by LEXIS's computing time"
         ),

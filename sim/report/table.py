@@ -11,7 +11,9 @@ from sim.report.figures import SECTIONS, figures
 
 def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
     """Describe the run in one line. `house` is the name of the house if it was not made from a preset."""
-    line = "house {house}, seed {seed}: {encoder} encoder, {odometry} odometry, {fidelity} fidelity"
+    encoder = "{encoder} encoder, " if result.get("encoder", "?") else ""
+    slam = "{slam}, " if result.get("slam", "Lexis") != "Lexis" else ""
+    line = f"house {{house}}, seed {{seed}}: {slam}{encoder}{{odometry}} odometry, {{fidelity}} fidelity"
     return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
 
 

@@ -1,6 +1,8 @@
-"""SLAM systems that the harness knows: LEXIS, and plain ones to compare with.
+"""SLAM systems that the harness knows: LEXIS, plain ones to compare with, and programs in any language.
 
-`lexis` is the adapter of LEXIS.
+`lexis` is the adapter of LEXIS. `odometry_only` is no SLAM at all, and `geometric_rooms` finds floors and rooms from
+positions alone; both fail where a SLAM must not. `command` records a scenario for a program, runs the program, and reads its
+claims, whose files `program_files` describes.
 """
 
 import lazy_loader

@@ -1,0 +1,91 @@
+"""The SLAM that a command tests: LEXIS, a class of the user's own, or a program in any language."""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+from lexis.errors import one_line
+from sim.commands.arguments import number
+from sim.commands.record import FORMATS
+from sim.errors import SimError
+
+if TYPE_CHECKING:
+    from sim.harness import Run, Scenario
+    from sim.harness.runner import Progress
+    from sim.harness.slam_under_test import SlamUnderTest
+
+Runner: TypeAlias = "Callable[[Scenario, Progress | None], Run]"
+"""Runs the chosen SLAM on a scenario."""
+
+SLAM_HELP = (
+    "a class in a module of the current folder or on Python's path, which is called without arguments (default: LEXIS); "
+    "also sim.harness.adapters:OdometryOnly and :GeometricRooms"
+)
+COMMAND_HELP = "a program that reads the recording in {dataset} and writes trajectory.tum and rooms.json into {out}"
+
+
+def add_slam(parser: argparse.ArgumentParser) -> None:
+    """The SLAM under test."""
+    slam = parser.add_mutually_exclusive_group()
+    slam.add_argument("--slam", metavar="MODULE:CLASS", help=SLAM_HELP)
+    slam.add_argument("--command", dest="program", metavar='"PROGRAM {dataset} {out}"', help=COMMAND_HELP)
+    parser.add_argument("--format", choices=FORMATS, help="format of the recording for --command (default: euroc)")
+    parser.add_argument(
+        "--timeout", type=number(0.1, 1e6), metavar="S", help="seconds after which --command is stopped (default: 600)"
+    )
+    parser.add_argument(
+        "--memory", type=number(1.0, 1e7), metavar="MB", help="memory for each process of --command (default: 8192)"
+    )
+
+
+def runner_of(arguments: argparse.Namespace) -> Runner:
+    """How to run the SLAM that `add_slam` has asked for. Raises `SimError` if the class or the command is not usable."""
+    if arguments.program is not None:
+        return _program(arguments)
+    for option in ("format", "timeout", "memory"):
+        if getattr(arguments, option) is not None:
+            raise SimError(f"--{option} is for programs; valid: with --command")
+    from sim.harness import run
+
+    if arguments.slam is None:
+        return lambda scenario, progress: run(scenario, None, progress)
+    new_slam = slam_factory(arguments.slam)
+    return lambda scenario, progress: run(scenario, new_slam(), progress)
+
+
+def _program(arguments: argparse.Namespace) -> Runner:
+    from sim.harness.adapters.command import MEMORY_MB, TIMEOUT_S, command_words, run_command
+
+    command_words(arguments.program)
+    format, timeout_s, memory_mb = arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
+    return lambda scenario, progress: run_command(scenario, arguments.program, format, timeout_s, memory_mb, progress)
+
+
+def slam_factory(text: str) -> "Callable[[], SlamUnderTest]":
+    """The class that MODULE:CLASS names. Raises `SimError` if it cannot be imported, or makes no SLAM."""
+    module_name, colon, class_name = text.partition(":")
+    if not (module_name and colon and class_name):
+        raise SimError(f"--slam {text!r:.80}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
+    if "" not in sys.path:
+        sys.path.insert(0, "")  # the current folder, as in `python -m`
+    try:
+        found = getattr(importlib.import_module(module_name), class_name, None)
+    except Exception as error:  # a user's module may raise anything
+        reason = one_line(f"{type(error).__name__}: {error}", 160)
+        raise SimError(f"--slam {text!r:.80}: cannot be imported: {reason}; valid: a module here or on the path") from None
+    if not callable(found):
+        raise SimError(f"--slam {text!r:.80}: the module has no class {class_name}; valid: the name of a class in it")
+    return lambda: _made(text, found)
+
+
+def _made(text: str, make: "Callable[[], SlamUnderTest]") -> "SlamUnderTest":
+    from sim.harness.slam_under_test import check_slam_methods
+
+    try:
+        slam = make()
+    except TypeError as error:
+        raise SimError(f"--slam {text!r:.80}: {one_line(error, 160)}; valid: a class that takes no arguments") from None
+    check_slam_methods(slam)
+    return slam

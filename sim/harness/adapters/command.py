@@ -1,0 +1,193 @@
+"""A program in any language as the SLAM under test: it reads a recording, and writes what it claims into files."""
+
+import os
+import resource
+import shlex
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, TypeVar
+
+import numpy as np
+
+from lexis.errors import one_line
+from sim.errors import SimError
+from sim.harness.adapters.program_files import AT_REST, RecordedTimes, read_estimate
+from sim.harness.runner import Given, Progress, Run
+from sim.harness.scenario import Scenario
+from sim.record.recording import check_format, write_take
+from sim.record.take import RecordedFrame, Take, prepare
+from sim.session import Session
+from sim.truth import Truth
+
+TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
+"""Usual limits of a program: wall time [s], and memory that each of its processes may allocate [MB]."""
+DATASET, OUT = "{dataset}", "{out}"
+"""What stands for the folders of the recording and of the claims in a command."""
+_KEPT_BYTES = 1_000_000
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True)
+class CommandSlam:
+    """A program that has run, with what it printed."""
+
+    command: str
+    stdout: bytes
+    stderr: bytes
+
+    def save(self, folder: Path) -> None:
+        """Write what the program printed to `program.out` and `program.err`."""
+        (folder / "program.out").write_bytes(self.stdout)
+        (folder / "program.err").write_bytes(self.stderr)
+
+
+def run_command(
+    scenario: Scenario,
+    command: str,
+    format: str = "euroc",
+    timeout_s: float = TIMEOUT_S,
+    memory_mb: float = MEMORY_MB,
+    progress: Progress | None = None,
+) -> Run:
+    """Record a scenario without its truth, run a program on the recording, and keep its claims beside the truth.
+
+    Args:
+        scenario: the run; its fidelity is "render", since a program needs images.
+        command: the program and its arguments, separated as in a shell. "{dataset}" stands for the folder of the recording,
+            and "{out}" for the empty folder into which the program writes the files of `program_files`.
+        format: format of the recording: euroc, tum, ros2 or mcap.
+        timeout_s: wall time after which the program is stopped [s].
+        memory_mb: memory that each process of the program may allocate [MB].
+        progress: called after every recorded frame with the share of frames done, in [0, 1].
+
+    Raises `SimError` or `LexisError` that says what the program did wrong, and whatever `sim.record.record` raises.
+    """
+    words = command_words(command)
+    check_format(format)
+    if scenario.fidelity != "render":
+        raise SimError(f"command: a program needs images, but the fidelity is {scenario.fidelity!r}; valid: 'render'")
+    take, house_s = _timed(lambda: prepare(scenario, with_truth=False))
+    session, scene_s = _timed(lambda: _session(take))
+    frames: list[_Frame] = []
+    with tempfile.TemporaryDirectory(prefix="lexis-sim-") as name:
+        work = Path(name)
+        folders = {DATASET: work / "dataset", OUT: work / "out"}
+        for folder in folders.values():
+            folder.mkdir()
+
+        def note(frame: RecordedFrame) -> None:
+            frames.append(_Frame.of(frame))
+
+        _, render_s = _timed(lambda: write_take(folders[DATASET], take, format, progress=progress, note=note))
+        for placeholder, folder in folders.items():
+            words = [word.replace(placeholder, str(folder)) for word in words]
+        printed, slam_s = _timed(lambda: _execute(words, work, timeout_s, memory_mb))
+        estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
+    walked = frames[take.rest_frames :]
+    return Run(
+        scenario,
+        take.walk.house,
+        take.walk.walkable,
+        session,
+        CommandSlam(command, *printed),
+        estimate,
+        given={frame.index: frame.given for frame in reversed(walked)},  # the first of duplicates counts
+        seconds={"house_s": house_s, "scene_s": scene_s, "render_s": render_s, "slam_s": slam_s},
+        delivered=tuple(frame.truth for frame in walked),
+    )
+
+
+def command_words(command: str) -> list[str]:
+    """The program and its arguments. Raises `SimError` for a command that names no program, dataset or output."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise SimError(f"command {command!r:.80}: {error}; valid: words and quotes as in a shell") from None
+    for placeholder in (DATASET, OUT):
+        if not any(placeholder in word for word in words):
+            raise SimError(f"command {command!r:.80} has no {placeholder}; valid: such as './my_slam {DATASET} {OUT}'")
+    return words
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """What the harness remembers of a recorded frame, without its images."""
+
+    stamp_ns: int
+    index: int
+    given: Given
+    truth: Truth
+
+    @staticmethod
+    def of(frame: RecordedFrame) -> "_Frame":
+        seen = frame.observation
+        return _Frame(frame.stamp_ns, seen.index, Given(seen.stamp, seen.T_O_B), frame.truth)
+
+
+def _times(take: Take, frames: Sequence[_Frame]) -> RecordedTimes:
+    indices = [AT_REST if k < take.rest_frames else frame.index for k, frame in enumerate(frames)]
+    return RecordedTimes(np.array([frame.stamp_ns for frame in frames], float) / 1e9, np.array(indices, int), take.frame_s)
+
+
+def _session(take: Take) -> Session:
+    """The run as a session, which knows the truth of every frame."""
+    walk, scenario = take.walk, take.config
+    return Session(walk.house, walk.tour, walk.odometry, take.cameras["cam0"], scenario.faults, scenario.seed)
+
+
+def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
+    """Run a program within its limits, and return the end of what it printed. Raises `SimError` unless it succeeds."""
+    paths = work / "stdout", work / "stderr"
+    with paths[0].open("wb") as stdout, paths[1].open("wb") as stderr:
+        status = _exit_status(words, timeout_s, memory_mb, stdout, stderr)
+    printed, errors = map(_end_of, paths)
+    if status:
+        how = f"exit status {status}" if status > 0 else f"signal {-status} ({signal.strsignal(-status)})"
+        last = errors.decode(errors="replace").strip().rpartition("\n")[2] or "nothing on stderr"
+        raise SimError(f"command: {words[0]} ended with {how}: {one_line(last, 160)}; valid: exit status 0")
+    return printed, errors
+
+
+def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdout: BinaryIO, stderr: BinaryIO) -> int:
+    """Run a program in a process group of its own, of which nothing is left running."""
+    memory = int(memory_mb * 1e6)
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+    try:
+        process = subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=limit
+        )
+    except FileNotFoundError:
+        raise SimError(f"command: program {words[0]!r} was not found; valid: a program on the PATH, or a path") from None
+    except (OSError, subprocess.SubprocessError) as error:
+        raise SimError(f"command: {words[0]!r} cannot be run: {one_line(error, 160)}; valid: an executable file") from None
+    try:
+        return process.wait(timeout_s)
+    except subprocess.TimeoutExpired:
+        raise SimError(f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time") from None
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _end_of(path: Path) -> bytes:
+    """The last megabyte of a file."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _KEPT_BYTES))
+        return file.read()
+
+
+def _timed(work: Callable[[], _T]) -> tuple[_T, float]:
+    """The result of a function, and the wall time that it took [s]."""
+    start = time.perf_counter()
+    return work(), time.perf_counter() - start

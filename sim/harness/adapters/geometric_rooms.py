@@ -1,0 +1,85 @@
+"""Rooms without language: floors by the height of the odometry's trajectory, rooms by where keyframes are close together."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.cluster.hierarchy import fcluster, linkage
+
+from lexis.types import Camera, Observation
+from sim.harness.adapters.odometry_only import OdometryOnly
+from sim.harness.estimate import Estimate
+
+ROOM_M = 5.0
+"""Largest distance between two keyframes of one room [m]."""
+CLIMB_M = 0.25
+"""Least change of height between the keyframes before and after a keyframe on stairs, which are 1 m of path apart [m]."""
+STOREY_M = 0.6
+"""Least gap in height between two floors, and between a floor and a landing of the stairs [m]."""
+LANDING_SHARE = 0.05
+"""Share of the level keyframes below which a group of equal height is a landing of the stairs."""
+STAIRS = -1
+"""What an estimate states as the floor of a keyframe on stairs."""
+
+
+class GeometricRooms:
+    """Claims the odometry's poses, floors by height, and room instances by position; it knows neither walls nor labels.
+
+    Poses alone show no doors, so the rule is plain: on each floor, and on the stairs, keyframes form rooms in which no two
+    keyframes are more than `ROOM_M` apart. It fails for rooms longer than that, which it splits; for small rooms side by
+    side, which it merges; and on walks so long that the drift of the height hides the storeys. It claims no labels.
+    """
+
+    def __init__(self) -> None:
+        """Wait for `start`."""
+        self._odometry = OdometryOnly()
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run; neither the camera nor the names of rooms matter."""
+        self._odometry.start(camera, room_names)
+
+    def process(self, observation: Observation) -> None:
+        """Advance along the odometry's path. Raises `ObservationError` as `OdometryOnly` does."""
+        self._odometry.process(observation)
+
+    def finish(self) -> Estimate:
+        """Poses, floors and rooms of all keyframes. Raises `SimError` if no observation was usable."""
+        poses = self._odometry.finish()
+        assert poses.T_W_B is not None  # OdometryOnly claims them
+        positions = poses.T_W_B[:, :3, 3]
+        floors = floors_by_height(positions[:, 2])
+        return replace(poses, rooms=rooms_by_distance(positions, floors), floors=floors)
+
+
+def floors_by_height(heights: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
+    """Number of the floor of keyframes at these heights [m], 0 for the lowest; `STAIRS` on steps and landings."""
+    floors = np.full(len(heights), STAIRS)
+    level = ~_climbs(heights)
+    if not level.any():
+        return floors
+    ordered = np.sort(heights[level])
+    groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > STOREY_M) + 1)
+    storeys = [group for group in groups if len(group) >= LANDING_SHARE * len(ordered)]
+    for floor, group in enumerate(storeys):
+        floors[level & (heights >= group[0]) & (heights <= group[-1])] = floor
+    return floors
+
+
+def _climbs(heights: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+    """Whether the height changes by `CLIMB_M` from the keyframe before to the keyframe after."""
+    padded = np.pad(heights, 1, mode="edge")
+    return np.asarray(np.abs(padded[2:] - padded[:-2]) >= CLIMB_M)
+
+
+def rooms_by_distance(positions: Float64[np.ndarray, "n 3"], floors: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
+    """Number of the room of every keyframe: clusters of one floor, at most `ROOM_M` across [m], by complete linkage."""
+    rooms = np.zeros(len(floors), int)
+    count = 0
+    for floor in np.unique(floors):
+        members = floors == floor
+        if members.sum() > 1:
+            rooms[members] = fcluster(linkage(positions[members], "complete"), ROOM_M, "distance") - 1
+        rooms[members] += count
+        count = int(rooms[members].max()) + 1
+    return rooms

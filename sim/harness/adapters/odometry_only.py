@@ -1,0 +1,53 @@
+"""No SLAM at all: the poses of the odometry are claimed as they are. Every SLAM has to be better than this."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lexis.errors import ObservationError
+from lexis.inputs import is_pose
+from lexis.types import Camera, Observation, Pose
+from sim.errors import SimError
+from sim.harness.estimate import Estimate
+
+SPACING_M = 0.5
+"""Path length between keyframes [m]."""
+
+
+class OdometryOnly:
+    """Claims the odometry's pose of a keyframe every `SPACING_M` of its path, and nothing else.
+
+    It fails where the odometry drifts: its error is that of the odometry, whatever the house is.
+    """
+
+    def __init__(self) -> None:
+        """Wait for `start`."""
+        self._begin()
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run; neither the camera nor the names of rooms matter."""
+        self._begin()
+
+    def _begin(self) -> None:
+        self._keyframes: dict[int, Pose] = {}
+        self._last: Observation | None = None
+        self._path_m = 0.0
+
+    def process(self, observation: Observation) -> None:
+        """Advance along the odometry's path. Raises `ObservationError` for a frame of the past and an unusable pose."""
+        if not is_pose(observation.T_O_B):
+            raise ObservationError(f"observation {observation.index}: T_O_B is unusable; valid: a finite rigid motion")
+        if self._last is not None:
+            if observation.index <= self._last.index:
+                raise ObservationError(f"observation {observation.index} comes after {self._last.index}; valid: ascending")
+            self._path_m += float(np.linalg.norm(observation.T_O_B[:3, 3] - self._last.T_O_B[:3, 3]))
+        self._last = observation
+        if not self._keyframes or self._path_m >= SPACING_M:
+            self._path_m = 0.0
+            self._keyframes[observation.index] = observation.T_O_B.astype(float)
+
+    def finish(self) -> Estimate:
+        """The poses of all keyframes. Raises `SimError` if no observation was usable."""
+        if not self._keyframes:
+            raise SimError("OdometryOnly: was given no usable observation; valid: one or more")
+        return Estimate(np.array(list(self._keyframes)), T_W_B=np.array(list(self._keyframes.values())))

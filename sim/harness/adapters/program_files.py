@@ -1,0 +1,154 @@
+"""The files in which a program states its claims: `trajectory.tum` and, if it finds rooms, `rooms.json`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from jaxtyping import Float64, Int
+from pydantic import BaseModel, ConfigDict, Field
+
+from lexis.files.reading import FileKind, read_model
+from lexis.files.tum_trajectory import read_tum
+from lexis.types import Pose
+from sim.errors import SimError
+from sim.harness.estimate import Estimate
+from worlds.valid_names import did_you_mean, listed
+
+TRAJECTORY = "trajectory.tum"
+"""Poses of the body: "stamp tx ty tz qx qy qz qw", with the stamps of the recording [s]."""
+ROOMS = "rooms.json"
+"""Labels, room instances and floors; see `RoomClaims`."""
+AT_REST = -1
+"""What stands for the index of an observation in the frames before the walk."""
+_ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
+
+
+class FrameClaim(BaseModel):
+    """What a program claims about one frame."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+    stamp: float
+    """Time stamp of the frame in the recording [s]."""
+    label: str | None = None
+    """Name of the room, one of the `labels` in the recording's rooms.json."""
+    room: Annotated[int, Field(ge=-1, lt=2**31)] | None = None
+    """Number of the room instance; -1 for a frame in no room."""
+    floor: Annotated[int, Field(ge=-1, lt=2**31)] | None = None
+    """Number of the floor, 0 for the lowest; -1 for a frame on stairs."""
+
+
+class RoomClaims(BaseModel):
+    """The content of a program's rooms.json. All frames make the same claims: a label for one means a label for all."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    version: Literal[1]
+    frames: Annotated[list[FrameClaim], Field(min_length=1)]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedTimes:
+    """The stamps of a recording, by which the claims of a program are assigned to observations."""
+
+    stamps: Float64[np.ndarray, "n"]
+    """Stamps of all frames as they were recorded [s]."""
+    indices: Int[np.ndarray, "n"]
+    """`Observation.index` of every frame; `AT_REST` before the walk."""
+    period_s: float
+    """Time between frames [s]."""
+
+    def nearest(self, stamps: Float64[np.ndarray, "k"]) -> tuple[Int[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
+        """The index of the observation that is nearest in time to each stamp, and how far away it is [s]."""
+        order = np.argsort(self.stamps, kind="stable")
+        ordered = self.stamps[order]
+        right = np.searchsorted(ordered, stamps).clip(1, len(ordered) - 1)
+        near = np.where(stamps - ordered[right - 1] <= ordered[right] - stamps, right - 1, right)
+        return self.indices[order[near]], np.abs(ordered[near] - stamps)
+
+    def span(self) -> str:
+        """The first and the last stamp, for messages."""
+        return f"{self.stamps.min():.6f} to {self.stamps.max():.6f} s"
+
+
+def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str]) -> Estimate:
+    """The claims in a folder that a program has written, by the observations that are nearest in time.
+
+    The rows of the estimate are the frames of rooms.json, or without this file those of the trajectory.
+
+    Raises `SimError` or `LexisError`: a file is not valid, a stamp belongs to no frame, or a label is unknown.
+    """
+    poses = _poses(folder / TRAJECTORY, times)
+    if not (folder / ROOMS).exists():
+        frames = sorted(poses)
+        return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]))
+    claims = _claims(folder / ROOMS, times, poses)
+    frames = sorted(claims)
+    columns = _columns(folder / ROOMS, [claims[frame] for frame in frames], room_names)
+    return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
+
+
+def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
+    """Of every frame that has a pose within half a frame period, the pose that is nearest in time."""
+    if not path.exists():
+        raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
+    stamps, poses = read_tum(path)
+    if not len(times.stamps):
+        raise SimError("command: the faults left no frame to record; valid: a scenario in which frames arrive")
+    half = times.period_s / 2
+    outside = (stamps < times.stamps.min() - half) | (stamps > times.stamps.max() + half)
+    if outside.any():
+        raise SimError(f"{TRAJECTORY}: stamp {stamps[outside][0]:.6f} matches no frame; valid: {times.span()}")
+    frames, away_s = times.nearest(stamps)
+    found: dict[int, Pose] = {}
+    for k in np.argsort(-away_s, kind="stable").tolist():
+        if frames[k] != AT_REST and away_s[k] <= half:
+            found[int(frames[k])] = poses[k]
+    if not found:
+        raise SimError(f"{TRAJECTORY}: no stamp is within {half:g} s of a frame of the walk; valid: stamps of frames")
+    return found
+
+
+def _claims(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
+    """The claims about every frame; each frame is claimed once and has a pose."""
+    listed_frames = read_model(path, _ROOMS_FILE, RoomClaims).frames
+    frames, away_s = times.nearest(np.array([claim.stamp for claim in listed_frames], float))
+    claims: dict[int, FrameClaim] = {}
+    for claim, frame, away in zip(listed_frames, frames.tolist(), away_s.tolist(), strict=True):
+        if away > times.period_s / 2:
+            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} matches no frame; valid: {times.span()}")
+        if frame in claims:
+            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} is a second claim about one frame; valid: one for each")
+        if frame == AT_REST:
+            continue
+        if frame not in poses:
+            raise SimError(f"{ROOMS}: stamp {claim.stamp:.6f} has no pose; valid: frames that {TRAJECTORY} holds")
+        claims[frame] = claim
+    if not claims:
+        raise SimError(f"{ROOMS}: every stamp is before the walk, when the body is at rest; valid: also frames of the walk")
+    return claims
+
+
+def _columns(path: Path, claims: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
+    """The claims as the fields of `Estimate` that are claimed."""
+    columns = {}
+    for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):
+        values = [getattr(claim, name) for claim in claims]
+        missing = values.count(None)
+        if 0 < missing < len(values):
+            stamp = claims[values.index(None)].stamp
+            raise SimError(f"{ROOMS}: the frame at {stamp:.6f} s has no {name}, others have; valid: all frames or none")
+        if not missing:
+            columns[field] = np.array([_number(value, room_names) for value in values], int)
+    return columns
+
+
+def _number(value: int | str, room_names: Sequence[str]) -> int:
+    if isinstance(value, int):
+        return value
+    if value not in room_names:
+        guess = did_you_mean(value, room_names)
+        raise SimError(f"{ROOMS}: unknown label {value!r:.60}{guess}; valid: {listed(room_names)}")
+    return room_names.index(value)

@@ -1,0 +1,148 @@
+"""`lexis-sim check`: exit 0 if nothing failed, 1 with a line for each figure that failed, 2 for bad input."""
+
+import json
+import sys
+
+import pytest
+
+from sim.cli import main
+from sim.errors import SimError
+from sim.harness import Scenario
+from sim.render.rig import RigConfig
+from worlds.presets import sample_from_rooms
+
+SCENARIO = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21), seed=5, length_m=15.0, frame_rate_hz=4.0, fidelity="features"
+)
+ODOMETRY = ["--slam", "sim.harness.adapters:OdometryOnly"]
+GEOMETRIC = ["--slam", "sim.harness.adapters:GeometricRooms"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """The current folder, with a scenario and modules of users."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    SCENARIO.save(tmp_path / "scenario.json")
+    (tmp_path / "own_slam_here.py").write_text(
+        "from sim.harness.adapters import OdometryOnly as Mine\n"
+        "class Half:\n    def start(self, camera, room_names): pass\n"
+        "class Greedy:\n    def __init__(self, weights): pass\n"
+    )
+    (tmp_path / "own_slam_broken.py").write_text("raise OSError('no licence')")
+    yield tmp_path
+    for name in ("own_slam_here", "own_slam_broken"):
+        sys.modules.pop(name, None)
+
+
+def status_of(argv):
+    try:
+        return main([str(word) for word in argv])
+    except SystemExit as end:
+        return end.code
+
+
+def test_a_check_in_which_nothing_fails(capsys):
+    assert status_of(["check", "--scenario", "scenario.json", *GEOMETRIC, "--fails", "floors.accuracy < 0.5"]) == 0
+    printed = capsys.readouterr()
+    assert "panoptic quality" in printed.out and printed.err == ""
+
+
+def test_each_figure_that_fails_costs_one_line(capsys):
+    fails = ["floors.accuracy >= 0.5", "rooms.pq < 2", "trajectory.ate_m > 1e6", "labels.accuracy < 0.7"]
+    words = [word for text in fails for word in ("--fails", text)]
+    assert status_of(["check", "--scenario", "scenario.json", *GEOMETRIC, *words]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 3
+    assert lines[0] == "failed: floors.accuracy is 1, and fails if floors.accuracy >= 0.5"
+    assert lines[1].startswith("failed: rooms.pq is 0.")
+    assert lines[2].startswith("failed: labels.accuracy is null")
+
+
+def test_a_class_of_the_current_folder_writes_a_run_that_can_be_repeated(folder, capsys):
+    words = ["--slam", "own_slam_here:Mine", "--out", "first"]
+    assert status_of(["check", "--scenario", "scenario.json", *words]) == 0
+    assert "report: first/report.html" in capsys.readouterr().out
+    assert status_of(["check", "--scenario", "first/scenario.json", *ODOMETRY, "--out", "second"]) == 0
+    first, second = (json.loads((folder / name / "result.json").read_text()) for name in ("first", "second"))
+    assert first["trajectory"] == second["trajectory"] and first["scenario"] == SCENARIO.content_hash
+    assert first["labels"]["accuracy"] is None
+
+
+def test_options_and_a_scenario_file_describe_the_same_run(folder, monkeypatch):
+    seen = []
+
+    def stop(scenario, *_):
+        seen.append(scenario)
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.harness.run", stop)
+    (folder / "house.json").write_text(SCENARIO.house.to_json())
+    options = ["--house", "house.json", "--seed", "5", "--length", "15", "--rate", "4", "--fidelity", "features"]
+    for command in ("run", "check"):
+        assert status_of([command, *options]) == status_of([command, "--scenario", "scenario.json"]) == 2
+    assert {scenario.content_hash for scenario in seen} == {SCENARIO.content_hash} and len(seen) == 4
+
+
+def test_the_options_of_a_program_reach_it(monkeypatch):
+    seen = []
+
+    def stop(*arguments):
+        seen.append(arguments)
+        raise SimError("so far")
+
+    monkeypatch.setattr("sim.harness.adapters.command.run_command", stop)
+    command = ["check", "--command", "./slam {dataset} {out}"]
+    assert status_of(command) == 2
+    assert status_of([*command, "--format", "tum", "--timeout", "5", "--memory", "100"]) == 2
+    assert [arguments[1:5] for arguments in seen] == [
+        ("./slam {dataset} {out}", "euroc", 600.0, 8192.0),
+        ("./slam {dataset} {out}", "tum", 5.0, 100.0),
+    ]
+
+
+def test_a_program_fails_a_check_by_name(folder, capsys):
+    """The program claims the odometry, as its recording holds it."""
+    small = Scenario(**{**vars(SCENARIO), "fidelity": "render", "length_m": 10.0, "rig": RigConfig("wide", 160, 120)})
+    small.save(folder / "small.json")
+    (folder / "slam.py").write_text(
+        "import shutil, sys\nshutil.copy(sys.argv[1] + '/odometry.tum', sys.argv[2] + '/trajectory.tum')"
+    )
+    command = f"'{sys.executable}' slam.py {{dataset}} {{out}}"
+    words = ["--command", command, "--format", "tum", "--fails", "trajectory.ate_m > 1e-6"]
+    assert status_of(["check", "--scenario", "small.json", *words]) == 1
+    assert capsys.readouterr().err.startswith("failed: trajectory.ate_m is 0.")
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (["--fails", "labels.accuracy"], "is not understood; valid: a figure"),
+        (["--fails", "labels.acc < 0.7"], "no figure 'acc'; valid: accuracy, accuracy_baseline"),
+        (["--slam", "own_slam_here"], "is no MODULE:CLASS; valid: such as my_slam:MySlam"),
+        (["--slam", "no_such_module:Slam"], "cannot be imported: ModuleNotFoundError: No module named 'no_such_module'"),
+        (["--slam", "own_slam_broken:Slam"], "cannot be imported: OSError: no licence"),
+        (["--slam", "own_slam_here:Missing"], "the module has no class Missing"),
+        (["--slam", "own_slam_here:Half"], "Half has no method process()"),
+        (["--slam", "own_slam_here:Greedy"], "missing 1 required positional argument: 'weights'; valid: a class that takes"),
+        (["--slam", "x:Y", "--command", "z"], "not allowed with argument --slam"),
+        (["--command", "./slam"], "has no {dataset}"),
+        (["--command", "./slam {dataset} {out}", "--fidelity", "features"], "a program needs images"),
+        (["--command", "./slam {dataset} {out}", "--format", "kitti"], "--format"),
+        (["--format", "tum"], "--format is for programs; valid: with --command"),
+        (["--timeout", "0"], "--timeout: '0'; valid: a number from 0.1"),
+        (["--scenario", "missing.json"], "missing.json"),
+        (["--scenario", "own_slam_here.py"], "is not JSON"),
+        (["--scenario", "scenario.json", "--seed", "3"], "--seed is given beside --scenario"),
+        (["--scenario", "scenario.json", "--feature-model", "x"], "--feature-model is given beside --scenario"),
+        (["--scenario", "scenario.json", "--preset", "ori"], "not allowed with argument"),
+        (["--out", "scenario.json"], "is a file; valid: the name of a folder"),
+    ],
+)
+def test_bad_input_costs_one_line(words, hint, folder, capsys):
+    before = sorted(folder.rglob("*"))
+    assert status_of(["check", *words]) == 2
+    printed = capsys.readouterr()
+    assert hint in printed.err and printed.err.count("\n") == 1 and printed.out == ""
+    assert sorted(folder.rglob("*")) == before

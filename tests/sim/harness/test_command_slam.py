@@ -1,0 +1,221 @@
+"""A program in any language under test: its claims are judged as those of a class, it is told no truth, errors are named."""
+
+import json
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.documentation import blocks
+
+from lexis.datasets.dataset import open_dataset
+from lexis.errors import LexisError
+from lexis.files.tum_trajectory import write_tum
+from sim.errors import SimError
+from sim.faults.delivery import Dropped
+from sim.harness import Scenario, check, evaluate, write_run
+from sim.harness.adapters import GeometricRooms, run_command
+from sim.harness.adapters.program_files import AT_REST, RecordedTimes, read_estimate
+from sim.record.recording import write_take
+from sim.record.take import prepare
+from sim.render.rig import RigConfig, build_rig
+from sim.world_states import FrameRenderer
+from worlds.presets import sample_from_rooms
+
+SCENARIO = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21),
+    seed=5,
+    length_m=10.0,
+    frame_rate_hz=4.0,
+    rig=RigConfig("wide", 160, 120),
+)
+GEOMETRIC = """
+import json, sys
+from pathlib import Path
+from lexis.datasets.dataset import open_dataset
+from lexis.files.tum_trajectory import write_tum
+from sim.harness.adapters import GeometricRooms
+
+slam, seen = GeometricRooms(), {}
+recording = open_dataset(Path(sys.argv[1]))
+slam.start(recording.camera, ())
+for observation in recording:
+    if observation.stamp >= 1e9 + 2.0:  # before, the body rests
+        slam.process(observation)
+        seen[observation.index] = observation
+claims, out = slam.finish(), Path(sys.argv[2])
+stamps = [seen[frame].stamp for frame in claims.frames.tolist()]
+write_tum(out / "trajectory.tum", stamps, claims.T_W_B)
+frames = zip(stamps, claims.rooms.tolist(), claims.floors.tolist())
+frames = [{"stamp": stamp, "room": room, "floor": floor} for stamp, room, floor in frames]
+(out / "rooms.json").write_text(json.dumps({"version": 1, "frames": frames}))
+"""
+
+
+@pytest.fixture
+def unlit(monkeypatch):
+    """Replaces rendering: frames are black and cost nothing."""
+    size = build_rig(SCENARIO.rig).size_px[::-1]
+    monkeypatch.setattr(FrameRenderer, "rgb", lambda *_: np.zeros((*size, 3), np.uint8))
+    monkeypatch.setattr(FrameRenderer, "depth", lambda *_: np.zeros(size, np.float32))
+
+
+@pytest.fixture
+def unrecorded(monkeypatch):
+    """Leaves the folder of the recording empty, for programs that do not look at it."""
+    monkeypatch.setattr("sim.harness.adapters.command.write_take", lambda *_, **__: None)
+
+
+def program(folder, content):
+    """The command of a Python program."""
+    path = folder / "program.py"
+    path.write_text(content)
+    return f"'{sys.executable}' '{path}' {{dataset}} {{out}}"
+
+
+def test_a_program_is_judged_as_the_class_that_it_wraps(tmp_path, unlit):
+    inside = check(SCENARIO, GeometricRooms())
+    outside = evaluate(run_command(SCENARIO, program(tmp_path, GEOMETRIC), "tum"))
+    assert outside.slam == "CommandSlam"
+    for figures in ("house", "run", "labels", "rooms", "floors", "loops", "coverage"):
+        assert getattr(outside, figures) == getattr(inside, figures), figures
+    assert outside.trajectory.ate_m == pytest.approx(inside.trajectory.ate_m, abs=1e-6)
+    assert outside.trajectory.ate_odometry_m == pytest.approx(inside.trajectory.ate_odometry_m, abs=1e-12)
+
+
+def test_the_program_of_the_documentation_runs_on_images(tmp_path):
+    (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
+    finished = run_command(SCENARIO, program(tmp_path, block.content + "print('done')\n"))
+    result = evaluate(finished)
+    assert result.trajectory.ate_m == pytest.approx(result.trajectory.ate_odometry_m, abs=1e-6)
+    assert 0.0 < result.labels.accuracy < 1.0 and result.floors.accuracy == 1.0 and result.rooms.count_error < 0
+    assert result.coverage.path_covered > 0.9
+    write_run(finished, result, (), tmp_path / "out")
+    assert (tmp_path / "out" / "program.out").read_text() == "done\n"
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_program_is_judged_under_faults(tmp_path, unlit):
+    (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
+    result = evaluate(run_command(replace(SCENARIO, faults=(Dropped(0.3),)), program(tmp_path, block.content)))
+    assert result.faults.delivered < 0.85 * result.run.frames
+    assert result.trajectory.ate_m == pytest.approx(result.trajectory.ate_odometry_m, abs=1e-6)
+
+
+@pytest.mark.parametrize("form", ["euroc", "tum", "mcap"])
+def test_a_recording_without_truth_differs_in_the_truth_alone(form, tmp_path, unlit):
+    files = {}
+    for told in (True, False):
+        folder = tmp_path / str(told)
+        folder.mkdir()
+        write_take(folder, prepare(SCENARIO, with_truth=told), form)
+        files[told] = {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    known = files[False]
+    hidden = files[True].keys() - known.keys()
+    assert hidden == {"house.json"} | {
+        "euroc": {f"mav0/state_groundtruth_estimate0/{name}" for name in ("data.csv", "sensor.yaml")},
+        "tum": {"groundtruth.txt"},
+    }.get(form, set())
+    changed = {name for name in known if known[name] != files[True][name]}
+    assert {name for name in changed if not name.startswith("bag/")} == {"rooms.json"}
+    assert json.loads(known["rooms.json"]).keys() == {"schema", "labels"}
+    assert not any(b"ground_truth" in content for content in known.values())
+    assert any(b"ground_truth" in content for content in files[True].values()) == (form == "mcap")
+    assert len(open_dataset(tmp_path / "False")) == len(open_dataset(tmp_path / "True"))
+
+
+QUIET = "import sys; sys.exit(0)"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (QUIET, "the program wrote no {out}/trajectory.tum"),
+        ("import sys\nprint('no', 'vocabulary', file=sys.stderr)\nsys.exit(3)", "exit status 3: no vocabulary; valid"),
+        ("import sys; sys.exit(4)", "exit status 4: nothing on stderr"),
+        ("import os; os.kill(os.getpid(), 11)", "ended with signal 11"),
+        ("import time; time.sleep(600)", "took longer than 0.5 s"),
+        ("kept = bytearray(10**9)", "exit status 1: MemoryError"),
+        ("import sys\nopen(sys.argv[2] + '/trajectory.tum', 'w').write('1 2 3')", "trajectory.tum:1: '1 2 3'"),
+    ],
+)
+def test_what_a_program_does_wrong_is_named_in_one_line(content, message, tmp_path, unrecorded):
+    timeout_s = 0.5 if "sleep" in content else 30.0
+    with pytest.raises((SimError, LexisError)) as caught:
+        run_command(SCENARIO, program(tmp_path, content), timeout_s=timeout_s, memory_mb=500.0)
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("command", "scenario", "message"),
+    [
+        ("./my_slam {dataset}", SCENARIO, "has no {out}; valid: such as './my_slam {dataset} {out}'"),
+        ("", SCENARIO, "has no {dataset}"),
+        ("'./my_slam {dataset} {out}", SCENARIO, "No closing quotation"),
+        ("x {dataset} {out}", replace(SCENARIO, fidelity="features"), "needs images, but the fidelity is 'features'"),
+    ],
+)
+def test_commands_that_cannot_be_run_are_named_before_the_walk(command, scenario, message):
+    with pytest.raises(SimError) as caught:
+        run_command(scenario, command)
+    assert message in str(caught.value)
+
+
+def test_programs_that_are_not_there_or_not_executable_are_named(tmp_path, unrecorded):
+    (tmp_path / "text").write_text("no program")
+    for name, message in (("missing", "was not found"), ("text", "cannot be run: ")):
+        with pytest.raises(SimError, match=message):
+            run_command(SCENARIO, f"'{tmp_path / name}' {{dataset}} {{out}}")
+
+
+TIMES = RecordedTimes(1e9 + 0.25 * np.arange(10), np.array([AT_REST, AT_REST, *range(8)]), 0.25)
+NAMES = ("kitchen", "bedroom")
+
+
+def claimed(folder, stamps, frames=None):
+    """The estimate of a program that writes a pose for each of these stamps, in frame periods after the first."""
+    poses = np.tile(np.eye(4), (len(stamps), 1, 1))
+    poses[:, 0, 3] = stamps
+    write_tum(folder / "trajectory.tum", 1e9 + 0.25 * np.array(stamps, float), poses)
+    if frames is not None:
+        entries = [{**entry, "stamp": 1e9 + 0.25 * entry["stamp"]} for entry in frames]
+        (folder / "rooms.json").write_text(json.dumps({"version": 1, "frames": entries}))
+    return read_estimate(folder, TIMES, NAMES)
+
+
+def test_poses_belong_to_the_frames_that_are_nearest_in_time(tmp_path):
+    estimate = claimed(tmp_path, [0.0, 2.4, 3.9, 4.2, 4.6, 9.4])
+    assert estimate.frames.tolist() == [0, 2, 3, 7]
+    np.testing.assert_allclose(estimate.T_W_B[:, 0, 3], [2.4, 3.9, 4.6, 9.4])
+    assert estimate.labels is None and estimate.rooms is None and estimate.floors is None
+
+
+def test_the_frames_of_rooms_json_are_the_keyframes(tmp_path):
+    frames = [{"stamp": 5.1, "label": "bedroom", "room": 4}, {"stamp": 3.0, "label": "kitchen", "room": -1}]
+    estimate = claimed(tmp_path, range(10), frames)
+    assert estimate.frames.tolist() == [1, 3]
+    assert estimate.labels.tolist() == [0, 1] and estimate.rooms.tolist() == [-1, 4] and estimate.floors is None
+    np.testing.assert_allclose(estimate.T_W_B[:, 0, 3], [3.0, 5.0])
+
+
+@pytest.mark.parametrize(
+    ("stamps", "frames", "message"),
+    [
+        ([-0.6], None, "matches no frame; valid: 1000000000.000000 to 1000000002.250000 s"),
+        ([2.0, 9.6], None, "stamp 1000000002.400000 matches no frame"),
+        ([0.0, 1.0], None, "no stamp is within 0.125 s of a frame of the walk"),
+        ([2.0], [{"stamp": 12.0}], "rooms.json: stamp 1000000003.000000 matches no frame"),
+        ([2.0], [{"stamp": 5.0}], "has no pose; valid: frames that trajectory.tum holds"),
+        ([2.0], [{"stamp": 2.0}, {"stamp": 2.1}], "is a second claim about one frame"),
+        ([0.0, 2.0], [{"stamp": 0.0}], "every stamp is before the walk"),
+        ([2.0], [{"stamp": 2.0, "label": "ktchen"}], "unknown label 'ktchen' (did you mean 'kitchen'?); valid: kitchen"),
+        ([2.0, 3.0], [{"stamp": 2.0, "room": 1}, {"stamp": 3.0}], "has no room, others have; valid: all frames or none"),
+        ([2.0], [{"stamp": 2.0, "room": -2}], "frames.0.room: "),
+        ([2.0], [{"stamp": 2.0, "lable": "kitchen"}], "frames.0.lable: Extra inputs are not permitted"),
+        ([2.0], [], "frames: "),
+    ],
+)
+def test_wrong_claims_are_named(stamps, frames, message, tmp_path):
+    with pytest.raises(SimError) as caught:
+        claimed(tmp_path, stamps, frames)
+    assert message in str(caught.value) and "\n" not in str(caught.value)
