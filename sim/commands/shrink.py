@@ -29,13 +29,8 @@ def add_to(commands: Commands) -> None:
     )
     shrink.add_argument("scenario", type=Path, metavar="SCENARIO", help="scenario.json of a run, or the run's folder")
     shrink.add_argument("--fails", required=True, metavar="CLAIM", help=FAILS_HELP)
-    shrink.add_argument(
-        "--deadline",
-        type=duration,
-        default=180.0,
-        metavar="TIME",
-        help="such as 90s or 3m; then the best so far (default: 3m)",
-    )
+    shrink.add_argument("--deadline", type=duration, default=180.0, metavar="TIME", help=DEADLINE_HELP)
+    shrink.add_argument("--keep", action="append", default=[], metavar="STEP", help=KEEP_HELP)
     shrink.add_argument("-o", "--out", type=folder, required=True, metavar="DIR", help="folder to write")
 
 

@@ -7,7 +7,6 @@ step, so their tours differ too; whether they fail is decided by running them.
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Literal
@@ -135,6 +134,8 @@ def reduce(
             search.descend_on_features(_with_features(original), on_features, path)
         if len(path) == 1 or len(path) < len(on_features):
             search.descend(path, search.end)
+        elif search.is_cut:
+            ended = "deadline"
     except _TimeUpError:
         ended = "deadline"
     except KeyboardInterrupt:
@@ -158,6 +159,8 @@ class _Search:
     steps: Mapping[str, Step]
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     """By the content hash of the scenario."""
+    is_cut: bool = False
+    """Whether the search on features took all of its share of the time."""
 
     def __post_init__(self) -> None:
         self.begin = self.clock()
@@ -218,8 +221,10 @@ class _Search:
         if self.outcome(_TO_FEATURES, start, self.end) != "fails":
             return
         found.append(Change(_TO_FEATURES, start))
-        with suppress(_TimeUpError):
+        try:
             self.descend(found, self.begin + _SEARCH_SHARE * (self.end - self.begin))
+        except _TimeUpError:  # of this part of the search; the rest of the time is for images
+            self.is_cut = True
         back = 1
         while back < len(found):
             rendered = [replace(change.scenario, fidelity="render") for change in found[1 : len(found) - back + 1]]

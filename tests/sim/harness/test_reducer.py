@@ -12,9 +12,9 @@ from sim.harness.reducer import is_valid
 from sim.harness.reductions import STEPS, size, with_listed_house
 from worlds.presets import sample_from_rooms
 
-LABELS = ("kitchen", "living room", "bedroom", "bathroom", "office", "dining room")
+LABELS = ("kitchen", "living room", "bedroom", "dining room")
 FLAT = Scenario(
-    house=sample_from_rooms(LABELS, seed=4, openness=0.6), seed=5, frame_rate_hz=4.0, fidelity="features", encoder="oracle"
+    house=sample_from_rooms(LABELS, seed=4, openness=0.6), seed=5, frame_rate_hz=2.0, fidelity="features", encoder="oracle"
 )
 TALL = replace(FLAT, house=sample_from_rooms(LABELS, seed=4, storeys=2), odometry="degraded")
 BUGS = {
@@ -31,7 +31,7 @@ def shrunk(name):
     return reduce(scenario, test, deadline_s=1e9), test
 
 
-@pytest.mark.parametrize("name", BUGS)
+@pytest.mark.parametrize("name", ["open plan", "drift", pytest.param("floors", marks=pytest.mark.slow)])
 def test_a_planted_bug_is_shrunk_and_blamed(name):
     reduction, test = shrunk(name)
     after = size(reduction.scenario)
@@ -102,6 +102,10 @@ def test_a_failure_with_another_signature_and_an_exception_do_not_count():
     assert size(reduction.scenario).rooms == 4 and reduction.scenario.odometry == FLAT.odometry
 
 
+def _unreachable(spec):
+    return spec.model_copy(update={"storeys": tuple(s.model_copy(update={"openings": ()}) for s in spec.storeys)})
+
+
 def test_invalid_houses_are_never_run():
     seen = []
 
@@ -109,8 +113,9 @@ def test_invalid_houses_are_never_run():
         seen.append(scenario)
         return Signature("claim", "always")
 
-    reduction = reduce(FLAT, fails)
-    assert all(map(is_valid, seen)) and reduction.tried > len(seen)
+    steps = {"broken": lambda scenario: iter([replace(scenario, house=_unreachable(scenario.house), odometry="perfect")])}
+    reduction = reduce(FLAT, fails, steps=steps)
+    assert len(seen) == 1 and reduction.tried == 1
 
 
 def test_a_scenario_that_does_not_fail_is_refused():
@@ -119,9 +124,9 @@ def test_a_scenario_that_does_not_fail_is_refused():
 
 
 def test_steps_can_be_left_out():
-    steps = {name: step for name, step in STEPS.items() if name != "drop furniture"}
+    steps = {name: step for name, step in STEPS.items() if name != "drop drift"}
     kept = reduce(FLAT, lambda scenario: Signature("claim", "always"), steps=steps)
-    assert size(kept.scenario).furniture > 0 and size(kept.scenario).rooms == 1
+    assert kept.scenario.odometry == FLAT.odometry and size(kept.scenario).rooms == 1
 
 
 def on(fidelities, needs=lambda scenario: True):
@@ -155,16 +160,10 @@ def test_a_failure_of_images_alone_is_searched_on_images():
 
 
 def test_what_could_not_be_confirmed_in_time_is_said():
-    runs = []
-
-    def fails(scenario):
-        runs.append(scenario)
-        return Signature("claim", "always")
-
-    reduction = reduce(
-        RENDERED, fails, 1.0, clock=lambda: 0.5 * (len(runs) > 4) + 1.0 * (len(runs) > 8) * 0 + len(runs) * 0.13
-    )
-    assert reduction.ended in ("deadline", "smallest") and size(reduction.scenario) < size(reduction.original)
+    fails = Counted()
+    reduction = reduce(RENDERED, fails, 6.0, clock=fails.clock)
+    assert reduction.ended == "deadline" and size(reduction.scenario) < size(reduction.original)
+    assert reduction.confirmed == (reduction.scenario.fidelity == "render")
 
 
 def test_an_exception_of_the_slam_is_a_failure_too():

@@ -14,7 +14,7 @@ from sim.harness import house_reductions as steps
 from sim.harness.reductions import STEPS, difference, size, with_listed_house
 from sim.harness.walk import walk
 from sim.render.rig import RigConfig
-from worlds.presets import sample_house
+from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 from worlds.strategies import houses
 
@@ -22,7 +22,7 @@ RICH = Scenario(
     house=sample_house("home", 7),
     length_m=100.0,
     tour_kind="both ways",
-    sway="walking",
+    sway="hand-held",
     odometry="mono",
     overconfidence=4.0,
     faults=(Dropped(0.1), Dropped(0.2)),
@@ -34,7 +34,7 @@ LISTED = with_listed_house(RICH)
 
 @pytest.mark.parametrize("name", STEPS)
 def test_every_candidate_is_smaller_and_can_be_saved(name):
-    for candidate in list(STEPS[name](LISTED))[:40]:
+    for candidate in list(STEPS[name](LISTED))[:12]:
         assert size(candidate) < size(LISTED)
         assert HouseSpec.from_json(candidate.house.to_json()).room_labels
         assert difference(LISTED, candidate) != "nothing"
@@ -42,7 +42,8 @@ def test_every_candidate_is_smaller_and_can_be_saved(name):
 
 def test_every_step_has_something_to_do_in_a_rich_scenario():
     idle = {name for name, step in STEPS.items() if not any(step(LISTED))}
-    assert idle <= {"rectangular rooms", "daylight"}  # this house has neither L-shaped rooms nor evening light
+    # This house has neither L-shaped rooms nor evening light, and all its rooms are furnished.
+    assert idle <= {"rectangular rooms", "daylight", "simplest labels"}
 
 
 @settings(max_examples=15)
@@ -57,7 +58,7 @@ def test_what_remains_keeps_its_shape(step):
     rooms = {room.id: room for storey in LISTED.house.storeys for room in storey.rooms}
     pieces = {piece.id: piece for storey in LISTED.house.storeys for piece in storey.furniture}
     openings = {o.model_copy(update={"leads": None}) for storey in LISTED.house.storeys for o in storey.openings}
-    for house in list(step(LISTED.house))[:20]:
+    for house in list(step(LISTED.house))[:10]:
         for storey in house.storeys:
             assert all(room == rooms[room.id] for room in storey.rooms)
             assert all(piece == pieces[piece.id] for piece in storey.furniture)
@@ -86,7 +87,7 @@ def test_moving_walls_together_keeps_the_topology():
 
 
 def test_a_listed_house_gives_the_same_walk():
-    scenario = Scenario(preset="apartment", seed=3, fidelity="features")
+    scenario = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), length_m=15.0, fidelity="features")
     listed = with_listed_house(scenario)
     assert (walk(scenario).tour.T_W_B == walk(listed).tour.T_W_B).all()
     assert with_listed_house(listed) == listed
