@@ -9,6 +9,9 @@
 asks of a SLAM, `estimate` what the SLAM may claim, and `adapters` holds LEXIS and others. `runner` feeds the SLAM,
 `planning` drives its plans, `figures` (with `loops`) computes the `results`, about which `claims` are made, and `outputs`
 writes the folder of a run with its report, for which `report_data` prepares the data.
+
+For a run that fails as `failure_signature` says, `reducer` finds the smallest scenario that fails in the same way, by the
+steps of `reductions` and `house_reductions`; `blame_table` finds what mends it, and `failure_folder` writes all of that.
 """
 
 import lazy_loader

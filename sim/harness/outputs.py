@@ -1,8 +1,9 @@
 """The folder of a run; it appears whole or not at all."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
@@ -15,12 +16,14 @@ from sim.report import write_report
 
 MARKER = "result.json"
 """File that identifies a folder as that of a run, which a new run may replace."""
+_NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 
 
-def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path) -> None:
+def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path, texts: Mapping[str, str] = _NO_TEXTS) -> None:
     """Write result.json, scenario.json, house.json, report.html, three trajectories and the SLAM's own files to `out`.
 
-    A folder of an earlier run is replaced. Raises `LexisError` where `out` holds anything else or cannot be written.
+    `texts` are further files, by their names. A folder of an earlier run is replaced. Raises `LexisError` where `out` holds
+    anything else or cannot be written.
     """
     with replaced_folder(out, MARKER) as folder:
         (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
@@ -32,4 +35,6 @@ def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path) -
         write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
         if isinstance(run.slam, SavesFiles):
             run.slam.save(folder)
+        for name, text in texts.items():
+            (folder / name).write_text(text)
         write_report(folder / "report.html", report_data(run, result, trials))

@@ -1,0 +1,210 @@
+"""Steps that make a scenario simpler, the size by which scenarios are compared, and what differs between two of them."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+from shapely.geometry import Polygon
+
+from sim.errors import SimError
+from sim.harness import house_reductions as house_steps
+from sim.harness.parts import house_spec, tour_config
+from sim.harness.scenario import Scenario
+from sim.render.rig import RIGS, RigConfig
+from worlds.labels import ROOM_LABELS
+from worlds.spec import AppearanceSpec, HouseSpec
+from worlds.variant import explicit
+
+Step = Callable[[Scenario], Iterator[Scenario]]
+_MIN_LENGTH_M = 4.0
+_FIRST_LENGTHS_M = (10.0, 20.0, 40.0)
+"""Lengths to try where the kind of tour alone decides about the length [m]."""
+_SMALL_PX = (240, 180)
+
+
+class ScenarioSize(NamedTuple):
+    """The size of a scenario, compared from the first entry to the last: the most important one comes first."""
+
+    storeys: int
+    rooms: int
+    openings: int
+    furniture: int
+    windows: int
+    faults: int
+    drift: int
+    """1 for odometry that drifts, and 1 more for covariances that are too small."""
+    motion: int
+    """1 for each of sway, start manoeuvre, and a tour of another kind than "rooms"."""
+    length_m: float
+    """Requested length of the tour; infinite if the kind of tour decides."""
+    corners: int
+    area_m2: float
+    opening_ranks: int
+    """Sum of `opening_rank` over all openings: 0 if all are doorways without leaves."""
+    labels: int
+    """Sum of the places of the rooms' labels in `ROOM_LABELS`."""
+    appearance: int
+    """1 for light that is not daylight, and 1 for textures that are not rich."""
+    rig: tuple[int, int, int]
+    """Place of the rig in `RIGS`, 1 if it is displaced, and pixels of an image."""
+
+
+def size(scenario: Scenario) -> ScenarioSize:
+    """The size of a scenario. Raises `SimError` unless it lists its whole house; see `with_listed_house`."""
+    spec = _listed(scenario)
+    rooms = [room for storey in spec.storeys for room in storey.rooms]
+    openings = [opening for storey in spec.storeys for opening in storey.openings]
+    rig = scenario.rig
+    return ScenarioSize(
+        storeys=len(spec.storeys),
+        rooms=len(rooms),
+        openings=len(openings),
+        furniture=sum(len(storey.furniture or ()) for storey in spec.storeys),
+        windows=sum(len(storey.windows or ()) for storey in spec.storeys),
+        faults=len(scenario.faults),
+        drift=(scenario.odometry != "perfect") + (scenario.overconfidence > 1.0),
+        motion=(scenario.sway != "none") + scenario.start_manoeuvre + (scenario.tour_kind != "rooms"),
+        length_m=math.inf if scenario.length_m is None else scenario.length_m,
+        corners=sum(len(room.polygon_m) for room in rooms),
+        area_m2=round(sum(Polygon(room.polygon_m).area for room in rooms), 6),
+        opening_ranks=sum(map(house_steps.opening_rank, openings)),
+        labels=sum(ROOM_LABELS.index(room.label) for room in rooms),
+        appearance=(spec.appearance.light != "day") + (spec.appearance.texture != "rich"),
+        rig=(list(RIGS).index(rig.name), int(any(rig.lever_arm_m + rig.lever_arm_rpy_deg)), rig.width * rig.height),
+    )
+
+
+def with_listed_house(scenario: Scenario) -> Scenario:
+    """The same run from a scenario that lists the house with all furniture and windows, and the usual length of its tour.
+
+    Raises `WorldsError` for a house that cannot be built.
+    """
+    return replace(scenario, house=explicit(house_spec(scenario)), length_m=tour_config(scenario).length_m)
+
+
+def _listed(scenario: Scenario) -> HouseSpec:
+    spec = scenario.house
+    if spec is None or any(storey.furniture is None or storey.windows is None for storey in spec.storeys):
+        raise SimError("scenario: its house does not list everything; valid: the result of with_listed_house()")
+    return spec
+
+
+def _on_house(step: house_steps.HouseStep) -> Step:
+    def apply(scenario: Scenario) -> Iterator[Scenario]:
+        return (replace(scenario, house=spec) for spec in step(_listed(scenario)))
+
+    return apply
+
+
+def fewer_faults(scenario: Scenario) -> Iterator[Scenario]:
+    """Drop all faults, then halves, quarters and so on down to single ones."""
+    return (replace(scenario, faults=tuple(left)) for left in house_steps.without_parts(scenario.faults))
+
+
+def no_drift(scenario: Scenario) -> Iterator[Scenario]:
+    """Make the odometry perfect, or only its covariances honest."""
+    if scenario.odometry != "perfect":
+        yield replace(scenario, odometry="perfect", overconfidence=1.0)
+        yield replace(scenario, odometry="perfect")
+    if scenario.overconfidence > 1.0:
+        yield replace(scenario, overconfidence=1.0)
+
+
+def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
+    """Walk without sway and start manoeuvre, through every room; first all three, then each alone."""
+    plain = replace(scenario, sway="none", start_manoeuvre=False, tour_kind="rooms")
+    each = (replace(scenario, **{name: getattr(plain, name)}) for name in ("sway", "start_manoeuvre", "tour_kind"))
+    yield from dict.fromkeys(other for other in (plain, *each) if other != scenario)
+
+
+def shorter_tour(scenario: Scenario) -> Iterator[Scenario]:
+    """Request an eighth, a quarter, half and three quarters of the tour's length."""
+    if scenario.length_m is None:
+        yield from (replace(scenario, length_m=length_m) for length_m in _FIRST_LENGTHS_M)
+        return
+    for share in (0.125, 0.25, 0.5, 0.75, 0.9):
+        length_m = float(math.floor(scenario.length_m * share))
+        if length_m >= _MIN_LENGTH_M:
+            yield replace(scenario, length_m=length_m)
+
+
+def smaller_rig(scenario: Scenario) -> Iterator[Scenario]:
+    """Use one wide camera in the middle of the body, and then smaller images."""
+    rig = scenario.rig
+    plain = RigConfig(next(iter(RIGS)), rig.width, rig.height, rig.hfov_deg)
+    if plain != rig:
+        yield replace(scenario, rig=plain)
+    if rig.width * rig.height > _SMALL_PX[0] * _SMALL_PX[1]:
+        yield replace(scenario, rig=replace(rig, width=_SMALL_PX[0], height=_SMALL_PX[1]))
+
+
+STEPS: dict[str, Step] = {
+    "drop storeys": _on_house(house_steps.fewer_storeys),
+    "drop rooms": _on_house(house_steps.fewer_rooms),
+    "drop faults": fewer_faults,
+    "drop drift": no_drift,
+    "plain motion": plain_motion,
+    "shorten the tour": shorter_tour,
+    "drop furniture": _on_house(house_steps.less_furniture),
+    "close openings": _on_house(house_steps.fewer_openings),
+    "drop windows": _on_house(house_steps.fewer_windows),
+    "rectangular rooms": _on_house(house_steps.rectangular),
+    "smaller rooms": _on_house(house_steps.cropped),
+    "move walls together": _on_house(house_steps.narrower),
+    "simpler openings": _on_house(house_steps.simpler_openings),
+    "simplest labels": _on_house(house_steps.simpler_labels),
+    "daylight": _on_house(house_steps.plain_appearance),
+    "smaller rig": smaller_rig,
+}
+"""All steps by name, in the order in which the reducer tries them: those that remove most come first."""
+
+
+def difference(before: Scenario, after: Scenario) -> str:
+    """In words, what distinguishes the second scenario from the first; "nothing" if they are equal."""
+    said = [*_house_differences(_listed(before), _listed(after))]
+    for each in fields(Scenario):
+        old, new = getattr(before, each.name), getattr(after, each.name)
+        if each.name == "faults" and old != new:
+            said.append(f"faults: {_names(old)} -> {_names(new)}")
+        elif each.name == "rig" and old != new:
+            said.append(f"rig: {old.name} {old.width}x{old.height} -> {new.name} {new.width}x{new.height}")
+        elif each.name != "house" and old != new:
+            said.append(f"{each.name}: {old} -> {new}")
+    return "; ".join(said) or "nothing"
+
+
+def _names(faults: tuple[object, ...]) -> str:
+    return ", ".join(getattr(fault, "name", "") for fault in faults) or "none"
+
+
+def _house_differences(before: HouseSpec, after: HouseSpec) -> Iterator[str]:
+    old, new = ({room.id: room for storey in spec.storeys for room in storey.rooms} for spec in (before, after))
+    if gone := [f"{old[key].label} {key!r}" for key in old if key not in new]:
+        yield f"without {', '.join(gone)}"
+    both = [key for key in old if key in new]
+    if moved := [f"{key!r}" for key in both if old[key].polygon_m != new[key].polygon_m]:
+        yield f"other shape of {', '.join(moved)}"
+    yield from (f"{key!r}: {old[key].label} -> {new[key].label}" for key in both if old[key].label != new[key].label)
+    yield from _opening_differences(before, after, set(both), bool(moved))
+    for name in ("furniture", "windows"):
+        counts = [sum(len(getattr(s, name) or ()) for s in spec.storeys) for spec in (before, after)]
+        if counts[0] != counts[1]:
+            yield f"{name}: {counts[0]} -> {counts[1]}"
+    if before.appearance != after.appearance:
+        yield f"appearance: {_look(before.appearance)} -> {_look(after.appearance)}"
+
+
+def _opening_differences(before: HouseSpec, after: HouseSpec, rooms: set[str], moved: bool) -> Iterator[str]:
+    """The openings between rooms of both houses that only one of them has. Positions do not count if walls have moved."""
+    listed = []
+    for spec in (before, after):
+        openings = [o for storey in spec.storeys for o in storey.openings if set(o.rooms) <= rooms]
+        listed.append({(o.rooms, o.kind, o.leaf is not None, () if moved else (o.start_m, o.end_m)) for o in openings})
+    for sign, keys in (("without", listed[0] - listed[1]), ("with", listed[1] - listed[0])):
+        for (a, b), kind, leaf, _ in sorted(keys):
+            yield f"{sign} the opening {a!r} - {b!r} ({kind}{' with a leaf' if leaf else ''})"
+
+
+def _look(appearance: AppearanceSpec) -> str:
+    return f"{appearance.light}, {appearance.texture}"

@@ -1,0 +1,177 @@
+"""The reducer: planted bugs are shrunk and blamed; deadline, interruption, memory and signatures are kept."""
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from helpers.planted import DriftBug, FloorBug, OpenPlanBug, Planted, planted
+
+from sim.errors import SimError
+from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce
+from sim.harness.reducer import is_valid
+from sim.harness.reductions import STEPS, size, with_listed_house
+from worlds.presets import sample_from_rooms
+
+LABELS = ("kitchen", "living room", "bedroom", "dining room")
+FLAT = Scenario(
+    house=sample_from_rooms(LABELS, seed=4, openness=0.6), seed=5, frame_rate_hz=2.0, fidelity="features", encoder="oracle"
+)
+TALL = replace(FLAT, house=sample_from_rooms(LABELS, seed=4, storeys=2), odometry="degraded")
+BUGS = {
+    "open plan": (FLAT, "labels.accuracy < 0.9", OpenPlanBug, {"openness 0"}),
+    "floors": (TALL, "floors.accuracy < 0.9", FloorBug, set()),
+    "drift": (TALL, "trajectory.ate_m > 0.02", DriftBug, {"perfect odometry"}),
+}
+
+
+@cache
+def shrunk(name):
+    scenario, claim, kind, _ = BUGS[name]
+    test = FailureTest(Claim.parse(claim), planted(kind))
+    return reduce(scenario, test, deadline_s=1e9), test
+
+
+@pytest.mark.parametrize("name", ["open plan", "drift", pytest.param("floors", marks=pytest.mark.slow)])
+def test_a_planted_bug_is_shrunk_and_blamed(name):
+    reduction, test = shrunk(name)
+    after = size(reduction.scenario)
+    stairs = 2 if name == "floors" else 0
+    assert after.rooms <= 3 + stairs and after.length_m <= 20.0 and after.furniture == 0
+    assert after.storeys == (2 if name == "floors" else 1)
+    assert after.drift == (name == "drift")
+    assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(
+        "claim", str(test.claim)
+    )
+    assert set(blame(reduction.scenario, test).named("mends")) == BUGS[name][3]
+
+
+def test_accepted_scenarios_shrink_all_the_way_and_are_valid():
+    reduction, _ = shrunk("open plan")
+    sizes = [size(reduction.original), *(size(change.scenario) for change in reduction.accepted)]
+    assert sizes == sorted(sizes, reverse=True) and len(set(sizes)) == len(sizes)
+    assert is_valid(reduction.scenario) and reduction.accepted[-1].scenario == reduction.scenario
+    assert any(change.step == "simpler openings" for change in reduction.passing)
+
+
+class Counted:
+    """Fails where the scenario has a kitchen; counts the runs, and moves a clock by a second for each."""
+
+    def __init__(self, stop_at=None):
+        self.hashes, self.stop_at = [], stop_at
+
+    def __call__(self, scenario):
+        self.hashes.append(scenario.content_hash)
+        if len(self.hashes) == self.stop_at:
+            raise KeyboardInterrupt
+        kitchen = "kitchen" in scenario.house.room_labels
+        return Signature("claim", "a kitchen") if kitchen else None
+
+    def clock(self):
+        return float(len(self.hashes))
+
+
+def test_nothing_is_run_twice_and_the_order_is_the_same():
+    first, second = Counted(), Counted()
+    a, b = reduce(FLAT, first), reduce(FLAT, second)
+    assert len(set(first.hashes)) == len(first.hashes) and first.hashes == second.hashes
+    assert a.scenario == b.scenario and size(a.scenario).rooms == 1
+
+
+@pytest.mark.parametrize(("deadline_s", "runs"), [(1.0, 1), (4.0, 4), (8.0, 8)])
+def test_the_best_so_far_is_kept_when_time_is_up(deadline_s, runs):
+    fails = Counted()
+    reduction = reduce(FLAT, fails, deadline_s, clock=fails.clock)
+    assert reduction.ended == "deadline" and len(fails.hashes) == runs
+    assert fails(reduction.scenario) is not None and size(reduction.scenario) <= size(reduction.original)
+
+
+def test_the_best_so_far_is_kept_on_interruption():
+    fails = Counted(stop_at=6)
+    reduction = reduce(FLAT, fails)
+    assert reduction.ended == "interrupted" and len(reduction.accepted) >= 1
+    assert size(reduction.scenario) < size(reduction.original) and "interrupted" in reduction.note
+
+
+def test_a_failure_with_another_signature_and_an_exception_do_not_count():
+    def fails(scenario):
+        if len(scenario.house.storeys[0].rooms) < 4:
+            raise ZeroDivisionError
+        return Signature("claim", "one" if scenario.odometry != "perfect" else "another")
+
+    reduction = reduce(FLAT, fails)
+    assert size(reduction.scenario).rooms == 4 and reduction.scenario.odometry == FLAT.odometry
+
+
+def _unreachable(spec):
+    return spec.model_copy(update={"storeys": tuple(s.model_copy(update={"openings": ()}) for s in spec.storeys)})
+
+
+def test_invalid_houses_are_never_run():
+    seen = []
+
+    def fails(scenario):
+        seen.append(scenario)
+        return Signature("claim", "always")
+
+    steps = {"broken": lambda scenario: iter([replace(scenario, house=_unreachable(scenario.house), odometry="perfect")])}
+    reduction = reduce(FLAT, fails, steps=steps)
+    assert len(seen) == 1 and reduction.tried == 1
+
+
+def test_a_scenario_that_does_not_fail_is_refused():
+    with pytest.raises(SimError, match="does not fail; valid: a scenario of which the failure is true"):
+        reduce(FLAT, lambda scenario: None)
+
+
+def test_steps_can_be_left_out():
+    steps = {name: step for name, step in STEPS.items() if name != "drop drift"}
+    kept = reduce(FLAT, lambda scenario: Signature("claim", "always"), steps=steps)
+    assert kept.scenario.odometry == FLAT.odometry and size(kept.scenario).rooms == 1
+
+
+def on(fidelities, needs=lambda scenario: True):
+    """Fails on these fidelities, if `needs` is true of scenarios with images."""
+
+    def fails(scenario):
+        wrong = scenario.fidelity in fidelities and (scenario.fidelity == "features" or needs(scenario))
+        return Signature("claim", "always") if wrong else None
+
+    return fails
+
+
+RENDERED = replace(FLAT, fidelity="render", encoder="mini")
+
+
+def test_a_failure_with_images_is_searched_on_features_and_confirmed():
+    reduction = reduce(RENDERED, on({"features", "render"}))
+    assert reduction.searched_on == "features" and reduction.confirmed and reduction.scenario.fidelity == "render"
+    assert size(reduction.scenario).rooms == 1
+
+
+def test_where_images_need_more_the_search_walks_back_up():
+    reduction = reduce(RENDERED, on({"features", "render"}, lambda s: len(s.house.storeys[0].rooms) >= 3))
+    assert reduction.confirmed and reduction.scenario.fidelity == "render" and size(reduction.scenario).rooms == 3
+
+
+def test_a_failure_of_images_alone_is_searched_on_images():
+    reduction = reduce(RENDERED, on({"render"}))
+    assert reduction.searched_on == "render" and size(reduction.scenario).rooms == 1
+    assert "because the failure does not exist on feature fidelity" in reduction.note
+
+
+def test_what_could_not_be_confirmed_in_time_is_said():
+    fails = Counted()
+    reduction = reduce(RENDERED, fails, 6.0, clock=fails.clock)
+    assert reduction.ended == "deadline" and size(reduction.scenario) < size(reduction.original)
+    assert reduction.confirmed == (reduction.scenario.fidelity == "render")
+
+
+def test_an_exception_of_the_slam_is_a_failure_too():
+    class Crashes(Planted):
+        def process(self, observation):
+            raise ZeroDivisionError
+
+    test = FailureTest.parse("crash", planted(Crashes))
+    scenario = with_listed_house(FLAT)
+    assert test(scenario) == Signature("exception", "ZeroDivisionError")
+    assert FailureTest.parse("crash", planted(Planted))(scenario) is None

@@ -1,0 +1,107 @@
+"""Steps of the reducer: every result is smaller, leaves alone what it does not remove, and can be written and read."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.errors import SimError
+from sim.faults.delivery import Dropped
+from sim.harness import Scenario
+from sim.harness import house_reductions as steps
+from sim.harness.reductions import STEPS, difference, size, with_listed_house
+from sim.harness.walk import walk
+from sim.render.rig import RigConfig
+from worlds.presets import sample_from_rooms, sample_house
+from worlds.spec import HouseSpec
+from worlds.strategies import houses
+
+RICH = Scenario(
+    house=sample_house("home", 7),
+    length_m=100.0,
+    tour_kind="both ways",
+    sway="hand-held",
+    odometry="mono",
+    overconfidence=4.0,
+    faults=(Dropped(0.1), Dropped(0.2)),
+    rig=RigConfig("stereo", lever_arm_m=(0.1, 0.0, 0.0)),
+    fidelity="features",
+)
+LISTED = with_listed_house(RICH)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_every_candidate_is_smaller_and_can_be_saved(name):
+    for candidate in list(STEPS[name](LISTED))[:12]:
+        assert size(candidate) < size(LISTED)
+        assert HouseSpec.from_json(candidate.house.to_json()).room_labels
+        assert difference(LISTED, candidate) != "nothing"
+
+
+def test_every_step_has_something_to_do_in_a_rich_scenario():
+    idle = {name for name, step in STEPS.items() if not any(step(LISTED))}
+    # This house has neither L-shaped rooms nor evening light, and all its rooms are furnished.
+    assert idle <= {"rectangular rooms", "daylight", "simplest labels"}
+
+
+@settings(max_examples=15)
+@given(houses(max_rooms=6), st.sampled_from(sorted(STEPS)))
+def test_steps_make_any_house_smaller(spec, name):
+    scenario = with_listed_house(Scenario(house=spec, fidelity="features"))
+    assert all(size(candidate) < size(scenario) for candidate in STEPS[name](scenario))
+
+
+@pytest.mark.parametrize("step", [steps.fewer_storeys, steps.fewer_rooms, steps.less_furniture, steps.fewer_openings])
+def test_what_remains_keeps_its_shape(step):
+    rooms = {room.id: room for storey in LISTED.house.storeys for room in storey.rooms}
+    pieces = {piece.id: piece for storey in LISTED.house.storeys for piece in storey.furniture}
+    openings = {o.model_copy(update={"leads": None}) for storey in LISTED.house.storeys for o in storey.openings}
+    for house in list(step(LISTED.house))[:10]:
+        for storey in house.storeys:
+            assert all(room == rooms[room.id] for room in storey.rooms)
+            assert all(piece == pieces[piece.id] for piece in storey.furniture)
+            assert {o.model_copy(update={"leads": None}) for o in storey.openings} <= openings
+
+
+def test_parts_cover_everything_down_to_single_items():
+    items = list(range(7))
+    left = list(steps.without_parts(items))
+    assert left[0] == [] and left[-7:] == [[k for k in items if k != gone] for gone in items]
+    assert list(steps.without_parts([])) == [] and list(steps.without_parts([1])) == [[]]
+
+
+def test_all_rooms_kept_is_the_same_house():
+    ids = {room.id for storey in LISTED.house.storeys for room in storey.rooms}
+    assert steps.keep_rooms(LISTED.house, ids) == LISTED.house
+    assert steps.keep_rooms(LISTED.house, set()) is None
+
+
+def test_moving_walls_together_keeps_the_topology():
+    for house in steps.narrower(LISTED.house):
+        for old, new in zip(LISTED.house.storeys, house.storeys, strict=True):
+            assert [o.rooms for o in old.openings] == [o.rooms for o in new.openings]
+            doors = [(a.width_m, b.width_m) for a, b in zip(old.openings, new.openings, strict=True) if a.kind != "open"]
+            assert all(math.isclose(a, b, abs_tol=2e-3) for a, b in doors)
+
+
+def test_a_listed_house_gives_the_same_walk():
+    scenario = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), length_m=15.0, fidelity="features")
+    listed = with_listed_house(scenario)
+    assert (walk(scenario).tour.T_W_B == walk(listed).tour.T_W_B).all()
+    assert with_listed_house(listed) == listed
+
+
+def test_the_size_of_a_house_that_is_not_listed_is_not_known():
+    with pytest.raises(SimError, match="does not list everything; valid: the result of with_listed_house"):
+        size(RICH)
+
+
+def test_differences_name_what_changed():
+    assert difference(LISTED, LISTED) == "nothing"
+    assert difference(LISTED, replace(LISTED, odometry="perfect")) == "odometry: mono -> perfect"
+    room = LISTED.house.storeys[-1].rooms[0]
+    ids = {r.id for storey in LISTED.house.storeys for r in storey.rooms} - {room.id}
+    said = difference(LISTED, replace(LISTED, house=steps.keep_rooms(LISTED.house, ids)))
+    assert f"without {room.label} {room.id!r}" in said
