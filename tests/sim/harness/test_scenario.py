@@ -102,3 +102,10 @@ def test_a_bad_file_is_named(tmp_path):
     file.write_text("{")
     with pytest.raises(SimError, match=r"scenario\.json: cannot be used: is not JSON"):
         Scenario.load(file)
+
+
+def test_the_hash_stays_the_same_in_a_file(tmp_path):
+    scenario = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), frame_rate_hz=4, length_m=15)
+    scenario.save(tmp_path / "scenario.json")
+    assert Scenario.load(tmp_path / "scenario.json").content_hash == scenario.content_hash
+    assert replace(scenario, frame_rate_hz=4.0).content_hash == scenario.content_hash
