@@ -334,13 +334,16 @@ def pytest_runtest_makereport(
 
 def _failure(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> _Failure:
     """The failure with the last line of the user's code that led to it."""
-    project = item.config.rootpath
-    own = [entry for entry in error.traceback if Path(entry.path).is_relative_to(project)]
+    own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
     where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"
     lines = error.exconly(tryshort=True).splitlines()
     said = next((k for k, line in enumerate(lines) if line.lstrip().startswith("+")), len(lines))
     return _Failure(error.typename, where, " ".join(str(entry.statement).split()), "\n".join(lines[:said]))
+
+
+def _is_own(path: Path, project: Path) -> bool:
+    return path.is_relative_to(project) and "site-packages" not in path.parts
 
 
 def _explain(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt, report: pytest.TestReport) -> None:

@@ -28,7 +28,7 @@ def test_replay():
     places = [*HERE.parents, Path.cwd(), *Path.cwd().parents]
     top = next((place for place in places if (place / TEST_FILE).exists()), None)
     assert top is not None, f"{{TEST_FILE}} is not found from {{HERE}}; valid: a place below the folder that holds the file"
-    command = [sys.executable, "-m", "pytest", TEST, *OPTIONS, "--lexis-replay", str(HERE)]
+    command = [sys.executable, "-m", "pytest", TEST, *OPTIONS, "--lexis-replay", str(HERE), "--lexis-out", str(HERE.parent)]
     done = subprocess.run(command, cwd=top, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 '''

