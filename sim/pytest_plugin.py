@@ -33,7 +33,7 @@ from sim.harness.world_tests import (
 )
 
 if TYPE_CHECKING:
-    from sim.harness.failure_folder import FinishedRun
+    from sim.harness.failed_test import FinishedRun
     from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
     from sim.harness.slam_under_test import SlamUnderTest
@@ -247,7 +247,7 @@ def slam(scenario: "Scenario") -> "SlamUnderTest":
 @pytest.fixture
 def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTest") -> "RunResult":
     """The result of running the SLAM on the scenario."""
-    from sim.harness.failure_folder import FinishedRun
+    from sim.harness.failed_test import FinishedRun
     from sim.harness.figures import evaluate
     from sim.harness.planning import try_plans
     from sim.harness.runner import run as run_scenario
@@ -371,24 +371,22 @@ def _wants_to_shrink(config: pytest.Config) -> bool:
 def _shrunk(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt) -> _Attempt:
     """The same failure in the smallest scenario that the reducer finds."""
     reduce = import_module("sim.harness.reducer").reduce
-    last = attempt
+    signature, last = _signature(attempt), attempt
 
-    def fails(candidate: "Scenario") -> bool:
+    def fails(candidate: "Scenario") -> str | None:
         nonlocal last
         _, tried = _attempt(item, nextitem, _Chosen(candidate))
-        if not _same(tried, attempt):
-            return False
-        last = tried
-        return True
+        if _signature(tried) == signature:
+            last = tried
+        return _signature(tried)
 
-    smallest = reduce(attempt.scenario, fails)
-    return last if last.scenario == smallest or fails(smallest) else attempt
+    smallest = reduce(attempt.scenario, fails).scenario
+    return last if last.scenario == smallest or fails(smallest) == signature else attempt
 
 
-def _same(one: _Attempt, other: _Attempt) -> bool:
-    """Whether two executions failed with the same exception in the same line."""
-    failures = (one.failure, other.failure)
-    return None not in failures and len({(each.kind, each.where) for each in failures if each is not None}) == 1
+def _signature(attempt: _Attempt) -> str | None:
+    """What a failure is recognised by while its scenario becomes smaller: the exception and the line that raised it."""
+    return None if attempt.failure is None else f"{attempt.failure.kind} at {attempt.failure.where}"
 
 
 def _text(item: pytest.Item, attempt: _Attempt, original: "Scenario | None", note: str) -> str:
@@ -421,13 +419,13 @@ def _first_wrong(attempt: _Attempt, scenario: "Scenario") -> str:
 
 def _folder(item: pytest.Item, attempt: _Attempt, scenario: "Scenario", original: "Scenario | None") -> Path:
     """Write the folder of a failure, unless it is the folder that is being replayed."""
-    from sim.harness.failure_folder import folder_of_failure, write_failure
+    from sim.harness.failed_test import folder_of, write_failed_test
 
-    folder = folder_of_failure(_out(item.config), _name(item), scenario)
+    folder = folder_of(_out(item.config), _name(item), scenario)
     replayed = attempt.world.file.parent if isinstance(attempt.world, StoredWorld) else None
     if replayed is not None and replayed.name == folder.name:
         return replayed
-    write_failure(folder, _name(item), _plugin_options(item.config), scenario, attempt.finished, original)
+    write_failed_test(folder, _name(item), _plugin_options(item.config), scenario, attempt.finished, original)
     return folder
 
 

@@ -11,7 +11,7 @@ asks of a SLAM, `estimate` what the SLAM may claim, and `adapters` holds LEXIS a
 writes the folder of a run with its report, for which `report_data` prepares the data.
 
 `world_tests` holds the decorator `worlds` for tests in pytest, whose plugin is `sim.pytest_plugin`. `first_wrong` finds
-where in a run the SLAM first went wrong, and `failure_folder` writes what is needed to replay a failed test.
+where in a run the SLAM first went wrong, and `failed_test` writes what is needed to replay a failed test.
 """
 
 import lazy_loader

@@ -43,12 +43,12 @@ class FinishedRun:
     trials: Sequence[Trial]
 
 
-def folder_of_failure(out: Path, name: str, scenario: Scenario) -> Path:
+def folder_of(out: Path, name: str, scenario: Scenario) -> Path:
     """The folder for a failure of a test on a scenario: the same failure gets the same folder."""
     return out / f"{slug_of(name)}-{scenario.content_hash}"
 
 
-def write_failure(
+def write_failed_test(
     folder: Path,
     name: str,
     options: Sequence[str],
