@@ -12,7 +12,7 @@ builds a session from a `Scenario`, runs a SLAM on it and evaluates the result. 
 
 What uses a run: `robot` drives plans in MuJoCo, `report` shows a run in one HTML file, `record` writes it as a dataset,
 `bench` measures, `baselines` are other methods to compare with, `training` makes the shipped encoder, `feature_fitting` the
-model of the feature sensor, and `commands` is the command line.
+model of the feature sensor, `pytest_plugin` brings runs to pytest, and `commands` is the command line.
 
 Glossary:
 

@@ -16,13 +16,11 @@ from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes
 from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
+from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
+from worlds.preset_names import PRESETS as PRESETS
 from worlds.spec import HouseSpec, StoreySpec
 from worlds.valid_names import did_you_mean
 
-MAX_ROOMS_ASKED = 40
-MIN_ROOMS_ASKED = 2
-MAX_STOREYS_ASKED = 4
-PRESETS = ("home", "ori", "uh2-apt", "uh2-office", "apartment", "office", "clinic", "school", "random")
 _CIRCULATION = ("corridor", "entrance hall", "lobby")
 
 

@@ -12,6 +12,9 @@ writes the folder of a run with its report, for which `report_data` prepares the
 
 For a run that fails as `failure_signature` says, `reducer` finds the smallest scenario that fails in the same way, by the
 steps of `reductions` and `house_reductions`; `blame_table` finds what mends it, and `failure_folder` writes all of that.
+
+`world_tests` holds the decorator `worlds` for tests in pytest, whose plugin is `sim.pytest_plugin`. `first_wrong` finds
+where in a run the SLAM first went wrong, and `failed_test` writes what is needed to replay a failed test.
 """
 
 import lazy_loader

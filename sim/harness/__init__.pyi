@@ -20,3 +20,4 @@ from .runner import run as run
 from .scenario import Scenario as Scenario
 from .slam_under_test import SlamUnderTest as SlamUnderTest
 from .walk import Walk as Walk
+from .world_tests import worlds as worlds

@@ -26,15 +26,20 @@ def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path, t
     anything else or cannot be written.
     """
     with replaced_folder(out, MARKER) as folder:
-        (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
-        (folder / "house.json").write_text(run.house.spec.to_json())
-        run.scenario.save(folder / "scenario.json")
-        if run.estimate.T_W_B is not None:
-            write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)
-        write_tum(folder / "ground_truth.tum", run.stamps, run.true_poses)
-        write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
-        if isinstance(run.slam, SavesFiles):
-            run.slam.save(folder)
+        fill_run_folder(run, result, trials, folder)
         for name, text in texts.items():
             (folder / name).write_text(text)
-        write_report(folder / "report.html", report_data(run, result, trials))
+
+
+def fill_run_folder(run: Run, result: RunResult, trials: Sequence[Trial], folder: Path) -> None:
+    """Write the files of `write_run` into an existing folder."""
+    (folder / "result.json").write_text(json.dumps(result.data(), indent=1) + "\n")
+    (folder / "house.json").write_text(run.house.spec.to_json())
+    run.scenario.save(folder / "scenario.json")
+    if run.estimate.T_W_B is not None:
+        write_tum(folder / "trajectory.tum", run.stamps, run.estimate.T_W_B)
+    write_tum(folder / "ground_truth.tum", run.stamps, run.true_poses)
+    write_tum(folder / "odometry.tum", run.stamps, run.odometry_poses)
+    if isinstance(run.slam, SavesFiles):
+        run.slam.save(folder)
+    write_report(folder / "report.html", report_data(run, result, trials))

@@ -98,8 +98,9 @@ class Scenario(Settings, place="scenario", error=SimError):
 
     @property
     def content_hash(self) -> str:
-        """16 hexadecimal digits that differ where the scenarios differ."""
-        return hashlib.sha256(json.dumps(self.data(), sort_keys=True).encode()).hexdigest()[:16]
+        """16 hexadecimal digits that differ where the scenarios differ, and stay the same in a file."""
+        stored = scenario_of(json.loads(json.dumps(self.data())))  # 4 Hz and 4.0 Hz are the same
+        return hashlib.sha256(json.dumps(stored.data(), sort_keys=True).encode()).hexdigest()[:16]
 
     def save(self, path: Path) -> None:
         """Write the scenario as JSON. Raises `LexisError` where the file cannot be written."""

@@ -85,6 +85,8 @@ def run_command(words, folder):
 def run_python(path, folder):
     """Run a snippet as a reader would (a test with pytest, anything else as a program) and assert that it succeeds."""
     is_test = path.name.startswith("test_")
-    command = ["-m", "pytest", "-q", "-p", "no:cacheprovider", str(path)] if is_test else [str(path)]
+    # The plugin is loaded by its module, since the installed metadata may be older than its entry point.
+    plugin = ["-p", "no:lexis", "-p", "sim.pytest_plugin"]
+    command = ["-m", "pytest", "-q", *plugin, "-p", "no:cacheprovider", str(path)] if is_test else [str(path)]
     done = subprocess.run([sys.executable, *command], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, f"{path.read_text()}\n{done.stdout}{done.stderr}"

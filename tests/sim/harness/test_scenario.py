@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers.unchecked import unchecked
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -102,3 +103,10 @@ def test_a_bad_file_is_named(tmp_path):
     file.write_text("{")
     with pytest.raises(SimError, match=r"scenario\.json: cannot be used: is not JSON"):
         Scenario.load(file)
+
+
+def test_the_hash_stays_the_same_in_a_file(tmp_path):
+    scenario = unchecked(Scenario, length_m=15, frame_rate_hz=4)
+    scenario.save(tmp_path / "scenario.json")
+    again = Scenario.load(tmp_path / "scenario.json")
+    assert again == scenario and again.content_hash == scenario.content_hash

@@ -1,0 +1,232 @@
+"""`worlds`: the decorator that runs a test on fresh houses, and the draws of these houses.
+
+The pytest plugin (`sim.pytest_plugin`) reads what the decorator leaves on the test. This module loads nothing heavy: while
+pytest collects tests, houses are names and seeds, and they are built when a test runs.
+"""
+
+import hashlib
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args, runtime_checkable
+
+from sim.errors import SimError
+from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED, PRESETS
+from worlds.valid_names import did_you_mean
+
+if TYPE_CHECKING:
+    from sim.faults import Fault
+    from sim.harness.scenario import Scenario
+
+Tier = Literal["layout", "features", "render"]
+"""layout: the test looks at houses only. features and render: it looks at runs of that fidelity."""
+TIERS: tuple[Tier, ...] = get_args(Tier)
+ATTRIBUTE = "lexis_worlds"
+"""Attribute of a decorated test that holds its `WorldFamily`."""
+HOUSE_SEEDS = 1_000_000
+"""Fresh houses have seeds below this number; those from here up are reserved for acceptance."""
+MOST_WORLDS = 10_000
+SCENARIO = "scenario.json"
+"""File by which a folder is known to be that of a failure."""
+_NOT_IN_NAMES = re.compile(r"[^\w.]+")
+_LONGEST_NAME = 150
+_Test = TypeVar("_Test", bound=Callable[..., object])
+
+
+@runtime_checkable
+class World(Protocol):
+    """A scenario by name, which is built on demand."""
+
+    @property
+    def name(self) -> str:
+        """Short and stable name, the id of the test."""
+
+    def scenario(self) -> "Scenario":
+        """Build the scenario. Raises `SimError` or `worlds.WorldsError`."""
+
+
+@dataclass(frozen=True)
+class WorldFamily:
+    """What a test asks of its houses and runs: the arguments of `worlds`, which describes them."""
+
+    presets: tuple[str, ...]
+    openness: tuple[float, float] | None
+    storeys: int | None
+    max_rooms: int | None
+    n: int
+    fidelity: Tier
+    plans: bool
+    length_m: float | None
+    frame_rate_hz: float
+    odometry: str
+    encoder: str
+    faults: tuple["Fault", ...]
+
+    def draw(self, seed: int, index: int) -> "FreshWorld":
+        """Draw the world of this index; tests that ask for the same get the same worlds.
+
+        The draws are hashes of seed and index instead of a numpy Generator's, because collecting tests loads no numpy.
+        """
+
+        def share(what: str) -> float:
+            digest = hashlib.sha256(f"{seed}/{index}/{what}".encode()).digest()
+            return int.from_bytes(digest[:6], "big") / 2**48
+
+        openness, rooms = None, None
+        if self.openness is not None:
+            low, high = self.openness
+            openness = round(low + (high - low) * share("openness"), 3)
+        if self.max_rooms is not None:
+            fewest = min(self.max_rooms, max(3, 2 * (self.storeys or 1)))
+            rooms = fewest + math.floor((self.max_rooms - fewest + 1) * share("rooms"))
+        preset = self.presets[index % len(self.presets)]
+        return FreshWorld(self, index, preset, math.floor(HOUSE_SEEDS * share("house")), openness, rooms)
+
+
+@dataclass(frozen=True)
+class FreshWorld:
+    """A drawn house and the run that a test asks for in it."""
+
+    family: WorldFamily
+    index: int
+    preset: str
+    seed: int
+    openness: float | None
+    rooms: int | None
+
+    @property
+    def name(self) -> str:
+        """Preset and seed, such as "home-4711"."""
+        return f"{self.preset}-{self.seed}"
+
+    def scenario(self) -> "Scenario":
+        """Generate the house; the scenario contains it, so that a stored failure outlives changes to the generator."""
+        from sim.harness.parts import TOUR_LENGTH_M
+        from sim.harness.scenario import Scenario
+        from worlds.presets import sample_house
+
+        family = self.family
+        house = sample_house(self.preset, self.seed, openness=self.openness, rooms=self.rooms, storeys=family.storeys)
+        usual_m = TOUR_LENGTH_M.get(self.preset) if self.rooms is None else None
+        return Scenario(
+            house=house,
+            seed=self.seed,
+            length_m=family.length_m or usual_m,
+            frame_rate_hz=family.frame_rate_hz,
+            odometry=family.odometry,
+            fidelity="render" if family.fidelity == "render" else "features",
+            encoder=family.encoder,
+            faults=family.faults,
+        )
+
+
+@dataclass(frozen=True)
+class StoredWorld:
+    """A scenario in a file."""
+
+    file: Path
+    name: str
+
+    def scenario(self) -> "Scenario":
+        """Read the file."""
+        from sim.harness.scenario import Scenario
+
+        return Scenario.load(self.file)
+
+
+def slug_of(name: str) -> str:
+    """The part of a failure folder's name that says which test failed, from file and function of the test."""
+    return _NOT_IN_NAMES.sub("-", name.replace(".py::", "-"))[-_LONGEST_NAME:].strip("-.")
+
+
+def stored_failures(out: Path, name: str) -> list[StoredWorld]:
+    """The scenarios in the folders of earlier failures of a test, in the order of their names."""
+    pattern = re.compile(re.escape(slug_of(name)) + "-([0-9a-f]{16})")
+    folders = sorted(out.iterdir()) if out.is_dir() else []
+    matches = [(folder / SCENARIO, pattern.fullmatch(folder.name)) for folder in folders]
+    return [StoredWorld(file, f"failed-{match[1][:8]}") for file, match in matches if match and file.is_file()]
+
+
+def worlds(
+    *,
+    presets: Sequence[str] = ("home",),
+    openness: float | tuple[float, float] | None = None,
+    storeys: int | None = None,
+    max_rooms: int | None = None,
+    n: int = 10,
+    fidelity: Tier = "features",
+    plans: bool | None = None,
+    length_m: float | None = None,
+    frame_rate_hz: float = 10.0,
+    odometry: str = "multicam",
+    encoder: str = "mini",
+    faults: Sequence["Fault"] = (),
+) -> Callable[[_Test], _Test]:
+    """Run the decorated test on fresh houses, which `--lexis-seed` decides; the test takes the fixture `run` or `house`.
+
+    Args:
+        presets: families of houses, taken in turn.
+        openness: share of the inner walls that is open, or the two ends of a range to draw it from; None: as the preset
+            draws it.
+        storeys: number of storeys; None: as the preset draws it.
+        max_rooms: greatest number of rooms, to which corridors, halls and stairs are added; None: as the preset draws it.
+        n: number of houses.
+        fidelity: "features" and "render" say what the SLAM gets (see `Scenario.fidelity`); with "layout" no SLAM runs.
+        plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
+        length_m: requested length of the tour [m]; None: the length that is usual for the house.
+        frame_rate_hz: observations per second [Hz].
+        odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
+        encoder: the vision-language model; see `Scenario.encoder`.
+        faults: faults in the order in which they act; see `sim.faults`.
+
+    Raises:
+        SimError: an argument is not valid.
+    """
+    _check_names("presets", presets, PRESETS)
+    _check_names("fidelity", (fidelity,), TIERS)
+    _check_count("n", n, 1, MOST_WORLDS)
+    if storeys is not None:
+        _check_count("storeys", storeys, 1, MAX_STOREYS_ASKED)
+    if max_rooms is not None:
+        _check_count("max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
+    driven = fidelity == "render" if plans is None else plans
+    family = WorldFamily(
+        tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m, frame_rate_hz, odometry,
+        encoder, tuple(faults),
+    )  # fmt: skip
+
+    def decorate(test: _Test) -> _Test:
+        if isinstance(test, type) or not callable(test):
+            raise SimError(f"worlds: decorates {test!r:.60}; valid: a test function")
+        if hasattr(test, ATTRIBUTE):
+            raise SimError(f"worlds: {test.__name__} is decorated twice; valid: one @worlds with several presets")
+        setattr(test, ATTRIBUTE, family)
+        return test
+
+    return decorate
+
+
+def _check_names(argument: str, names: object, valid: Sequence[str]) -> None:
+    if isinstance(names, str) or not isinstance(names, Sequence) or not names:
+        raise SimError(f"worlds: {argument} is {names!r:.60}; valid: a tuple with some of {', '.join(valid)}")
+    for name in names:
+        if name not in valid:
+            guess = did_you_mean(str(name), valid)
+            raise SimError(f"worlds: unknown {argument} {name!r:.60}{guess}; valid: {', '.join(valid)}")
+
+
+def _check_count(argument: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise SimError(f"worlds: {argument} is {value!r:.60}; valid: a whole number from {least} to {most}")
+
+
+def _range(openness: object) -> tuple[float, float] | None:
+    if openness is None:
+        return None
+    ends = tuple(openness) if isinstance(openness, tuple | list) else (openness, openness)
+    match ends:
+        case (int() | float() as low, int() | float() as high) if 0.0 <= low <= high <= 1.0:
+            return float(low), float(high)
+    raise SimError(f"worlds: openness is {openness!r:.60}; valid: a number in [0, 1], or two of them in ascending order")

@@ -1,0 +1,80 @@
+"""The decorator `worlds`: its draws and its checks."""
+
+import pytest
+
+from sim.errors import SimError
+from sim.harness.world_tests import ATTRIBUTE, HOUSE_SEEDS, slug_of, worlds
+from worlds.house import build_house
+from worlds.labels import STAIRS
+from worlds.truth import openness
+
+
+def family(**arguments):
+    def test(run):
+        pass
+
+    return getattr(worlds(**arguments)(test), ATTRIBUTE)
+
+
+def test_draws_are_fixed_by_seed_and_index_and_stay_in_their_ranges():
+    asked = family(presets=("home", "office"), openness=(0.6, 1.0), max_rooms=6, storeys=2)
+    drawn = [asked.draw(7, index) for index in range(300)]
+    assert drawn == [asked.draw(7, index) for index in range(300)]
+    assert all(0 <= world.seed < HOUSE_SEEDS and 0.6 <= world.openness <= 1.0 for world in drawn)
+    assert {world.rooms for world in drawn} == {4, 5, 6}
+    assert [world.preset for world in drawn[:3]] == ["home", "office", "home"]
+    assert len({world.seed for world in drawn} | {asked.draw(8, index).seed for index in range(300)}) == 600
+
+
+def test_the_seeds_of_houses_do_not_depend_on_what_else_is_asked_for():
+    assert family().draw(7, 3).seed == family(openness=0.5, max_rooms=3, n=2).draw(7, 3).seed
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_a_house_is_what_was_asked_for(index):
+    world = family(openness=(0.3, 0.5), max_rooms=5, storeys=2, fidelity="layout").draw(1, index)
+    scenario = world.scenario()
+    house = build_house(scenario.house)
+    added = {STAIRS, "corridor", "entrance hall", "lobby"}
+    assert len(house.storeys) == 2
+    assert sum(room.label not in added for room in house.rooms) <= 5
+    assert openness(house) == pytest.approx(world.openness, abs=0.05)
+    assert scenario.seed == world.seed and world.name == f"home-{world.seed}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"presets": "home"}, "worlds: presets is 'home'; valid: a tuple with some of home, ori"),
+        ({"presets": ("hme",)}, r"worlds: unknown presets 'hme' \(did you mean 'home'\?\); valid: home, ori"),
+        ({"presets": ()}, r"worlds: presets is \(\); valid: a tuple"),
+        ({"openness": (0.9, 0.1)}, r"worlds: openness is \(0.9, 0.1\); valid: a number in \[0, 1\], or two"),
+        ({"openness": 1.5}, "worlds: openness is 1.5; valid"),
+        ({"storeys": 5}, "worlds: storeys is 5; valid: a whole number from 1 to 4"),
+        ({"storeys": 3, "max_rooms": 2}, "worlds: max_rooms is 2; valid: a whole number from 3 to 40"),
+        ({"n": 0}, "worlds: n is 0; valid: a whole number from 1 to 10000"),
+        ({"presets": ("ori", "cabin")}, "worlds: unknown presets .cabin.; valid: home, ori"),
+    ],
+)
+def test_wrong_arguments_are_refused_when_the_test_is_decorated(arguments, message):
+    with pytest.raises(SimError, match=message):
+        worlds(**arguments)
+
+
+def test_only_functions_are_decorated_and_once():
+    class TestNothing:
+        pass
+
+    def test(run):
+        pass
+
+    with pytest.raises(SimError, match="valid: a test function"):
+        worlds()(TestNothing)
+    with pytest.raises(SimError, match="test is decorated twice; valid: one @worlds"):
+        worlds()(worlds()(test))
+
+
+def test_names_of_folders_tell_tests_apart():
+    names = ("tests/test_a.py::test_x", "tests/test_b.py::test_x", "tests/test_a.py::TestA::test_x", "test_a.py::test_x")
+    assert len({slug_of(name) for name in names}) == 4
+    assert slug_of(names[2]) == "tests-test_a-TestA-test_x"

@@ -1,0 +1,267 @@
+"""The pytest plugin in pytest sessions of its own, with a SLAM that takes no time."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from helpers.documentation import ROOT
+
+pytest_plugins = ["pytester"]
+
+HEAVY = {"cv2", "gtsam", "hypothesis", "jaxtyping", "mujoco", "numpy", "open_clip", "scipy", "shapely", "torch"}
+SLAM = """
+import os
+
+import numpy as np
+import pytest
+from sim.harness import Estimate, worlds
+
+class Stub:
+    def start(self, camera, names):
+        self.frames, self.poses, self.label = [], [], names.index("kitchen")
+    def process(self, observation):
+        self.frames.append(observation.index)
+        self.poses.append(observation.T_O_B)
+    def finish(self):
+        return Estimate(np.array(self.frames), T_W_B=np.array(self.poses), labels=np.full(len(self.frames), self.label))
+
+class Lost(Stub):
+    def process(self, observation):
+        if observation.index == 20:
+            raise RuntimeError("lost")
+        super().process(observation)
+
+@pytest.fixture
+def slam():
+    return Stub()
+
+small = worlds(max_rooms=2, n=1, frame_rate_hz=2, encoder="oracle")
+"""
+FAILS = """
+class TestLost:
+    @pytest.fixture
+    def slam(self):
+        return Lost()
+
+    @small
+    def test_lost(self, run):
+        pass
+
+@small
+def test_passes(run):
+    assert run.planning.queries == 0
+
+@small
+def test_labels(run):
+    assert run.labels.accuracy > float(os.environ.get("LIMIT", 0.99))
+"""
+LAYOUT = """
+from sim.harness import worlds
+
+@worlds(presets=("home", "office"), openness=(0.2, 0.4), max_rooms=3, n=3, fidelity="layout")
+def test_house(scenario):
+    assert scenario.seed < 1_000_000
+"""
+
+
+LIGHT = """
+import types
+from sim.harness.world_tests import FreshWorld
+FreshWorld.scenario = lambda self: types.SimpleNamespace(seed=self.seed)
+"""
+"""A conftest for tests that look at names and seeds of houses only."""
+
+
+@pytest.fixture
+def inner(pytester, monkeypatch):
+    """Run pytest in a process of its own, in a folder of its own, with the plugin."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+
+    def run(*args, plugin=("-p", "no:lexis", "-p", "sim.pytest_plugin")):
+        return pytester.runpytest_subprocess(*plugin, "-p", "no:cacheprovider", "--strict-markers", *args)
+
+    return run
+
+
+def ids(result):
+    """The ids that `--collect-only -q` prints."""
+    return re.findall(r"^.*::(?:\w+)\[(.*)\]$", result.stdout.str(), re.MULTILINE)
+
+
+def test_importing_the_plugin_and_decorating_a_test_load_nothing_heavy():
+    code = "import sys, sim.pytest_plugin\nfrom sim.harness import worlds\nworlds()(lambda run: None)\nprint(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert HEAVY.isdisjoint(loaded)
+
+
+def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
+    pytester.makepyfile(test_slam=SLAM + FAILS)
+    result = inner("--no-lexis-shrink", "--junitxml=junit.xml", "--lexis-out", "kept")
+    result.assert_outcomes(passed=1, failed=1, errors=1)
+    result.stdout.fnmatch_lines(
+        [
+            "RuntimeError: lost",
+            '    test_slam.py:*: raise RuntimeError("lost")',
+            "first wrong: in * at 10.0 s: the SLAM raised in process()",
+            "folder: kept/test_slam-TestLost-test_lost-*",
+            "replay: pytest -p sim.pytest_plugin test_slam.py::TestLost::test_lost --lexis-replay kept/test_slam-*",
+        ],
+        consecutive=True,
+    )
+    result.stdout.fnmatch_lines(
+        [
+            "AssertionError: assert 0.* > 0.99",
+            "    test_slam.py:*: assert run.labels.accuracy > float(*",
+            "first wrong: in * at * s: labelled kitchen, is *",
+            "folder: kept/test_slam-test_labels-*",
+            "replay: pytest -p sim.pytest_plugin test_slam.py::test_labels --lexis-replay kept/test_slam-test_labels-*",
+        ],
+        consecutive=True,
+    )
+    result.stdout.no_fnmatch_line("*def test_labels*")
+    assert 'errors="1" failures="1"' in (pytester.path / "junit.xml").read_text()
+
+    folder, lost = sorted(pytester.path.glob("kept/*"), key=lambda path: "Lost" in path.name)
+    assert {"scenario.json", "result.json", "report.html", "test_replay.py"} <= {path.name for path in folder.iterdir()}
+    assert {path.name for path in lost.iterdir()} == {"scenario.json", "test_replay.py"}
+    claimed = json.loads((folder / "result.json").read_text())
+    assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
+
+    replay = str(folder / "test_replay.py")
+    inner(replay).stdout.fnmatch_lines([f"*assert {claimed['labels']['accuracy']} > 0.99", f"*folder: *kept/{folder.name}"])
+    monkeypatch.setenv("LIMIT", "0.0")
+    inner(replay).assert_outcomes(passed=1)
+    assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
+
+
+REDUCER = """
+import sys, types
+from dataclasses import replace
+
+def reduce(scenario, fails):
+    signature = fails(scenario)
+    shorter = replace(scenario, length_m=60.0)
+    assert fails(shorter) == signature != fails(replace(shorter, odometry="perfect")) != None
+    return types.SimpleNamespace(scenario=shorter)
+
+sys.modules["sim.harness.reducer"] = types.SimpleNamespace(reduce=reduce)
+"""
+DRIFTS = """
+@small
+def test_drift(run):
+    print("ran")
+    if run.odometry == "perfect":
+        raise ValueError("another failure")
+    assert run.labels.accuracy > 2.0
+"""
+
+
+def test_a_failure_is_stored_in_the_smallest_scenario_that_fails_in_the_same_way(pytester, inner):
+    pytester.makeconftest(REDUCER)
+    pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    result = inner()
+    result.assert_outcomes(failed=1)
+    assert result.stdout.str().count("ran\n") == 1
+    (folder,) = (pytester.path / ".lexis-failures").iterdir()
+    small, original = (json.loads((folder / f"{name}.json").read_text()) for name in ("scenario", "original"))
+    assert small["length_m"] == 60.0 and small | {"length_m": None} == original
+    assert json.loads((folder / "result.json").read_text())["scenario"] == folder.name[-16:]
+
+
+CLOCK = """
+import itertools, types
+import sim.pytest_plugin
+clock = itertools.count()
+sim.pytest_plugin.time = types.SimpleNamespace(monotonic=lambda: next(clock))
+"""
+COUNTED = """
+import os
+from pathlib import Path
+import pytest
+
+@pytest.fixture
+def slam(scenario):
+    with Path("seeds").open("a") as file:
+        file.write(f"{scenario.seed}\\n")
+
+@worlds(max_rooms=2, n=2)
+def test_counted(scenario, slam):
+    print("ran")
+    assert scenario.seed != int(os.environ.get("BAD", -1))
+"""
+
+
+def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, monkeypatch):
+    pytester.makeconftest(LIGHT + CLOCK)
+    pytester.makepyfile(test_slam=LAYOUT.partition("@")[0] + COUNTED)
+    inner("--lexis-budget", "8s").assert_outcomes(passed=2)
+    seeds = (pytester.path / "seeds").read_text().split()
+    assert len(seeds) == len(set(seeds)) == 2 * 4
+
+    monkeypatch.setenv("BAD", seeds[2])
+    result = inner("--lexis-budget", "8s", "--no-lexis-shrink")
+    result.assert_outcomes(passed=1, failed=1)
+    assert result.stdout.str().count("ran\n") == 1
+    assert f"assert {seeds[2]} != {seeds[2]}" in result.stdout.str()
+
+
+def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, inner):
+    pytester.makeconftest(LIGHT)
+    pytester.makepyfile(test_houses=LAYOUT)
+    result = inner("-p", "xdist", "-n", "2", "--lexis-profile", "lexis-nightly", "-v")
+    result.assert_outcomes(passed=3)
+    seed = re.search(r"--lexis-seed (\d+) \(lexis-nightly\)", result.stdout.str())[1]
+    ran = set(re.findall(r"PASSED test_houses.py::test_house\[(.*?)\]", result.stdout.str()))
+    assert ran == set(ids(inner("--collect-only", "-q", "--lexis-seed", seed)))
+
+
+def test_the_nightly_profile_replays_stored_failures_of_the_same_test_first(pytester, inner):
+    pytester.makepyfile(test_houses=LAYOUT)
+    for name in ("test_houses-test_house", "test_houses-test_house_2", "other-test_house"):
+        folder = pytester.path / ".lexis-failures" / f"{name}-0123456789abcdef"
+        folder.mkdir(parents=True)
+        (folder / "scenario.json").write_text("{}")
+    nightly = ids(inner("--collect-only", "-q", "--lexis-profile", "lexis-nightly", "--lexis-seed", "3"))
+    usual = ids(inner("--collect-only", "-q", "--lexis-seed", "3"))
+    assert nightly == ["failed-01234567", *usual] and len(usual) == 3
+    assert ids(inner("--collect-only", "-q", "-m", "not layout")) == []
+
+
+def test_wrong_options_and_tests_are_told_in_one_line(pytester, inner):
+    pytester.makepyfile(test_houses=LAYOUT)
+    for option, value, message in (
+        ("--lexis-budget", "5 m", "'5 m' is no time; valid: a number with s, m or h, such as 5m"),
+        (
+            "--lexis-replay",
+            "gone",
+            "--lexis-replay: *gone does not exist; valid: a scenario file or the folder of a failure",
+        ),
+    ):
+        result = inner(f"{option}={value}")
+        assert result.ret == pytest.ExitCode.USAGE_ERROR
+        result.stderr.fnmatch_lines([f"*{message}"])
+    pytester.makepyfile(test_houses=LAYOUT.replace("(scenario)", "()"))
+    inner().stdout.fnmatch_lines(["*test_house is decorated with @worlds and takes no house; valid: *"])
+    pytester.makepyfile(test_houses="def test_plain(run):\n    pass\n")
+    inner().stdout.fnmatch_lines(["*test_plain: the test has no houses; valid: a test that is decorated with @worlds*"])
+
+
+def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester, inner, monkeypatch):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    ((name, module),) = project["entry-points"]["pytest11"].items()
+    folder = pytester.path / "trial-1.0.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: trial\nVersion: 1.0\n")
+    (folder / "entry_points.txt").write_text(f"[pytest11]\n{name} = {module}\n")
+    pytester.syspathinsert()
+    pytester.makepyfile(test_houses=LAYOUT)
+    monkeypatch.delenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD")
+    assert len(ids(inner("--collect-only", "-q", plugin=()))) == 3
+    pytester.makepyfile(test_houses="def test_plain():\n    pass\n")
+    result = inner("-p", "no:lexis", plugin=())
+    result.assert_outcomes(passed=1)
+    result.stdout.no_fnmatch_line("*lexis-seed*")

@@ -1,0 +1,6 @@
+"""Names of the presets and the ranges of what can be asked of them. This module loads nothing else."""
+
+MAX_ROOMS_ASKED = 40
+MIN_ROOMS_ASKED = 2
+MAX_STOREYS_ASKED = 4
+PRESETS = ("home", "ori", "uh2-apt", "uh2-office", "apartment", "office", "clinic", "school", "random")
