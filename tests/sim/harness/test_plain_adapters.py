@@ -61,7 +61,7 @@ def test_geometric_rooms_claims_rooms_and_floors_and_no_labels():
 
 def test_two_storeys_are_found_and_landings_belong_to_the_stairs(rng):
     flight = np.linspace(0.0, 1.35, 5)[1:-1]
-    truth = [0.0] * 60 + [*flight, 1.35, 1.35, *(1.35 + flight)] + [2.7] * 50
+    truth = [0.0] * 60 + [*flight, *[1.35] * 4, *(1.35 + flight)] + [2.7] * 50
     floors = floors_by_height(np.array(truth) + 1.4 + rng.uniform(-0.05, 0.05, len(truth)))
     assert (floors[:59] == 0).all() and (floors[-49:] == 1).all()
     assert (floors[60:-50] == STAIRS).all()
