@@ -30,7 +30,7 @@ _CAPTION_PX = 26
 _EYE_M = 1.5
 _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
-"""Pixels nearer than this reduce the score of a view."""
+"""Least distance of pixels that do not reduce the score of a view [m]."""
 _MOST_SHARE = 0.06
 """Largest share of the image that one object is scored for, because several objects tell more than one large object."""
 _PITCH_RAD = math.radians(12.0)

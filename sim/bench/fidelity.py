@@ -32,7 +32,7 @@ from worlds.spec import HouseSpec
 FIGURES = ("accuracy", "baseline", "pq")
 """The figures that are compared: fields of `HousePair`."""
 _FRAME_RATE_HZ = 1.3
-"""Gives one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
+"""Frames per second [Hz]: one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
 _SPEED_FRAMES, _WARM_UP = 2000, 100
 _IMAGE_PX = (480, 360)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))

@@ -32,7 +32,7 @@ from worlds.house import build_house
 from worlds.walkable import Walkable
 
 _FRAME_RATE_HZ = 3.5
-"""One frame every 0.2 m. This is dense enough for keyframes and for the frames that support them."""
+"""Frames per second [Hz]: one frame every 0.2 m, which is enough for keyframes and the frames that support them."""
 _OTHERS = 4
 """Number of nearby keyframes that are verified per query, in addition to LEXIS's candidates."""
 _OTHERS_M = 4.0

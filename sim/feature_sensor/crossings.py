@@ -9,9 +9,9 @@ from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
-"""A block that is nearer than this is ignored, because the camera is inside it."""
+"""Least depth of a block [m]. A nearer block is ignored, because the camera is inside it."""
 FAR_M = np.float32(200.0)
-"""Depth that stands for no hit."""
+"""Depth that stands for no hit [m]."""
 
 
 @dataclass(frozen=True, eq=False)

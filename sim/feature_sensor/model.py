@@ -48,7 +48,7 @@ _LAYOUT: Layout = {
     **_edges("false_edges"),
 }
 _MOST = 1e6
-"""Largest valid parameter of embeddings and errors. Those of real models are below 100."""
+"""Largest valid parameter of embeddings and errors. Real models have parameters below 100."""
 _SAME = 0.999
 """Least cosine between two fingerprints of one encoder, because rounding differs between machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")

@@ -27,7 +27,7 @@ class Claim:
 
     @staticmethod
     def parse(text: str) -> "Claim":
-        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for another form."""
+        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for text of another form."""
         if (match := _FORM.fullmatch(text)) is None:
             raise SimError(f"claim {text!r:.80} is not understood; valid: a figure, < <= > >= == or !=, and a number")
         try:
@@ -57,7 +57,7 @@ class Claim:
 
     @property
     def opposite(self) -> "Claim":
-        """The claim that holds where this one fails."""
+        """The opposite claim, which holds if this claim fails."""
         pairs = (("<", ">="), (">", "<="), ("==", "!="))
         other = dict(pairs) | {b: a for a, b in pairs}
         return Claim(self.figure, other[self.comparison], self.limit)

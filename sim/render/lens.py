@@ -18,9 +18,9 @@ _ITERATIONS = 30
 _RESIDUAL = 1e-9
 """Largest error of the inverted distortion, on the image plane at distance 1."""
 _MARGIN_PX = 2
-"""Margin of the pinhole image beyond the outermost point that is looked up, for interpolation."""
+"""Margin of the pinhole image beyond the outermost point that is looked up [px], for interpolation."""
 _WIDEST = 4
-"""The pinhole that is rendered has at most this many times the width and height of the image."""
+"""Largest width and height of the rendered pinhole image, as multiples of those of the distorted image."""
 _STEPS = 50
 """Number of points between the centre and the border at which the distortion is tested for folds."""
 

@@ -23,7 +23,7 @@ from worlds.parts import Vector
 from worlds.valid_names import did_you_mean
 
 STEREO_BASELINE_M = 0.11
-"""Baseline of the paper's Alphasense and of EuRoC's stereo camera."""
+"""Baseline of the paper's Alphasense and of EuRoC's stereo camera [m]."""
 LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
@@ -47,7 +47,7 @@ class Rig:
 
     @property
     def size_px(self) -> tuple[int, int]:
-        """Width and height into which every image fits."""
+        """Width and height into which every image fits [px]."""
         images = [*(camera.intrinsics for camera in self.cameras.values()), *(eye.face for eye in self.fisheyes.values())]
         return max(image.width for image in images), max(image.height for image in images)
 

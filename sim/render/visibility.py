@@ -26,7 +26,7 @@ from worlds.walls import WALL_THICKNESS_M
 Cells = frozenset[int]
 """Indices into `House.rooms`. The index `len(House.rooms)` is the cell of everything outdoors."""
 _MARGIN_M = 0.1
-"""Margin by which openings are enlarged."""
+"""Margin by which openings are enlarged [m]."""
 _TOLERANCE_M = 0.01
 """Least depth to which an object must reach into a cell to count as inside that cell [m]."""
 

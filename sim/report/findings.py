@@ -13,7 +13,7 @@ from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
-"""Share of the walk from which on the map counts as complete, so that the report does not mention uncovered parts."""
+"""Least covered share of the walk at which the map counts as complete; the report then mentions no uncovered parts."""
 _STRETCHES_M = (8.0, 24.0)
 """Lengths of path over which the relative pose error is reported [m]; the same as in result.json."""
 

@@ -25,7 +25,7 @@ from worlds.walkable import Walkable, polyline_length
 SMOOTHED = 0.95
 """Typical length of a smooth path as a share of its length over the graph."""
 _SCATTER_M = 0.25
-"""Repeated visits pass within this distance of a stop, so that revisits do not have the very same viewpoint."""
+"""Largest distance of a repeated visit from its stop [m]. It is above 0, so that revisits have other viewpoints."""
 _CIRCUIT_M = 40.0
 """Default length of one lap of a `loop` tour [m]."""
 _PLACES = 48
@@ -36,7 +36,7 @@ _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
 """Least length of a lap that is repeated [m]; to repeat a shorter lap would be to walk on the spot."""
 _NEAR_ENOUGH_M = 0.15
-"""Detours whose lengths differ by less than this from the best one count as equally good."""
+"""Largest difference in length between the best detour and detours that count as equally good [m]."""
 _DRAWN = 0.3
 """Clearance [m] that a detour may lose for each metre that it is nearer to the next stop of the tour."""
 

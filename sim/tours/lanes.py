@@ -8,7 +8,7 @@ from jaxtyping import Float64, Int
 from worlds.walkable import Walkable
 
 _SHORTEST_M = 0.4
-"""Shorter free stretches of a lane are left out."""
+"""Least length of a free stretch of a lane; shorter ones are left out [m]."""
 
 
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:

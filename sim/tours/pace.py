@@ -16,7 +16,7 @@ from sim.tours.motion import DEGREE, Motion
 from sim.tours.sway import Sway
 
 _KNOT_S = 0.05
-"""Time between control points before stretching."""
+"""Time between control points before stretching [s]."""
 _TANGENTIAL, _LATERAL = 0.7, 0.7
 """Shares of the acceleration limit for changing speed and for turning. Both together keep it: 0.7² + 0.7² < 1."""
 _ROUNDS = 25
@@ -25,7 +25,7 @@ _SLOWER = 0.93
 _ROUNDING = 1e-9
 """Relative excess that counts as none."""
 _GAIT_S = 0.6
-"""Time over which the speed is averaged to scale the sway."""
+"""Time over which the speed is averaged to scale the sway [s]."""
 _DIGITS = 9
 """Decimals of the gait. Sums that BLAS computes differ between processors in their last bits."""
 
@@ -37,7 +37,7 @@ class Limits:
     speed_m_s: float = 0.7
     acceleration_m_s2: float = 1.5
     turn_rate_rad_s: float = 1.2
-    """Limit of the rate of yaw and pitch together."""
+    """Limit of the rate of yaw and pitch together [rad/s]."""
     turn_acceleration_rad_s2: float = 4.0
 
 

@@ -21,9 +21,9 @@ from sim.tours.clearance import NearbyBoxes
 from worlds.walkable import Walkable
 
 STEP_M = 0.01
-"""Distance between the points of a smooth path."""
+"""Distance between the points of a smooth path [m]."""
 _BAND_STEP_M = 0.05
-"""Distance between the points of the band."""
+"""Distance between the points of the band [m]."""
 _PER_STEP = 5
 """Points of the spline per step of the band."""
 _STIFFNESS = 6.0**4
@@ -39,11 +39,11 @@ _ON_STAIRS = 20.0
 _PINNED = 1e4
 """Weights that hold the band to the line: near stairs, on stairs and where the line turns back. Elsewhere they are 1."""
 _SPARE_M = (0.01, 0.05)
-"""Smallest and largest clearance that the band keeps in addition to the body's radius."""
+"""Smallest and largest clearance that the band keeps in addition to the body's radius [m]."""
 _NEEDED_M = 0.002
-"""Clearance of the path in addition to the radius, because the spline over time cuts corners by about a millimetre."""
+"""Clearance of the path in addition to the radius [m], because the spline over time cuts corners by about a millimetre."""
 _REACH_M = 0.3
-"""Distance that the band may move from the line. Obstacles are looked for within it."""
+"""Distance that the band may move from the line [m]. Obstacles are looked for within it."""
 _BLEND = 8
 """Steps of the band over which the path is blended back to the line."""
 _SLOPE_STEPS = 5

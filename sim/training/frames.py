@@ -30,7 +30,7 @@ THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 PATCHES = (4, 5)
 """Rows and columns of patches in a frame, as in the last feature map of the image tower."""
 BARE = 0.03
-"""Frames whose `content` is below this share show little but bare walls."""
+"""Least `content` of a frame that shows more than bare walls, as a share of the image."""
 
 _FORMAT = 1
 """Version of cached frames. Raise it after changes of textures, tours or renderers; other causes are in the origins."""

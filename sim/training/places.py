@@ -13,7 +13,7 @@ from lexis.types import Poses
 
 _TEMPERATURE = 0.07
 _DOUBT = 1.5
-"""Frames beyond the bounds of one place, but within this factor of them, count neither as the same place nor as another."""
+"""Factor on the bounds of one place beyond which frames show different places. Pairs in between count as neither."""
 
 
 def pairs_of_places(

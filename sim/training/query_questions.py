@@ -35,7 +35,7 @@ YES, NO, DOUBTFUL = 1, 0, -1
 
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
-"""A room is a right answer for a thing that fills at least this share of one of its images."""
+"""Least share of an image of a room that a thing has to fill for the room to be a right answer."""
 _ASKED = 12
 """Number of questions per topic that have an answer in the house, and of questions that have none."""
 

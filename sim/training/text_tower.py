@@ -33,7 +33,7 @@ TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width
 """Architecture of the text tower, as in an open_clip model configuration."""
 
 _POOL_BATCHES = 20
-"""Texts are sorted by length within pools of this many batches, so that little padding is needed."""
+"""Number of batches in a pool. Texts are sorted by length within pools, so that little padding is needed."""
 _INIT_DEVIATION = 0.3
 """Standard deviation of the initial token embeddings of words."""
 
