@@ -39,7 +39,7 @@ class SpeedFigure:
     worst: float
     runs: int
     limit: str = ""
-    """Required limit, such as "<= 500"; empty if there is none."""
+    """Required limit, such as "<= 500"; empty for figures without a required limit."""
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ _FRAME_RATE_HZ = 3.5
 _OTHERS = 4
 """Number of nearby keyframes that are verified per query, in addition to LEXIS's candidates."""
 _OTHERS_M = 4.0
-"""Largest distance between a query and these additional keyframes [m]."""
+"""Largest distance between a query and the additional keyframes that are verified [m]."""
 _GAP = 20
 """Smallest difference between the index of a query and the index of an additional keyframe to verify."""
 _LAGS = 9

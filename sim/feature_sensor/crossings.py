@@ -31,7 +31,7 @@ class BlockFootprints:
     """The footprints of blocks, for intersection with image columns."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
-        """Blocks that are `tall` reach from floor to ceiling and occlude everything behind them."""
+        """`tall` marks the blocks that reach from floor to ceiling and occlude everything behind them."""
         self._blocks, self._tall, self._grid = blocks, tall, grid
         self._corners = _corners(blocks)
         self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)

@@ -22,9 +22,9 @@ from worlds.truth import NOWHERE, floor_at, room_at
 
 WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
-"""Distance by which a hit is moved towards the camera before its room is looked up [m]: now it is in front of the wall."""
+"""Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
-"""Low bits of a depth that are replaced by the block's rank in its column. That changes the depth by at most 3e-5 of it."""
+"""Low bits of a depth that are replaced by the block's rank in its column. The relative change is at most 3e-5."""
 _CHUNK = 48
 """Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01

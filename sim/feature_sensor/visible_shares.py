@@ -50,9 +50,10 @@ class VisibleShares:
     def described(self) -> Float32[np.ndarray, "n size"]:
         """Return descriptions of the views, the inputs of the embedding model.
 
-        A description holds, in this order: the root of the share of each kind of thing; the same for near things; the root
-        of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual differences that no other entry
-        holds; the mean colours of walls, floors and ceilings; the distribution of depths; the share of sky.
+        A description holds, in this order: the root of the share of each kind of thing; the root of the share of each kind
+        among near things; the root of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual
+        differences that no other entry holds; the mean colours of walls, floors and ceilings; the distribution of depths;
+        the share of sky.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]

@@ -54,7 +54,7 @@ def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
 
 
 def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
-    """All figures of a run and of the plans that were driven; a figure that the run cannot have is None."""
+    """Compute all figures of a run and of the driven plans; a figure that the run cannot have is None."""
     scenario = run.scenario
     return RunResult(
         seed=scenario.seed,

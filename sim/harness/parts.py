@@ -11,7 +11,7 @@ from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
 TOUR_LENGTH_M = {"home": 140.0}
-"""Usual length of tours by preset [m]; without such a length, the tours through a preset's houses would be longer."""
+"""Usual length of tours by preset [m]. It limits tours that would visit all rooms of a large house."""
 
 
 def house_spec(scenario: Scenario) -> HouseSpec:

@@ -31,7 +31,7 @@ _KEEP_M = RADIUS_M + 0.05
 LEAST_M = RADIUS_M + 0.03
 """Clearance of local paths [m]. They are closer to obstacles only if no other path exists."""
 _REACH = 6
-"""Number of cells of the local path to look ahead."""
+"""Number of cells of the local path by which the robot looks ahead."""
 _EASY_M = RADIUS_M + 0.15
 """Clearance at which the route itself is followed [m]. With less, a local path is planned, which prefers more clearance."""
 _CLOSE_M = RADIUS_M + 0.02
@@ -112,7 +112,7 @@ class Controller:
         return np.asarray(following[0])
 
     def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
-        """Return the index of the nearest point of the local path; 0 if there is none yet."""
+        """Return the index of the nearest point of the local path; 0 before the first local path."""
         return int(np.argmin(((self._path - here) ** 2).sum(axis=1))) if len(self._path) else 0
 
     def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:

@@ -23,7 +23,7 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable, polyline_length
 
 SMOOTHED = 0.95
-"""Typical length of a smooth path as a share of its length over the graph."""
+"""Typical length of a smooth path, divided by its length along the walkable graph."""
 _SCATTER_M = 0.25
 """Largest distance of a repeated visit from its stop [m]. It is above 0, so that revisits have other viewpoints."""
 _CIRCUIT_M = 40.0
@@ -43,12 +43,12 @@ _DRAWN = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to visit, without the return to the first one at the end."""
+    """Nodes of the walkable graph to visit, without the return to the first node at the end."""
 
     first: Sequence[int]
     """Nodes that are always visited."""
     again: Sequence[int]
-    """Nodes that are visited next, repeatedly, as far as the length allows."""
+    """Nodes that are visited next, repeatedly, until the requested length is used up."""
     default_repeats: int
     """Number of repeated visits if no length is requested."""
     distance: Callable[[int, int], float]
@@ -57,7 +57,7 @@ class Itinerary:
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """Plans tours of one kind. Lengths are measured over the graph, before the path is smoothed."""
+    """Plans tours of one kind. Lengths are measured along the walkable graph, before the path is smoothed."""
 
     house: House
     walkable: Walkable
@@ -74,7 +74,7 @@ class Planner:
         return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
 
     def nodes(self, length_m: float | None) -> list[int]:
-        """Return the nodes to visit in order, from home back to home.
+        """Return the nodes to visit in order, from home, the first node, back to home.
 
         The tour is about `length_m` long (None: the kind's own length), or longer if no tour of the kind is that short.
         """

@@ -18,7 +18,7 @@ _HERTZ = np.array([0.6, 3.0, 0.5, 0.9])
 """Frequencies of these four motions [Hz]. The slow sideways swing gives parallax. The fast vertical swing makes the
 acceleration differ between frames, at up to 30 frames a second."""
 _DESIGNED_FOR = Limits()
-"""Limits that the full swing keeps."""
+"""Limits of speed, acceleration and turn rate that the full swing keeps."""
 
 
 def with_start_manoeuvre(motion: Motion, limits: Limits) -> Motion:

@@ -28,15 +28,15 @@ class Stops:
     """Places to visit, numbered from 0."""
 
     nodes: Int[np.ndarray, "m"]
-    """Nodes of the walkable graph."""
+    """Node of the walkable graph at each stop."""
     between: Float64[np.ndarray, "m m"]
-    """Walking distances over the graph [m]."""
+    """Walking distances between stops along the walkable graph [m]."""
     of_room: dict[str, list[int]]
     """Stops of each room, the most central first."""
 
     @staticmethod
     def of(house: House, walkable: Walkable) -> "Stops":
-        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two in all."""
+        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two."""
         reachable = set(walkable.reachable_rooms())
         nodes: list[int] = []
         of_room = {}

@@ -28,7 +28,7 @@ from worlds.walkable import Walkable
 _RANDOM_M = 100.0
 """Length of a random tour if none is requested [m]."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
-"""Tolerance of the length in metres, and as a share of the length. The larger one counts."""
+"""Tolerance of the length in metres, and as a share of the length. The larger tolerance applies."""
 _TRIES = 5
 _GOOD_ENOUGH = 0.3
 """Share of the tolerance within which no better length is searched for."""
@@ -80,7 +80,7 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
-    """Return the smooth path of the requested length. The planned length is corrected by that of the smooth path."""
+    """Return the smooth path of the requested length. The planned length is corrected by the length of the smooth path."""
     wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
     if wished is None:
         return _smooth(planner, None)

@@ -12,7 +12,7 @@ from worlds.spec import AppearanceSpec, HouseSpec
 TRAINING_SEEDS = range(100_000, 800_000)
 """Seeds of houses that the encoder is trained on."""
 TUNING_SEEDS = range(800_000, 900_000)
-"""Seeds of houses on which training is monitored and temperatures are fitted."""
+"""Seeds of the houses on which training is monitored and softmax temperatures are fitted."""
 TEST_SEEDS = range(900_000, 1_000_000)
 """Seeds of houses for reported figures. Demos use seeds below 100 000, acceptance tests seeds from 1 000 000 upwards."""
 

@@ -43,9 +43,9 @@ _SCENES = (
 )  # fmt: skip
 """Sentence frames with a room {0} and two things {1} and {2}."""
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
-"""Shares of compositions without a sentence frame, and of those whose second word is one of `_HEADS`."""
+"""Share of compositions without a sentence frame, and share of compositions whose second word is one of `_HEADS`."""
 _NEAR_SHARE = 0.7
-"""Share of words that are drawn from those that belong to houses."""
+"""Share of words that are drawn from the words related to houses."""
 
 
 _FORBIDDEN = re.compile(

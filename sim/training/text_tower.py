@@ -162,7 +162,7 @@ def load_text_tower(path: Path) -> TextTransformer:
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
-    """Initialise the token embedding of every word with the leading part of its target.
+    """Initialise the token embedding of every word with the first entries of the word's target.
 
     Training then starts from a bag-of-words model, instead of from noise.
     """
@@ -177,7 +177,7 @@ def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
 
 
 def _whole_word_of() -> Int[Tensor, "vocabulary"]:
-    """Map the token of every word piece ("bath" in "bathtub") to that of the word with the same letters, else to itself."""
+    """Map every token of a word piece ("bath" in "bathtub") to the token of the word "bath"; without a word, to itself."""
     index = open_clip.tokenizer.SimpleTokenizer().encoder
     return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
 
