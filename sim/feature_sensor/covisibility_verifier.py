@@ -70,7 +70,7 @@ class TrueView:
     T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
     grid: RayGrid
-    """The rays of the camera."""
+    """Image positions of the rays, whose depths `depth` contains."""
 
     @cached_property
     def points(self) -> Float64[np.ndarray, "k 3"]:

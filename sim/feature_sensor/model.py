@@ -60,7 +60,7 @@ class FeatureModel:
     """A fitted model that replaces images, their encoder and the verification of loops."""
 
     fingerprint: Float32[np.ndarray, "probes d"]
-    """`fingerprint` of the encoder that the model was fitted to."""
+    """Result of the function `fingerprint` for the encoder that the model was fitted to."""
     embedding: EmbeddingModel
     loops: LoopModel
 

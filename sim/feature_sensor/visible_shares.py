@@ -25,7 +25,7 @@ _COLOUR_WEIGHT = 2.0
 _LEAST_SHARE = 0.02
 """Least share of the image at which a surface's colour counts in full; below, the colour is weakened in proportion."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
-"""Entries of a view's description vector that hold the shares of the image by room label."""
+"""Slice of a view's description vector: the entries that hold the shares of the image by room label."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 """Length of the description vector of a view, the input of the embedding model."""
 

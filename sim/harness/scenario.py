@@ -118,7 +118,7 @@ class Scenario(Settings, place="scenario", error=SimError):
 
 
 def scenario_of(data: object) -> Scenario:
-    """The scenario in plain data; what the data leaves out keeps its default. Raises `SimError` and `worlds.WorldsError`."""
+    """Build a scenario from plain data; absent fields get defaults. Raises `SimError` and `worlds.WorldsError`."""
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
     if data.get("version") != VERSION:

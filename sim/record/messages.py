@@ -134,7 +134,7 @@ class Messages:
         )
 
     def pose(self, stamp_ns: int, row: Float64[np.ndarray, "7"]) -> Any:
-        """A pose in the world from a row of position and quaternion x y z w."""
+        """A pose message in the world frame, from a row of position and quaternion x y z w."""
         return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(row))
 
     def odometry(

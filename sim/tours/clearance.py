@@ -11,7 +11,7 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class NearbyBoxes:
-    """Pairs of a path point and a nearby upright box. Distances are computed for the points' present places."""
+    """Pairs of a path point and a nearby upright box. Methods take the points' present places."""
 
     points: int
     """Number of points."""

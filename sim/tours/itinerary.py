@@ -31,7 +31,7 @@ _CIRCUIT_M = 40.0
 _PLACES = 48
 """Number of places that a random tour draws from."""
 _WIDER = 1.25
-"""Factor by which the lanes of a lawn-mower tour are spaced wider until the tour is short enough."""
+"""Factor on the lane spacing of a lawn-mower tour, applied repeatedly until the tour is short enough."""
 _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
 """Least length of a lap that is repeated [m]; to repeat a shorter lap would be to walk on the spot."""

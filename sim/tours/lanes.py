@@ -14,7 +14,7 @@ _SHORTEST_M = 0.4
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
     """Return the nodes at both ends of each free stretch of each lane, room by room.
 
-    Each room is entered at the corner nearest to the end of the room before.
+    Each room is entered at the corner nearest to the end of the lanes of the previous room.
     """
     route: list[int] = []
     for room in rooms:

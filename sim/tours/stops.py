@@ -36,7 +36,7 @@ class Stops:
 
     @staticmethod
     def of(house: House, walkable: Walkable) -> "Stops":
-        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two."""
+        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two stops."""
         reachable = set(walkable.reachable_rooms())
         nodes: list[int] = []
         of_room = {}

@@ -13,9 +13,9 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""Share of an image that a thing must exceed to count as present in the image."""
+"""Largest share of an image filled by a thing that does not count as present in the image."""
 PATCH_PRESENT = 0.02
-"""Share of a patch that a thing must exceed to count as present in the patch."""
+"""Largest share of a patch filled by a thing that does not count as present in the patch."""
 STRETCH = 4
 """Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
 

@@ -106,7 +106,7 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
 
 
 def frames_origin(views: ViewpointConfig) -> str:
-    """Fingerprint of how frames are rendered and annotated, independent of the house."""
+    """Fingerprint of the settings with which frames are rendered and annotated, independent of the house."""
     told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
     looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
     return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)

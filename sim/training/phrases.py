@@ -41,7 +41,7 @@ HELD_OUT_PHRASES = tuple(
 )
 """Every third entry, except entries that are part of a room label or kind of furniture, which have to be trained."""
 HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
-"""Matches texts that contain a held-out phrase."""
+"""Regular expression that matches texts with a held-out phrase."""
 
 
 def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:

@@ -54,8 +54,8 @@ def place_loss(
     """Supervised contrastive loss (Khosla 2020): frames of one place should be more similar than frames of different places.
 
     The loss is the mean over frames with another frame of their place in the batch. Each such pair is compared with all
-    frames of other places; at a low `temperature`, mostly with the most similar ones. A batch without
-    two frames of one place has the loss 0.
+    frames of other places; at a low `temperature`, mostly with the most similar ones. A batch without two
+    frames of one place has the loss 0.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

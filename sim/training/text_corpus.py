@@ -101,7 +101,7 @@ def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.
 
 
 def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw `count` captions of a room by a trained name with one or two of its things. Duplicates are removed."""
+    """Draw `count` captions with a trained name of a room and one or two of the room's things. Duplicates are removed."""
     labels = tuple(ROOM_NAMES)
     return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
 

@@ -104,7 +104,7 @@ def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
 
 
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
-    """Map kinds of furniture to a room label: kinds that are visible and stand only in rooms of this label."""
+    """Map from kinds of furniture that are visible and stand in rooms of a single label to this label."""
     house = run.house
     labels: dict[str, set[str]] = {}
     for thing in objects(house):

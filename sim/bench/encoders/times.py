@@ -58,7 +58,7 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """Times of an open_clip architecture with random weights by name in `WAYS`; instead of times, a reason for a failure."""
+    """Times of an open_clip architecture with random weights by name in `WAYS`; a failure gives its reason instead."""
     try:
         with random_weights(architecture) as model:
             return {way: timed(model, way, image) for way in ways}
