@@ -1,4 +1,4 @@
-"""`lexis-sim doctor`: checks whether this machine can run LEXIS-sim, and says what to change where it cannot."""
+"""`lexis-sim doctor`: checks whether this machine can run LEXIS-sim, and says what to change if it cannot."""
 
 import os
 import platform
@@ -34,7 +34,7 @@ class Diagnosis:
     subject: str
     fine: bool
     detail: str
-    """What was found if the check passed, otherwise what to change."""
+    """Text that reports the finding if the check passed, and otherwise says what to change."""
 
 
 def examine() -> list[Diagnosis]:

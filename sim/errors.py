@@ -2,7 +2,7 @@
 
 
 class SimError(ValueError):
-    """A run, an argument or the machine is unusable. The message says where, what is wrong, and what would be valid."""
+    """A run, an argument or the machine is unusable. The message names the place, the problem and the valid values."""
 
 
 class GraphicsError(SimError):

@@ -3,7 +3,7 @@
 from typing import Literal, get_args
 
 Fidelity = Literal["render", "features"]
-"""render: images. features: embeddings and loops predicted by the feature sensor."""
+"""Input of the SLAM. render: rendered images. features: embeddings and loops that the feature sensor predicts."""
 FIDELITIES: tuple[Fidelity, ...] = get_args(Fidelity)
 ORACLE = "oracle"
 """Name of an encoder that is told the truth, for tests of the stages after it. Never report its results as LEXIS's."""

@@ -30,9 +30,9 @@ _CAPTION_PX = 26
 _EYE_M = 1.5
 _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
-"""Pixels nearer than this reduce the score of a view."""
+"""Least distance of pixels that do not reduce the score of a view [m]."""
 _MOST_SHARE = 0.06
-"""Largest share of the image that one object is scored for, because several objects tell more than one large object."""
+"""Largest share of the image that counts in an object's score: several objects tell more than one large object."""
 _PITCH_RAD = math.radians(12.0)
 _ROOMS_PER_HOUSE = 2
 
@@ -53,12 +53,12 @@ def plans_page(specs: Sequence[HouseSpec]) -> Picture:
 
 
 def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
-    """Arrange views in rows of five. Without labels they are numbered from 1, for a test of human recognition."""
+    """Arrange views in rows of five. Views without labels are numbered from 1, for a test of human recognition."""
     return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
 
 
 def sample_page(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
-    """Sample `count` houses, cycling through `presets`, with seeds from `seed` up. Raises `SimError` for fewer than one."""
+    """Sample `count` houses, cycling through `presets`, with seeds from `seed` up. Raises `SimError` for `count` below 1."""
     if count < 1 or not presets:
         raise SimError(f"gallery: {count} houses of {len(presets)} presets; valid: at least 1 of each")
     return [sample_house(presets[i % len(presets)], seed + i // len(presets)) for i in range(count)]

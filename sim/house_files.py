@@ -63,7 +63,7 @@ def _write(path: Path, content: bytes) -> None:
 MODELS: Mapping[str, Writer] = MappingProxyType(
     {".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth, ".geojson": _write_geojson}
 )
-"""Writers by suffix: glTF; MJCF, with a folder of textures beside it; the ground truth as JSON; rooms and openings in the
-format that the floor plan import reads."""
+"""Writers by suffix. glb: glTF. xml: MJCF, with a folder of textures beside the file. json: the ground truth. geojson: rooms
+and openings, in the format that the floor plan import reads."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
 """Writers by suffix, which draw the floor plans of all storeys side by side."""

@@ -23,7 +23,7 @@ from worlds.validation import validate
 
 _CHUNK = 20
 _OPENNESS, _CLUTTER = (None, 0.0, 0.25, 0.5, 0.75, 1.0), (1.0, 1.0, 0.0, 2.0, 4.0)
-"""Values cycled through. Their counts (6 and 5) have no common divisor, so every pair of them occurs."""
+"""Values that the houses cycle through. Their counts (6 and 5) have no common divisor, so every pair of values occurs."""
 
 
 @dataclass(frozen=True)

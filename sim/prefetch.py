@@ -19,14 +19,14 @@ T = TypeVar("T")
 THREAD = "prefetched"
 """Name of the background threads."""
 _POLL_S = 0.25
-"""How often a waiting thread checks whether the main thread is still alive [s]."""
+"""Interval at which a waiting thread checks whether the main thread is still alive [s]."""
 
 
 def prefetched(make: Callable[[], Generator[T, None, None]], depth: int) -> Generator[T, None, None]:
     """Yield the items of the generator `make()`, which runs up to `depth` items ahead in a background thread.
 
-    That generator is created, run and closed in the one thread. Its exceptions are raised here. A caller that may stop early
-    has to close the returned generator, because the thread runs until then.
+    The background thread creates, runs and closes the generator. Exceptions of the generator are raised in the calling
+    thread. A caller that may stop early has to close the returned generator, because the background thread runs until then.
     """
     shared = _Shared[T](depth)
     threading.Thread(target=_produce, args=(make, shared), name=THREAD).start()
@@ -52,7 +52,7 @@ class _End:
 
 
 class _Shared(Generic[T]):
-    """State shared by the two threads."""
+    """State that the calling thread and the background thread share."""
 
     def __init__(self, depth: int) -> None:
         self.items: SimpleQueue[_Item[T] | _End] = SimpleQueue()

@@ -86,7 +86,7 @@ class Session:
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
     def verifier(self) -> Verifier:
-        """Return the loop verifier: that of LEXIS if there are images, otherwise the sensor's model of it."""
+        """Return the loop verifier: LEXIS's own verifier for images, otherwise the feature sensor's model of it."""
         return verify if self._sensor is None else self._sensor.verifier(self._world_states.houses, self.tour.T_W_B)
 
     def _images(self) -> Generator[Image | Percept, None, None]:

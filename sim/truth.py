@@ -15,7 +15,7 @@ class Truth:
     """Ground truth at the time of an observation. It is never given to LEXIS."""
 
     index: int
-    """Index of the tour's frame, equal to that of the observation."""
+    """Index of the frame in the tour, equal to the observation's index."""
     stamp: float
     """True time of the image [s]. A fault may change the stamp of the observation, never this one."""
     T_W_B: Float64[ndarray, "4 4"]

@@ -29,12 +29,12 @@ Descriptors = UInt8[np.ndarray, "n 32"]
 
 @dataclass(frozen=True, eq=False)
 class OrbWords:
-    """A vocabulary of visual words."""
+    """A vocabulary of visual words, which converts images to tf-idf histograms."""
 
     words: UInt8[np.ndarray, "words 32"]
     """Binary descriptors, eight bits to a byte."""
     weights: Float32[np.ndarray, "words"]
-    """Inverse document frequency of every word: log(images / images with the word)."""
+    """Inverse document frequency of every word: log(number of images / number of images with the word)."""
 
     @staticmethod
     def learned(images: Iterable[Image], rng: np.random.Generator, words: int = WORDS) -> "OrbWords":

@@ -16,7 +16,7 @@ class EverydayQuestion(NamedTuple):
     kinds: frozenset[str]
     """Kinds of things; a room that contains one of them is a right answer too."""
     negated: bool
-    """Whether the right answers are instead the rooms with none of the labels and none of the things."""
+    """Whether the question is negated: the right answers are then the rooms without any of the labels and things."""
 
 
 def _table(text: str) -> tuple[EverydayQuestion, ...]:
@@ -68,7 +68,7 @@ take me to the laboratory | laboratory |
 I need to lift weights | gym | weight bench, weight rack
 where can I park the car | garage |
 """)
-"""Questions for tuning. They include the wordings that were the reason for making this list."""
+"""Questions for tuning. They include the wordings that gave rise to this list."""
 
 HELD_OUT = _table("""
 I have to use the restroom | toilet | toilet bowl

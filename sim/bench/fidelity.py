@@ -32,15 +32,15 @@ from worlds.spec import HouseSpec
 FIGURES = ("accuracy", "baseline", "pq")
 """The figures that are compared: fields of `HousePair`."""
 _FRAME_RATE_HZ = 1.3
-"""Gives one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
+"""Frames per second [Hz]: one frame per 0.54 m of path, so that every frame becomes a keyframe, except while turning."""
 _SPEED_FRAMES, _WARM_UP = 2000, 100
 _IMAGE_PX = (480, 360)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
 """Appearances, as (field, value) of a house's appearance, that the feature sensor ignores."""
 _LOOKS_SHARE = 5
-"""For every so many houses, one house of each look is added."""
+"""Number of mixed houses for which one house of each look is added."""
 _NO_LANDMARKS = Config(landmarks=LandmarkConfig(akaze_threshold=0.1, max_features=8))
-"""Finds hardly any key points, which saves time; they are not needed, since loops are off."""
+"""Settings of LEXIS that find hardly any key points, which saves time. Loops are off, so key points are not needed."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class HousePair:
     """Figures of one house in both fidelities, as pairs (rendered, features)."""
 
     group: str
-    """Family of the house, or its look if that is unusual."""
+    """Family of the house, or the name of its look if the look is unusual."""
     name: str
     accuracy: tuple[float, float]
     baseline: tuple[float, float]
@@ -59,7 +59,7 @@ class HousePair:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How well features predict one figure of rendered runs, over several houses."""
+    """Agreement between runs with features and rendered runs in one figure, over several houses."""
 
     houses: int
     rho: float | None

@@ -1,4 +1,4 @@
-"""The houses of a benchmark: one house of a preset for each seed, as sampled or with another openness of inner walls."""
+"""The houses of a benchmark: one house of a preset for each seed, as sampled or with a given openness of inner walls."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -8,7 +8,7 @@ from sim.errors import SimError
 
 
 def measure_memory(seed: int) -> int:
-    """Peak resident memory of a rendered run with LEXIS, minus that of importing torch and open_clip alone [bytes].
+    """Peak resident memory of a rendered run with LEXIS, less the memory for importing torch and open_clip alone [bytes].
 
     Raises `SimError` if the run fails.
     """

@@ -1,4 +1,4 @@
-"""How much rendering and LEXIS slow each other down when they run in parallel, as they do in every run."""
+"""Measures by how much rendering and LEXIS slow each other down when they run in parallel, as they do in every run."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -31,7 +31,7 @@ class Overlap:
     lexis: Seconds
     both: Seconds
     busiest: float
-    """The longer of rendering and LEXIS while both ran: `render_s` or `slam_s` of a run's result [s]."""
+    """The longer of the times of rendering and of LEXIS while both ran: `render_s` or `slam_s` of a run's result [s]."""
 
     @property
     def of_the_busiest(self) -> float:
@@ -40,12 +40,12 @@ class Overlap:
 
     @property
     def of_the_longer(self) -> float:
-        """Wall time of both in parallel divided by that of the slower one alone; 1 is ideal, given two free cores."""
+        """Wall time of both in parallel, divided by the slower task's wall time alone; 1 is ideal, given two free cores."""
         return self.both.wall / max(self.rendering.wall, self.lexis.wall)
 
     @property
     def extra_work(self) -> float:
-        """Processor time of both in parallel divided by the sum of both alone; 1 is ideal, even on a busy machine."""
+        """Processor time of both in parallel, divided by the sum of both tasks alone; 1 is ideal, even on a busy machine."""
         return self.both.processor / (self.rendering.processor + self.lexis.processor)
 
 

@@ -36,13 +36,13 @@ class Answered(NamedTuple):
 
     @property
     def succeeded(self) -> bool:
-        """Whether a right room was found if there is one, and "unknown" was reported if there is none."""
+        """Whether a right room was reported, or "unknown" if the map has no right room."""
         return self.right and not self.unknown if self.has_answer else self.unknown
 
 
 @dataclass(frozen=True)
 class QueriesRow:
-    """Figures over several questions. A share is None if there are no such questions."""
+    """Figures over several questions; a share without any question is None."""
 
     questions: int
     """Number of questions with a right answer in the map."""

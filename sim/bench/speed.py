@@ -25,7 +25,7 @@ _MANY_ROOMS, _MANY_HOUSES = 40, 5
 _FRAME_ROOMS = 10
 _RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
 _GREY_LEVELS = 2
-"""Pixels of merged and plain rendering count as equal if they differ by at most this much in every channel."""
+"""Largest difference per channel between equal pixels of merged and plain rendering [grey levels]."""
 _RUN_FRAMES, _RUNS = 400, 5
 _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
@@ -39,7 +39,7 @@ class SpeedFigure:
     worst: float
     runs: int
     limit: str = ""
-    """Required limit, such as "<= 500"; empty if there is none."""
+    """Required limit, such as "<= 500"; empty for figures without a required limit."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What the commands of `lexis-sim house` share: the file argument, writing a checked house, and describing one in a line."""
+"""Shared by the commands of `lexis-sim house`: the file argument, writing a checked house, and a one-line description."""
 
 from pathlib import Path
 

@@ -14,9 +14,10 @@ from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
-"""Distances of the body from a door. The first exceeds a leaf's width, so that no leaf swings through the body."""
+"""Distances of the body at which a door is fully open and fully closed [m]. The first exceeds a leaf's width, so that no
+leaf swings through the body."""
 _REACH_M = 3.0
-"""Height above a door's lower end up to which a body counts as on the same storey."""
+"""Largest height of a body above a door's lower end at which both are on one storey [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ def _solid(leaf: DoorLeaf) -> Solid:
 
 
 def all_leaves(house: House) -> Iterator[DoorLeaf]:
-    """Yield a leaf for each doorway of a house: its own, or else a new one that swings into the opening's first room."""
+    """Yield a leaf for each doorway of a house. A doorway without a leaf gets one that swings into its first room."""
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):
         hung = [_with_leaf(opening) for opening in storey.openings]

@@ -101,7 +101,7 @@ class Late(StreamFault):
     share: float = setting(0.05, 0.0, 1.0)
     """Share of the frames that are late."""
     frames: int = setting(3, 1)
-    """Number of frames that overtake a late one."""
+    """Number of frames that overtake a late frame."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream with late frames."""

@@ -76,5 +76,5 @@ class FrameFault(SpanFault):
 
 
 def settings(kind: type[Fault]) -> "list[Field[float]]":
-    """Return the fields of a kind of fault, its own before those for its time."""
+    """Return the fields of a kind of fault: its own fields, then the fields for its time span."""
     return sorted(fields(kind), key=lambda each: bool(each.kw_only))

@@ -100,7 +100,7 @@ class LightsOff(ImageFault):
 
 @dataclass(frozen=True)
 class Smear(SpanFault):
-    """Grease on the lens: patches in which the image is blurred and hazy. They are the same in every image."""
+    """Grease on the lens: patches in which the image is blurred and hazy. All images have the same patches."""
 
     name = "smear"
     share: float = setting(0.3, 0.0, 1.0)

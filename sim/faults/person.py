@@ -12,10 +12,10 @@ from worlds.parts import Colour, Part
 from worlds.visuals.meshes import Solid
 
 _STRIDE_M = 0.45
-"""Distance between the feet when both are on the floor."""
+"""Distance between the feet when both are on the floor [m]."""
 _STEPS_HZ = 1.8
 _MANNERS_M = 0.45
-"""A person who is nearer to the camera than this is not drawn."""
+"""Least distance from the camera at which a person is drawn [m]."""
 _SKIN: tuple[Colour, ...] = ((0.93, 0.76, 0.64), (0.78, 0.57, 0.42), (0.5, 0.34, 0.25))
 _SHIRTS: tuple[Colour, ...] = ((0.75, 0.15, 0.15), (0.15, 0.3, 0.65), (0.2, 0.5, 0.3), (0.85, 0.8, 0.7), (0.2, 0.2, 0.22))
 _TROUSERS: tuple[Colour, ...] = ((0.16, 0.2, 0.36), (0.3, 0.27, 0.24), (0.12, 0.12, 0.13))

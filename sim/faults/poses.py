@@ -73,7 +73,7 @@ class OdometryNaN(SpanFault):
 
     name = "odometry-nan"
     share: float = setting(0.02, 0.0, 1.0)
-    """Share of the frames of the span that fail."""
+    """Share of the frames in the fault's time span that fail."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream with poses of NaN."""
@@ -96,7 +96,7 @@ class Kidnap(StreamFault):
     at_s: float = setting(60.0, 0.0)
     """Time of the event after the start of the tour [s]."""
     skip_s: float = setting(20.0, 0.0)
-    """Duration of the stretch that is cut out. The body continues from where it would have been after that time [s]."""
+    """Duration of the stretch that is cut out [s]. The body continues from its place at the end of this stretch."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream without the stretch, joined as if the stretch had not been there."""

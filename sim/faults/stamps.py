@@ -14,7 +14,7 @@ from sim.truth import Stream, Truth
 class StampOffset(StreamFault):
     """The clocks of camera and odometry differ: each image gets the stamp and the pose of an earlier or later frame.
 
-    Frames at one end of the stream have no such partner and are lost.
+    Frames at one end of the stream have no earlier or later frame as a partner and are lost.
     """
 
     name = "stamp-offset"

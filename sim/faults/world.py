@@ -27,12 +27,12 @@ class WorldFault(Fault):
     """A change of the world during the tour. All frames of its span are marked, whether the change is in view or not."""
 
     at_s: float | None = setting(None, 0.0, kw_only=True)
-    """Time after the start of the tour at which the change happens [s]; None: half the tour, so between two laps."""
+    """Time after the start of the tour at which the change happens [s]; None: halfway, so between two laps."""
     for_s: float = setting(np.inf, 0.0, kw_only=True)
     """Duration of the change [s]."""
 
     def span_s(self, tour: Tour) -> tuple[float, float]:
-        """Return the begin and end of the change [s]."""
+        """Return the start and end times of the change [s]."""
         start = float(tour.stamps[-1]) / 2 if self.at_s is None else self.at_s
         return start, start + self.for_s
 
@@ -47,7 +47,7 @@ class MovedFurniture(WorldFault):
 
     name = "moved-furniture"
     share: float = setting(0.3, 0.0, 1.0)
-    """Share of the loose pieces on the floor that are moved, as far as there is room."""
+    """Share of the loose pieces on the floor that are moved. Pieces without free space to move stay in place."""
     within_m: float = setting(1.5, 0.0)
     """Largest shift [m]."""
     turn_rad: float = setting(0.5, 0.0, np.pi)
@@ -62,7 +62,7 @@ class MovedFurniture(WorldFault):
 
 @dataclass(frozen=True)
 class ClosedDoors(WorldFault):
-    """Doors are closed. Each opens when the body comes near and closes behind it. Doorways without a leaf get one."""
+    """Doors are closed. Each opens when the body comes near and closes behind it. Doorways without a leaf get a leaf."""
 
     name = "closed-doors"
     share: float = setting(1.0, 0.0, 1.0)
@@ -84,7 +84,7 @@ class Pedestrian(WorldFault):
     pace: float = setting(1.35, 0.0, 5.0, kw_only=True)
     """Speed of the person, as a multiple of the tour's speed."""
     ahead_s: float = setting(2.0, 0.0, kw_only=True)
-    """Time of the tour by which the person is ahead at first [s]."""
+    """Time by which the person is ahead of the camera at first, along the tour [s]."""
     for_s: float = setting(20.0, 0.0, kw_only=True)
     """Duration for which the person is present [s]."""
 

@@ -87,7 +87,7 @@ def _power(residuals: Sequence[Rows]) -> float:
 
 
 def _directions(residuals: Rows) -> Float64[np.ndarray, "k d"]:
-    """Return the principal directions of residuals. The length of each is its standard deviation."""
+    """Return the principal directions of residuals. The length of each direction is the standard deviation along it."""
     _, deviations, directions = np.linalg.svd(residuals / np.sqrt(len(residuals)), full_matrices=False)
     return np.asarray(deviations[:RANK, None] * directions[:RANK])
 

@@ -32,11 +32,11 @@ from worlds.house import build_house
 from worlds.walkable import Walkable
 
 _FRAME_RATE_HZ = 3.5
-"""One frame every 0.2 m. This is dense enough for keyframes and for the frames that support them."""
+"""Frames per second [Hz]: one frame every 0.2 m, which is enough for keyframes and the frames that support them."""
 _OTHERS = 4
 """Number of nearby keyframes that are verified per query, in addition to LEXIS's candidates."""
 _OTHERS_M = 4.0
-"""Largest distance between a query and these additional keyframes [m]."""
+"""Largest distance between a query and the additional keyframes that are verified [m]."""
 _GAP = 20
 """Smallest difference between the index of a query and the index of an additional keyframe to verify."""
 _LAGS = 9

@@ -1,4 +1,4 @@
-"""What feature models are fitted to: walks through houses, what the cameras truly see, and what the encoder makes of it."""
+"""The data that feature models are fitted to: walks through houses, the true content of their views, and embeddings."""
 
 from dataclasses import dataclass
 

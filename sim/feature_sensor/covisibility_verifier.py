@@ -24,7 +24,7 @@ from lexis.verification import plausible_edges
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
-"""Largest relative and absolute difference between two depths of the same point. It is generous, because rays are coarse."""
+"""Tolerance, relative and absolute [m], for two depths of one point. It is generous, because rays are coarse."""
 _QUERY, _PAIR = 1, 2
 """Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the stream of its
 pair with keyframe 0."""
@@ -34,7 +34,7 @@ PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "t
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEdges:
-    """Loop edges that LEXIS measured on rendered images: their true errors, and the covariances and inliers they report."""
+    """Loop edges that LEXIS measured on rendered images: true errors, reported covariances and numbers of inliers."""
 
     error: Float64[np.ndarray, "n 6"]
     """`log` of the motion from the true to the measured relative pose, rotation first [rad, m]."""
@@ -44,7 +44,7 @@ class MeasuredEdges:
 
 @dataclass(frozen=True, eq=False)
 class LoopModel:
-    """A fitted model of which candidates verification confirms, and of what it measures."""
+    """A fitted model of loop verification: the probability that it confirms a candidate, and the edges that it returns."""
 
     weights: Float64[np.ndarray, "predictors"]
     """Weights of `PREDICTORS`, for the log odds of a true edge."""
@@ -70,7 +70,7 @@ class TrueView:
     T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
     grid: RayGrid
-    """The rays of the camera."""
+    """Image positions of the rays, whose depths `depth` contains."""
 
     @cached_property
     def points(self) -> Float64[np.ndarray, "k 3"]:

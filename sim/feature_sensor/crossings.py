@@ -9,9 +9,9 @@ from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
-"""A block that is nearer than this is ignored, because the camera is inside it."""
+"""Least depth of a block [m]. A nearer block is ignored, because the camera is inside it."""
 FAR_M = np.float32(200.0)
-"""Depth that stands for no hit."""
+"""Depth that stands for no hit [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class BlockFootprints:
     """The footprints of blocks, for intersection with image columns."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
-        """Blocks that are `tall` reach from floor to ceiling and occlude everything behind them."""
+        """`tall` marks the blocks that reach from floor to ceiling and occlude everything behind them."""
         self._blocks, self._tall, self._grid = blocks, tall, grid
         self._corners = _corners(blocks)
         self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)

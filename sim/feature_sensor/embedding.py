@@ -31,7 +31,7 @@ class EmbeddingModel:
     """Linear map from a view's description (`VisibleShares.described`) to its expected embedding."""
     offset: Float32[np.ndarray, "d"]
     errors: Float32[np.ndarray, "k d"]
-    """Principal directions of the error. The length of each is its standard deviation."""
+    """Principal directions of the error. The length of each direction is the error's standard deviation along it."""
     kernels: Float64[np.ndarray, "kernels"]
     """Share of each of `KERNELS` in the error's variance. The shares sum to 1."""
 
@@ -40,7 +40,7 @@ class EmbeddingModel:
         return np.asarray(views.described() @ self.weights + self.offset)
 
     def draw(self, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
-        """Draw the embeddings of views from body poses, of unit norm. They depend on pose, house and seed only."""
+        """Draw the embeddings of views from body poses, of unit norm. The embeddings depend on pose, house and seed only."""
         rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 

@@ -48,7 +48,7 @@ _LAYOUT: Layout = {
     **_edges("false_edges"),
 }
 _MOST = 1e6
-"""Largest valid parameter of embeddings and errors. Those of real models are below 100."""
+"""Largest valid parameter of embeddings and errors. Real models have parameters below 100."""
 _SAME = 0.999
 """Least cosine between two fingerprints of one encoder, because rounding differs between machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
@@ -60,7 +60,7 @@ class FeatureModel:
     """A fitted model that replaces images, their encoder and the verification of loops."""
 
     fingerprint: Float32[np.ndarray, "probes d"]
-    """`fingerprint` of the encoder that the model was fitted to."""
+    """Result of the function `fingerprint` for the encoder that the model was fitted to."""
     embedding: EmbeddingModel
     loops: LoopModel
 

@@ -10,12 +10,12 @@ from lexis.types import Intrinsics, Poses
 
 @dataclass(frozen=True, eq=False)
 class RayGrid:
-    """A grid of rays: the points where they pass through the image plane at unit depth."""
+    """A grid of rays, given by their points of intersection with the image plane at unit depth."""
 
     x: Float32[np.ndarray, "columns"]
-    """Coordinates of the columns, to the right."""
+    """Horizontal coordinates of the columns on this plane, to the right."""
     y: Float32[np.ndarray, "rows"]
-    """Coordinates of the rows, downwards."""
+    """Vertical coordinates of the rows on this plane, downwards."""
 
     @staticmethod
     def of(intrinsics: Intrinsics, columns: int, rows: int) -> "RayGrid":
@@ -37,7 +37,7 @@ class UprightCameras:
     """Positions and ray directions of upright cameras, separated into plan and height."""
 
     place: Float32[np.ndarray, "k 2"]
-    """Position in the plan [m]."""
+    """Horizontal position of each camera in W [m]."""
     height: Float32[np.ndarray, "k"]
     """Height of the camera in W [m]."""
     ahead: Float32[np.ndarray, "k 2"]

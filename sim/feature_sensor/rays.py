@@ -22,14 +22,14 @@ from worlds.truth import NOWHERE, floor_at, room_at
 
 WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
-"""Distance by which a hit is moved towards the camera before its room is looked up, so that it is in front of the wall."""
+"""Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
-"""Low bits of a depth that are replaced by the block's rank in its column. That changes the depth by at most 3e-5 of it."""
+"""Low bits of a depth that are replaced by the block's rank in its column. The relative change is at most 3e-5."""
 _CHUNK = 48
 """Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01
 _TALL_M = 20.0
-"""Height from which on a block outdoors, where there is no ceiling, counts as tall. No block is that high."""
+"""Least height of a tall block outdoors, where rooms have no ceiling [m]. No block is as high."""
 
 Depths = Float32[np.ndarray, "k columns rows"]
 Rows = Int[np.ndarray, "k columns rows"]

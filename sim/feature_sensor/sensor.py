@@ -27,7 +27,7 @@ class FeatureSensor:
     """Simulates percepts, which LEXIS receives instead of images. A pose in a house always gives the same percept."""
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
-        """`seed` is that of the run. With `oracle`, embeddings hold the ground truth; loops are verified as without it."""
+        """`seed` is the seed of the run. With `oracle`, embeddings hold the ground truth; loop verification is unchanged."""
         self._model, self._camera, self._oracle = model, camera, oracle
         self._seed = (seed, _STREAM)
         self._surroundings: dict[int, tuple[House, Surroundings]] = {}
@@ -45,7 +45,7 @@ class FeatureSensor:
             start = end
 
     def verifier(self, houses: Sequence[House], T_W_B: Poses) -> CovisibilityVerifier:
-        """Return the verifier of loops of the same tour."""
+        """Return the loop verifier for the tour whose percepts were simulated."""
         sights: dict[int, TrueView] = {}
         grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
 

@@ -24,9 +24,9 @@ KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern 
 """Visual kinds of things: objects, and surfaces by the pattern of their finish. The setting `texture` of a house's
 appearance, which changes the rendered textures, is ignored."""
 CELL_M = 0.05
-"""Cell size of `RoomMap`."""
+"""Cell size of `RoomMap` [m]."""
 _LEAST_M = 0.08
-"""Objects smaller than this in every direction are left out [m]."""
+"""Least size [m]: objects that are smaller in every direction are left out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,15 +17,15 @@ COLUMNS, ROWS = 40, 30
 LABEL_WEIGHT = 0.05
 """Weight of room labels in the description of a view. It is small, so that a ridge regression prefers what is visible."""
 _NEAR_M = 2.5
-"""Depth up to which things count as near [m]; near things are mostly in the same room as the camera."""
+"""Largest depth of near things [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Depths [m]. For each of them, the description of a view holds the share of rays that hit something nearer."""
 _COLOUR_WEIGHT = 2.0
 """Weight of colours in [0, 1] in the description of a view."""
 _LEAST_SHARE = 0.02
-"""Share of the image below which a surface's colour is weakened in proportion."""
+"""Least share of the image at which a surface's colour counts in full; below, the colour is weakened in proportion."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
-"""Entries of a view's description vector that hold the shares of the image by room label."""
+"""Slice of a view's description vector: the entries that hold the shares of the image by room label."""
 SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 """Length of the description vector of a view, the input of the embedding model."""
 
@@ -50,9 +50,10 @@ class VisibleShares:
     def described(self) -> Float32[np.ndarray, "n size"]:
         """Return descriptions of the views, the inputs of the embedding model.
 
-        A description holds, in this order: the root of the share of each kind of thing; the same for near things; the root
-        of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual differences that no other entry
-        holds; the mean colours of walls, floors and ceilings; the distribution of depths; the share of sky.
+        A description holds, in this order: the root of the share of each kind of thing; the root of the share of each kind
+        among near things; the root of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual
+        differences that no other entry holds; the mean colours of walls, floors and ceilings; the distribution of depths;
+        the share of sky.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]

@@ -59,7 +59,7 @@ class Claim:
 
     @property
     def opposite(self) -> "Claim":
-        """The claim that holds where this one fails."""
+        """The opposite claim, which holds if this claim fails."""
         pairs = (("<", ">="), (">", "<="), ("==", "!="))
         other = dict(pairs) | {b: a for a, b in pairs}
         return Claim(self.figure, other[self.comparison], self.limit)

@@ -1,4 +1,4 @@
-"""What a SLAM claims about a run. Every claim is optional: what is not claimed is null in the result, never 0."""
+"""The claims that a SLAM makes about a run. Every claim is optional: figures without a claim are null, never 0."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,12 +24,12 @@ class LoopClaims:
     T_match_query: Float64[np.ndarray, "m 4 4"]
     """Measured pose of the query's body in the body frame of the match."""
     weights: Float64[np.ndarray, "m"]
-    """How much the SLAM trusts each loop in the end, in [0, 1]; ones if it makes no difference between loops."""
+    """Final confidence of the SLAM in each loop, in [0, 1]; all ones if the SLAM gives no confidence."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What a SLAM claims, one row for each frame that it makes claims about: its keyframes, or all frames.
+    """The claims of a SLAM about a run, with one row for each frame that they cover: its keyframes, or all frames.
 
     Raises `SimError` for claims whose sizes differ, that are not finite, or that refer to rows that do not exist.
     """
@@ -37,18 +37,18 @@ class Estimate:
     frames: Int[np.ndarray, "n"]
     """`Observation.index` of every frame, ascending."""
     T_W_B: Poses | None = None
-    """Poses of the body. The world frame is the SLAM's own; figures align it with the true one."""
+    """Poses of the body in the SLAM's own world frame, which figures align with the true world frame."""
     labels: Int[np.ndarray, "n"] | None = None
-    """Room of every frame, as an index into the room names that `start` was given."""
+    """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`."""
     baseline_labels: Int[np.ndarray, "n"] | None = None
     """Labels before refinement, if the SLAM refines labels."""
     rooms: Int[np.ndarray, "n"] | None = None
-    """Room instance of every frame, any number from 0 for each instance; -1 for a frame in no room."""
+    """Room instance of every frame, as a number from 0 that the SLAM chooses; -1 for a frame in no room."""
     floors: Int[np.ndarray, "n"] | None = None
     """Number of the floor, 0 for the lowest; -1 for a frame on stairs."""
     loops: LoopClaims | None = None
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
-    """Proposed revisits: for each query row, the rows that it was compared with, the most similar first."""
+    """Proposed revisits: for each query row, the rows of the frames that the query may revisit, the most similar first."""
     similarities: Float64[np.ndarray, "n names"] | None = None
     """Similarity of every frame with every room name; the report shows the largest."""
     encoder: str | None = None

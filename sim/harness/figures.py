@@ -1,4 +1,4 @@
-"""From a run to its result: every figure by its definition in `lexis.evaluation`."""
+"""`check` and `evaluate`: compute the figures of a run, as `lexis.evaluation` defines them."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ from worlds.truth import ambiguity_at, floor_area, openness
 
 _MATCHES = (1, 3, 5)
 _REVISIT = PlaceRecognitionConfig()
-"""From how long ago a frame counts as a possible revisit, the same for every SLAM."""
+"""Least age of a frame that a query may revisit. These settings do not depend on the SLAM."""
 
 
 def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
@@ -54,7 +54,7 @@ def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
 
 
 def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
-    """All figures of a run and of the plans that were driven; a figure that the run cannot have is None."""
+    """Compute all figures of a run and of the driven plans; a figure that the run cannot have is None."""
     scenario = run.scenario
     return RunResult(
         seed=scenario.seed,

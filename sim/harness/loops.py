@@ -1,4 +1,4 @@
-"""Which loop closures of a run are true."""
+"""`edge_truth`: compares the loop closures that a SLAM claims with the true poses."""
 
 import numpy as np
 from jaxtyping import Bool

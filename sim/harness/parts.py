@@ -11,16 +11,16 @@ from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
 TOUR_LENGTH_M = {"home": 140.0}
-"""Usual lengths of tours through houses of a preset, where the kind of tour alone would make them longer [m]."""
+"""Usual length of tours by preset [m]. It limits tours that would visit all rooms of a large house."""
 
 
 def house_spec(scenario: Scenario) -> HouseSpec:
-    """The given house, or the house of preset and seed. Raises `worlds.WorldsError`."""
+    """The scenario's house, or the house of its preset and seed. Raises `worlds.WorldsError`."""
     return scenario.house or sample_house(scenario.preset, scenario.seed)
 
 
 def tour_config(scenario: Scenario) -> TourConfig:
-    """The settings of the tour, with the usual length for the preset where none is requested."""
+    """The settings of the tour, with the usual length for the preset if no length is requested."""
     usual = TOUR_LENGTH_M.get(scenario.preset) if scenario.house is None and scenario.tour_kind == "rooms" else None
     length_m = scenario.length_m if scenario.length_m is not None else usual
     return TourConfig(

@@ -1,4 +1,4 @@
-"""A run as the report's plain data."""
+"""`report_data`: converts a run to the plain data that a report shows."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ _SCORES = 3
 
 
 def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> ReportData:
-    """What `sim.report.write_report` shows of a run."""
+    """Collect the data of a run that `sim.report.write_report` shows."""
     return ReportData(
         result.data(),
         run.room_names,
@@ -56,7 +56,7 @@ def _keyframes(run: Run) -> KeyframeTable:
 
 
 def _room_of_frames(run: Run) -> tuple[str, ...]:
-    """Name of the claimed room instance of every frame; "" for a frame in none."""
+    """Name of the claimed room instance of every frame; "" for a frame in no room."""
     labels, rooms = run.estimate.named_rooms(run.room_names), run.estimate.rooms
     if labels is None or rooms is None:
         return ("",) * len(run.estimate.frames)
@@ -65,7 +65,7 @@ def _room_of_frames(run: Run) -> tuple[str, ...]:
 
 
 def _aligned(poses: Poses, truth: Poses) -> Poses:
-    """Align poses as the ATE does; where there are too few for that, move them so that the first one is true."""
+    """Align poses as the ATE does. If they are too few, move them so that the first pose equals the true first pose."""
     if len(truth) < LEAST_POSES:
         return np.asarray(truth[0] @ inverse(poses[0]) @ poses)
     return np.asarray(align(poses[:, :3, 3], truth[:, :3, 3]) @ poses)
@@ -91,7 +91,7 @@ def _why_failed(run: Run, trial: Trial) -> str:
 
 
 def _room(run: Run, point: Float64[np.ndarray, "3"]) -> str | None:
-    """Id of the room that holds a point of W [m]; None outside of all."""
+    """Id of the room that contains a point in W [m]; None outside of all rooms."""
     room = int(room_at(run.house, point[None])[0])
     return None if room == NOWHERE else run.house.rooms[room].id
 

@@ -21,7 +21,7 @@ class HouseFigures:
 
 @dataclass(frozen=True)
 class WalkFigures:
-    """The tour of a run, and how many frames the SLAM makes claims about."""
+    """The tour of a run, and the number of frames that the SLAM makes claims about."""
 
     path_m: float
     duration_s: float
@@ -35,11 +35,11 @@ class LabelFigures:
 
     accuracy: float | None = None
     accuracy_baseline: float | None = None
-    """Accuracy before refinement."""
+    """Label accuracy before refinement."""
     accuracy_graded: float | None = None
-    """Accuracy if a frame near an open boundary may carry the label of either side."""
+    """Label accuracy if a frame near an open boundary may carry the label of either side."""
     per_room: Mapping[str, float] = field(default_factory=dict)
-    """Accuracy by true label."""
+    """Label accuracy by true label."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class MatchFigures:
 
 @dataclass(frozen=True)
 class CoverageFigures:
-    """How much of the tour the frames of the estimate cover."""
+    """Coverage of the tour by the frames of the estimate."""
 
     rooms_with_keyframe: int
     rooms_walked: int
@@ -129,11 +129,11 @@ class TimeFigures:
     scene_s: float
     render_s: float
     slam_s: float
-    """Time inside the SLAM under test, as the harness measured it."""
+    """Time inside the SLAM under test, as the harness measured it [s]."""
     stages_s: Mapping[str, float]
-    """Time by stage, as the SLAM reports it."""
+    """Time by stage, as the SLAM reports it [s]."""
     realtime_factor: float | None
-    """Duration of the tour over `slam_s`."""
+    """Duration of the tour divided by `slam_s`."""
 
 
 @dataclass(frozen=True)
@@ -143,11 +143,11 @@ class FaultFigures:
     given: tuple[str, ...]
     """The faults in the notation of the command line."""
     frames: Mapping[str, int]
-    """Frames that each fault changed, by its name."""
+    """Number of frames that each fault changed, by the fault's name."""
     delivered: int
-    """Observations that reached the SLAM."""
+    """Number of observations that reached the SLAM."""
     refused: int
-    """Observations that the SLAM refused."""
+    """Number of observations that the SLAM refused."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ class RunResult:
     floors: FloorFigures
     loops: LoopFigures
     place_recognition: Mapping[str, MatchFigures]
-    """By the number of matches per query: "1", "3" and "5"."""
+    """Figures of place recognition by the number of matches per query: "1", "3" and "5"."""
     coverage: CoverageFigures
     trajectory: TrajectoryFigures
     planning: PlanningFigures

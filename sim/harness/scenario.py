@@ -1,4 +1,4 @@
-"""`Scenario`: everything that decides about a run, as one value with a JSON form and a content hash."""
+"""`Scenario`: all settings that determine a run, as one value with a JSON form and a content hash."""
 
 import hashlib
 import json
@@ -43,11 +43,11 @@ class Scenario(Settings, place="scenario", error=SimError):
     seed: Annotated[int, Interval(ge=0, lt=2**63)] = 7
     """Seed of the house (unless given), the tour, the odometry and the faults; each has a random stream of its own."""
     house: HouseSpec | None = None
-    """A house instead of the one that preset and seed describe."""
+    """House of the run. None: the house is sampled from preset and seed."""
     length_m: Annotated[float, Gt(0)] | None = None
     """Requested length of the tour [m]. None: the length that is usual for the preset, or for the kind of tour."""
     tour_kind: TourKind = "rooms"
-    """Where the tour goes; see `TourConfig.kind`."""
+    """Kind of tour through the house; see `TourConfig.kind`."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Observations per second [Hz]. Fewer than two per keyframe leave no landmarks."""
     sway: SwayName = "none"
@@ -55,7 +55,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds before the tour."""
     odometry: str = "multicam"
-    """How the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`."""
+    """Drift of the odometry: a key of `sim.odometry.ODOMETRY_PRESETS`."""
     overconfidence: Annotated[float, Ge(1)] = 1.0
     """Factor by which the odometry's covariances are too small; 1 is honest."""
     fidelity: Fidelity = "render"
@@ -68,7 +68,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     faults: tuple[Fault, ...] = ()
     """Faults in the order in which they act; see `sim.faults`."""
     rig: RigConfig = field(default_factory=RigConfig)
-    """Cameras on the body. The SLAM gets the images of the first pinhole camera, recordings those of all of them."""
+    """Cameras on the body. The SLAM gets the images of the first pinhole camera; recordings contain all pinhole cameras."""
 
     def __post_init__(self) -> None:
         """Raise SimError for values that are not valid, alone or together."""
@@ -119,7 +119,7 @@ class Scenario(Settings, place="scenario", error=SimError):
 
 
 def scenario_of(data: object) -> Scenario:
-    """The scenario in plain data; what the data leaves out keeps its default. Raises `SimError` and `worlds.WorldsError`."""
+    """Build a scenario from plain data; absent fields get defaults. Raises `SimError` and `worlds.WorldsError`."""
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
     if data.get("version") != VERSION:
@@ -135,7 +135,7 @@ def scenario_of(data: object) -> Scenario:
 
 
 def _fault_data(fault: Fault) -> dict[str, Any]:
-    """A fault by name, with those of its fields that differ from their defaults: some defaults are infinite."""
+    """A fault as name and non-default fields: default values are left out, because some are infinite."""
     return {"name": fault.name} | {
         each.name: getattr(fault, each.name) for each in fields(fault) if getattr(fault, each.name) != each.default
     }

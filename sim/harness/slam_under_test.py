@@ -1,4 +1,4 @@
-"""What the harness asks of a SLAM that it tests."""
+"""Interfaces of the SLAM systems that the harness tests."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,11 +29,11 @@ class SlamUnderTest(Protocol):
         """
 
     def finish(self) -> Estimate:
-        """Return what the SLAM claims about the whole run."""
+        """Return the SLAM's claims about the whole run."""
 
 
 def check_slam_methods(slam: object) -> None:
-    """Raise SimError unless `slam` has the methods of a `SlamUnderTest`; the error names the one that is missing."""
+    """Raise SimError unless `slam` has the methods of a `SlamUnderTest`; the error names the missing method."""
     name = slam.__name__ if isinstance(slam, type) else type(slam).__name__
     if isinstance(slam, type):
         raise SimError(f"SLAM under test: {name} is a class; valid: an instance, {name}(...)")
@@ -63,17 +63,17 @@ class SavesFiles(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FeatureInput:
-    """What takes the place of images and of geometric verification in runs of fidelity "features"."""
+    """Replaces images and geometric verification in runs of fidelity "features"."""
 
     model: FeatureModel
     source: str
-    """Where the model was read from, for error messages."""
+    """File or package that the model was read from, for error messages."""
     oracle: bool
-    """Whether embeddings hold the truth instead of what the encoder would make of it."""
+    """Whether embeddings hold the ground truth instead of simulated embeddings of the encoder."""
     verifier: Verifier
 
     def check(self, encoder: Encoder) -> None:
-        """Raise `SimError` unless the embeddings of a run are those of this encoder."""
+        """Raise `SimError` unless the embeddings of the run simulate this encoder."""
         if self.oracle != isinstance(encoder, Oracle):
             raise SimError(f"encoder {encoder.name!r} does not fit the run; valid: the encoder that the scenario names")
         if not self.oracle:

@@ -1,4 +1,4 @@
-"""The part of a run that needs neither images nor a SLAM: the house, the tour through it, and the odometry on that tour."""
+"""The part of a run that needs neither images nor a SLAM: the house, the tour through the house, and the odometry."""
 
 from dataclasses import dataclass
 

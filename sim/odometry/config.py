@@ -12,7 +12,7 @@ from sim.errors import SimError
 
 @dataclass(frozen=True)
 class OdometryConfig(Settings, place="odometry", error=SimError):
-    """How fast the error of simulated odometry grows with the length of the path; see `sim.odometry.simulation`."""
+    """Parameters by which the error of simulated odometry grows with the path's length; see `sim.odometry.simulation`."""
 
     position_walk_m: Annotated[float, Ge(0)] = 0.0
     """White noise of the increments: standard deviation of the position's random walk after 1 m, per axis [m/√m]."""

@@ -1,6 +1,6 @@
 """A simulated inertial sensor in the body frame: `ideal_imu` measures along a motion, `corrupted` adds bias and noise.
 
-The default noise is that of EuRoC's sensor, an ADIS16448, as the calibration files of the dataset state it.
+The default noise parameters are taken from the calibration files of EuRoC, for its sensor ADIS16448.
 """
 
 from dataclasses import dataclass

@@ -84,7 +84,7 @@ def simulate_odometry(
 def _drift(
     R_W_B: Float64[np.ndarray, "m 3 3"], moved: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, "m+1"], Float64[np.ndarray, "m 3"]]:
-    """Return the yaw error at each pose [rad], and each step's translation error in W without those of scale and yaw [m]."""
+    """Return each pose's yaw error [rad], and each step's translation error in W [m] except for errors of scale and yaw."""
     bias = _gauss_markov(rng.standard_normal(4), moved, config.bias_correlation_m, rng)[:-1]
     root = np.sqrt(moved)
     yaw = config.yaw_walk_rad * root * rng.standard_normal(len(moved)) + config.yaw_bias_rad_m * bias[:, 0] * moved
@@ -107,7 +107,7 @@ def _gauss_markov(
 def _covariance(
     T_W_B: Float64[np.ndarray, "n 4 4"], moved: Float64[np.ndarray, "n-1"], config: OdometryConfig
 ) -> Float64[np.ndarray, "n 6 6"]:
-    """Return the covariance of each increment's error: computed in the axes of W, then rotated into those of B."""
+    """Return the covariance of each increment's error: computed in the axes of W, then rotated into the axes of B."""
     step = np.diff(T_W_B[:, :3, 3], axis=0)
     horizontal = np.diag([1.0, 1.0, 0.0])
     kept = np.exp(-moved / config.tilt_correlation_m)

@@ -48,7 +48,7 @@ class Messages:
     def __init__(self, types: Any, latched: Any) -> None:
         self.types = types
         self.latched = latched
-        """Quality of service of latched topics, whose messages late subscribers receive too."""
+        """Quality-of-service profile of latched topics: late subscribers receive earlier messages, too."""
         self._of = {name.rsplit("/", 1)[1]: types.types[name] for name in _TYPES}
 
     @staticmethod
@@ -134,7 +134,7 @@ class Messages:
         )
 
     def pose(self, stamp_ns: int, row: Float64[np.ndarray, "7"]) -> Any:
-        """A pose in the world from a row of position and quaternion x y z w."""
+        """A pose message in the world frame, from a row of position and quaternion x y z w."""
         return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(row))
 
     def odometry(
@@ -148,8 +148,8 @@ class Messages:
     ) -> Any:
         """The odometry: pose and twist with covariances.
 
-        ROS orders covariances translation first and gives that of the pose in the axes of the odometry frame. So both
-        covariances are reordered, and that of the pose is rotated.
+        ROS orders covariances translation first and expects the covariance of the pose in the axes of the odometry frame. So
+        both covariances are reordered, and the covariance of the pose is rotated.
 
         Args:
             stamp_ns: time stamp [ns].

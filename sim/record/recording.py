@@ -45,7 +45,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 )
 
 _BYTES_PER_PIXEL = {"png": 1.5, "jpg": 0.4, "raw": 3.0}
-"""Approximate sizes of images of rendered rooms, for the check of free disk space."""
+"""Approximate size of an image of a rendered room [bytes per pixel], for the check of free disk space."""
 _DEPTH_BYTES_PER_PIXEL = 1.0
 
 

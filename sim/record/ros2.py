@@ -87,7 +87,7 @@ class _Inertial:
         self._next = 0
 
     def until(self, stamp_ns: int) -> None:
-        """Write all measurements up to and including that stamp [ns] that were not written yet."""
+        """Write all measurements not written yet, up to and including the stamp [ns]."""
         imu, config = self._take.imu, self._take.imu_config
         end = int(np.searchsorted(self._take.imu_ns, stamp_ns, side="right"))
         for k in range(self._next, end):

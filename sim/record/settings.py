@@ -21,7 +21,7 @@ _YAML = "%YAML:1.0\n---\n"
 _OPENVINS_JERK_M_S2 = 0.2
 """Standard deviation of the accelerometer above which OpenVINS takes the rest at the start to be over [m/s^2].
 
-It is lower than that for EuRoC, since a walker starts more gently than a drone.
+The value is lower than OpenVINS's value for EuRoC, since a walker starts more gently than a drone.
 """
 
 

@@ -31,7 +31,7 @@ EPOCH_NS = 10**18
 REST_S = 2.0
 """Duration of the rest at the start [s]."""
 _MARGIN_S = 0.1
-"""The IMU starts this long before the first frame and stops this long after the end of the walk [s]."""
+"""Time by which the IMU starts before the first frame and stops after the end of the walk [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +40,12 @@ class RecordedFrame:
 
     stamp_ns: int
     observation: Observation
-    """Input of LEXIS; its image is that of the first camera."""
+    """Input of LEXIS, with the image of the first camera."""
     truth: Truth
     images: Mapping[str, Image]
-    """Images by camera name, including that of the first camera."""
+    """Images of all cameras, the first camera included, by camera name."""
     depth: Float32[np.ndarray, "h w"] | None
-    """Depth of the first camera along its optical axis [m]; None if it was not asked for."""
+    """Depth of the first camera along its optical axis [m]; None if it was not requested."""
 
 
 @dataclass(frozen=True, eq=False)

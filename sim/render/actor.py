@@ -14,4 +14,4 @@ class Actor(ABC):
 
     @abstractmethod
     def solids_at(self, stamp: float, T_W_B: Float64[ndarray, "4 4"]) -> Sequence[Solid]:
-        """Return its shape and place at time `stamp` [s], while the body that carries the camera is at `T_W_B`."""
+        """Return the actor's shape and place at time `stamp` [s], while the body that carries the camera is at `T_W_B`."""

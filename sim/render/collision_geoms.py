@@ -14,9 +14,9 @@ from worlds.visuals.surfaces import rectangles
 GROUP = 3
 """Geom group of the collision geoms. Viewers hide this group by default."""
 _FLOOR_M = 0.1
-"""Thickness of the floors."""
+"""Thickness of the floors [m]."""
 _LEAST_M = 1e-3
-"""Smallest half size of a geom, because MuJoCo needs positive sizes."""
+"""Smallest half size of a geom [m], because MuJoCo needs positive sizes."""
 _TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,

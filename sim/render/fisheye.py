@@ -17,7 +17,7 @@ from sim.errors import SimError
 from sim.render.raster import NO_GEOM, Raster, RenderedFrame
 
 _RIM_PX = 2
-"""Border by which each face is wider than 90 degrees, so that all pixels of a bilinear interpolation lie in one face."""
+"""Border of each face beyond 90 degrees [px], so that all pixels of a bilinear interpolation lie in one face."""
 _FACES = np.array(
     [
         [[1, 0, 0], [0, 1, 0], [0, 0, 1]],  # ahead

@@ -18,9 +18,9 @@ _ITERATIONS = 30
 _RESIDUAL = 1e-9
 """Largest error of the inverted distortion, on the image plane at distance 1."""
 _MARGIN_PX = 2
-"""Margin of the pinhole image beyond the outermost point that is looked up, for interpolation."""
+"""Margin of the pinhole image beyond the outermost point that is looked up [px], for interpolation."""
 _WIDEST = 4
-"""The pinhole that is rendered has at most this many times the width and height of the image."""
+"""Largest width and height of the rendered pinhole image, as multiples of the distorted image's width and height."""
 _STEPS = 50
 """Number of points between the centre and the border at which the distortion is tested for folds."""
 
@@ -109,7 +109,7 @@ class Distortion:
 
 
 class Lens:
-    """Distorts images of the wider camera `pinhole` into those of a camera with the given intrinsics and distortion.
+    """Distorts images of the wider camera `pinhole`, as if taken by a camera with the given intrinsics and distortion.
 
     Raises `SimError` if the distortion cannot be inverted in the image, or if it needs too wide a pinhole.
     """
@@ -138,7 +138,7 @@ class Lens:
         return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
 
     def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
-        """Distort depth or ids of the pinhole. It takes the nearest pixel, as mixtures of depths or ids would be wrong."""
+        """Distort depth or ids of the pinhole. Pixels take the nearest value: mixtures of depths or ids would be wrong."""
         u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
         return np.asarray(values[v, u])
 

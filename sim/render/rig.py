@@ -23,7 +23,7 @@ from worlds.parts import Vector
 from worlds.valid_names import did_you_mean
 
 STEREO_BASELINE_M = 0.11
-"""Baseline of the paper's Alphasense and of EuRoC's stereo camera."""
+"""Baseline of the paper's Alphasense and of EuRoC's stereo camera [m]."""
 LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
@@ -47,7 +47,7 @@ class Rig:
 
     @property
     def size_px(self) -> tuple[int, int]:
-        """Width and height into which every image fits."""
+        """Width and height into which every image fits [px]."""
         images = [*(camera.intrinsics for camera in self.cameras.values()), *(eye.face for eye in self.fisheyes.values())]
         return max(image.width for image in images), max(image.height for image in images)
 
@@ -77,7 +77,7 @@ def build_rig_scene(house: House, rig: Rig) -> Scene:
 
 @dataclass(frozen=True)
 class RigConfig(Settings, place="rig", error=SimError):
-    """A rig as plain data: a preset of `RIGS`, the size of its images, and where it sits on the body."""
+    """A rig as plain data: a preset of `RIGS`, the size of its images, and its mounting on the body."""
 
     name: str = "wide"
     width: Annotated[int, Ge(16)] = 480
@@ -151,7 +151,7 @@ the recording formats support pinholes only, so LEXIS receives the pinhole's ima
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:
-    """Return the same camera at another place of the body, rotated about the body's z axis."""
+    """Return the camera at another place of the body, rotated about the body's z axis."""
     T_B_B = np.eye(4)
     T_B_B[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
     T_B_B[:2, 3] = x_m, y_m
@@ -161,7 +161,7 @@ def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.
 class RigRenderer:
     """Renders all cameras of a rig from poses of the body, with one GL context. Use it as a context manager or call `close`.
 
-    Raises `GraphicsError` where there is no off-screen OpenGL, or where the scene was built for smaller images.
+    Raises `GraphicsError` if off-screen OpenGL is missing, or if the scene was built for smaller images.
     """
 
     def __init__(self, scene: Scene, rig: Rig) -> None:
@@ -170,7 +170,7 @@ class RigRenderer:
         self._fisheyes = {name: FisheyeRenderer(self._raster, eye) for name, eye in rig.fisheyes.items()}
 
     def rgb(self, T_W_B: Pose) -> dict[str, UInt8[np.ndarray, "h w 3"]]:
-        """Render the images of all cameras, by name, fisheyes last."""
+        """Render the images of all cameras and return them by camera name, fisheyes last."""
         images = {name: self._raster.rgb(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
 

@@ -73,9 +73,9 @@ class Scene:
     model: "mujoco.MjModel"
     data: "mujoco.MjData"
     object_of_geom: tuple[str, ...]
-    """Name of what each geom belongs to: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    """Owner of each geom: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
     merged: tuple[Merged, ...]
-    """Meshes to draw in place of the geoms. In the model they come after the meshes of the geoms."""
+    """Meshes to draw in place of the geoms. In the model, these meshes come after the meshes of the geoms."""
     visibility: Visibility
 
 

@@ -26,7 +26,7 @@ from worlds.walls import WALL_THICKNESS_M
 Cells = frozenset[int]
 """Indices into `House.rooms`. The index `len(House.rooms)` is the cell of everything outdoors."""
 _MARGIN_M = 0.1
-"""Margin by which openings are enlarged."""
+"""Margin by which openings are enlarged [m]."""
 _TOLERANCE_M = 0.01
 """Least depth to which an object must reach into a cell to count as inside that cell [m]."""
 
@@ -54,7 +54,7 @@ class _View:
     up: float
 
     def through(self, box: _Box, x: float, y: float, z: float) -> "_View | None":
-        """Clip the view from a point by an opening; None if nothing of it is left."""
+        """Clip the view from a point to an opening; None if the opening is out of view."""
         across, along = max(box.x0 - x, x - box.x1, 0.0), max(box.y0 - y, y - box.y1, 0.0)
         nearest = math.hypot(across, along)
         if nearest == 0.0:
@@ -75,7 +75,7 @@ _ALL_AROUND = _View(-10.0, 10.0, -math.inf, math.inf)
 
 
 class Visibility:
-    """The cells of a house and the openings between them, for queries of what a camera may see."""
+    """The cells of a house and the openings between them; finds the cells that a camera may see."""
 
     def __init__(self, house: House) -> None:
         self.outdoors = len(house.rooms)

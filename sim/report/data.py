@@ -11,7 +11,7 @@ from sim.errors import SimError
 from worlds.spec import OpeningKind
 
 UNKNOWN = -1
-"""In the place of a label that the SLAM does not claim."""
+"""Index that replaces a label that the SLAM does not claim."""
 Outline = Float64[np.ndarray, "corners 2"]
 """A polygon of the floor plan, in W [m]."""
 
@@ -71,16 +71,16 @@ class KeyframeTable:
     """Time stamps [s]."""
     true_poses: Float64[np.ndarray, "n 4 4"]
     odometry_poses: Float64[np.ndarray, "n 4 4"]
-    """Aligned to the truth as for the ATE. The optimised poses are aligned in the same way, so that both can be compared."""
+    """Poses of the odometry, aligned to the truth as for the ATE. The optimised poses are aligned in the same way."""
     optimised_poses: Float64[np.ndarray, "n 4 4"]
     storeys: Int[np.ndarray, "n"]
-    """Level of the storey that the keyframe is truly on."""
+    """Level of the storey that truly contains the keyframe."""
     true_labels: Int[np.ndarray, "n"]
-    """Index into `ReportData.label_names`, as for the two fields below."""
+    """True label of the room, as an index into `ReportData.label_names`."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Predicted from the keyframe's image alone."""
+    """Label predicted from the keyframe's image alone, as an index into `ReportData.label_names`."""
     predicted_labels: Int[np.ndarray, "n"]
-    """Predicted after refinement."""
+    """Label predicted after refinement, as an index into `ReportData.label_names`."""
     true_rooms: tuple[str, ...]
     """Name of the room instance that contains the camera."""
     predicted_rooms: tuple[str, ...]
@@ -134,7 +134,7 @@ class PlanPath:
     success: bool | None = None
     """Whether the robot reached the goal; None if the plan was not driven."""
     reason: str = ""
-    """Why the robot did not reach the goal."""
+    """Reason why the robot did not reach the goal; empty if the robot reached it."""
     ended: str | None = None
     """Name of the room that the robot ended in; None if it ended outside of all rooms or the plan was not driven."""
     shortest_m: float | None = None
@@ -142,7 +142,7 @@ class PlanPath:
 
     @property
     def driven_m(self) -> float:
-        """Length of the path [m]."""
+        """Length of the path that the robot drove [m]."""
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
 

@@ -29,7 +29,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Style:
-    """How marks look on a white background."""
+    """Style of marks on a white background: colours, strokes and sizes."""
 
     fill: str | None = None
     fill_opacity: float = 1.0

@@ -9,7 +9,7 @@ MISSING = "–"
 
 @dataclass(frozen=True)
 class Definition:
-    """How reports show one figure of result.json."""
+    """Name, number format and meaning that reports show for one figure of result.json."""
 
     name: str
     form: str

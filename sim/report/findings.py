@@ -13,9 +13,9 @@ from sim.report.data import KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
-"""Share of the walk from which on the map counts as complete, so that the report does not mention uncovered parts."""
+"""Least covered share of the walk at which the map counts as complete; the report then mentions no uncovered parts."""
 _STRETCHES_M = (8.0, 24.0)
-"""Lengths of path over which the relative pose error is reported [m]; the same as in result.json."""
+"""Lengths of path over which the relative pose error is reported, as in result.json [m]."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def _extent(result: Mapping[str, Any]) -> str | None:
 
 
 def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
-    """Name the rooms on the walk that contain no keyframe, since the figures do not cover them. None if there are none."""
+    """Sentence that names the rooms on the walk without a keyframe, which the figures do not cover; None if all have one."""
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]

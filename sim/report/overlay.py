@@ -11,11 +11,11 @@ from sim.report.drawing import Mark
 from worlds.truth import storey_of
 
 _HEADING_M = 0.28
-"""Length of the tick that shows where a keyframe's camera looks."""
+"""Length of the tick that shows where a keyframe's camera looks [m]."""
 _CROSS_M = 0.16
-"""Half the width of the cross where a failed plan ended."""
+"""Half the width of the cross where a failed plan ended [m]."""
 _NUMBER_M = 0.3
-"""Height of the number beside the cross."""
+"""Height of the number beside the cross [m]."""
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:

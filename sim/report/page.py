@@ -30,7 +30,7 @@ _ENVIRONMENT = jinja2.Environment(
 )
 
 _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
-"""Limits on the metres of plan across the page: with fewer the plan looks coarse, with more it is too small to read."""
+"""Least and largest width of plan across the page [m]: narrower plans look coarse, wider plans are too small to read."""
 
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),

@@ -1,4 +1,4 @@
-"""One colour per room label, the same in every picture of a report."""
+"""Assigns one colour to each room label, for all pictures of a report."""
 
 from collections.abc import Iterable
 

@@ -15,7 +15,7 @@ _INSET_M = 0.16
 _SCALE_M = 2.0
 _LEAST_TEXT_M = 0.02
 _SAMPLE_M = 0.6
-"""Length of the symbols in the legend."""
+"""Length of the symbols in the legend [m]."""
 _LEGEND_TEXT_M = 0.2
 _GLYPH_ASPECT = 0.58  # width over height of an average letter
 

@@ -16,10 +16,10 @@ from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import SHARE
 
 SUBSTANTIAL = 0.2
-"""Smallest share of a true room's keyframes in a predicted room elsewhere that is reported as a loss."""
+"""Least share of a true room's keyframes in a predicted room lying mostly elsewhere that is reported as a loss."""
 
 Groups: TypeAlias = dict[str, tuple[str, ...]]
-"""Maps the name of a true or predicted room to names of rooms of the other kind."""
+"""Maps the name of a true room to names of predicted rooms, or the name of a predicted room to names of true rooms."""
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class RoomErrors:
     """Errors in a partition of keyframes into rooms."""
 
     splits: Groups
-    """True rooms, each with the two or more predicted rooms that lie mostly (> half) in it."""
+    """True rooms, each with two or more predicted rooms that have more than half of their keyframes in the true room."""
     merges: Groups
-    """Predicted rooms, each with the two or more true rooms that lie mostly (> half) in it."""
+    """Predicted rooms, each with two or more true rooms that have more than half of their keyframes in this room."""
     partial_losses: Groups
-    """True rooms that are part of no merge, each with the predicted rooms that contain a substantial share of it but lie
-    mostly elsewhere."""
+    """True rooms that are part of no merge, each with the predicted rooms that hold at least `SUBSTANTIAL` of its keyframes
+    but lie mostly in other true rooms."""
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
@@ -63,6 +63,6 @@ def _numbered(rooms: Sequence[str]) -> tuple[list[str], Int[np.ndarray, "n"]]:
 
 
 def _groups(belongs: Bool[np.ndarray, "a b"], names: Sequence[str], others: Sequence[str], least: int) -> Groups:
-    """Map the name of each row to its columns with a true entry; rows with fewer than `least` of them are left out."""
+    """Map the name of each row to its columns with a true entry; rows with fewer than `least` such columns are left out."""
     rows = zip(names, belongs, strict=True)
     return {name: tuple(compress(others, row)) for name, row in rows if row.sum() >= least}

@@ -12,9 +12,9 @@ from worlds.house import House
 RADIUS_M = 0.22
 HEIGHT_M = 1.5
 STEP_M = 0.25
-"""Largest height of a step that the legs can climb."""
+"""Largest height of a step that the legs can climb [m]."""
 _CLEAR_OF_GROUND_M = 0.03
-"""Height at which the body begins, so that it never touches the floor it stands on."""
+"""Height at which the body begins [m], so that it never touches the floor it stands on."""
 _ROBOT = "robot"
 _OBSTACLE, _GROUND = 1, 2
 """Bits of contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them also

@@ -19,30 +19,30 @@ from sim.robot.local_map import LocalMap
 from sim.robot.route import Route
 
 STEP_S = 0.1
-"""Time between two control steps."""
+"""Time between two control steps [s]."""
 SPEED_M_S = 0.7
 _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
 HORIZON_M = 1.7
-"""Length of the route that local planning considers."""
+"""Length of the route that local planning considers [m]."""
 _KEEP_M = RADIUS_M + 0.05
-"""Clearance of the straight line to the next target on a local path, if possible."""
+"""Clearance of the straight line to the next target on a local path, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
-"""Clearance of local paths. They are closer to obstacles only if no other path exists."""
+"""Clearance of local paths [m]. They are closer to obstacles only if no other path exists."""
 _REACH = 6
-"""Number of cells of the local path to look ahead."""
+"""Number of cells of the local path by which the robot looks ahead."""
 _EASY_M = RADIUS_M + 0.15
-"""Clearance at which the route itself is followed. With less, a local path is planned, which prefers more clearance."""
+"""Clearance at which the route itself is followed [m]. With less, a local path is planned, which prefers more clearance."""
 _CLOSE_M = RADIUS_M + 0.02
-"""Clearance below which the robot does not move closer to an obstacle."""
+"""Clearance below which the robot does not move closer to an obstacle [m]."""
 _REPLAN_M = 0.16
-"""Distance after which the local path is planned again."""
+"""Distance after which the local path is planned again [m]."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
-"""The robot has arrived if it is this close to the end in the plan, and if at most `_NEARLY_M` of the route is left."""
+"""Largest distance from the end in the plan, and largest length of route left, at which the robot has arrived [m]."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
-"""Length of route that is skipped after `_HESITATION_S` without progress. After `_PATIENCE_S` the robot gives up."""
+"""Length of route that is skipped after `_HESITATION_S` without progress [m]. After `_PATIENCE_S` the robot gives up."""
 
 
 class Controller:
@@ -112,7 +112,7 @@ class Controller:
         return np.asarray(following[0])
 
     def _nearest(self, here: Float64[np.ndarray, "2"]) -> int:
-        """Return the index of the nearest point of the local path; 0 if there is none yet."""
+        """Return the index of the nearest point of the local path; 0 before the first local path."""
         return int(np.argmin(((self._path - here) ** 2).sum(axis=1))) if len(self._path) else 0
 
     def _forward(self, here: Float64[np.ndarray, "2"], heading: float, error: float) -> float:

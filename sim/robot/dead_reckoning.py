@@ -13,7 +13,7 @@ _BLOCK = 512
 class DeadReckoning:
     """An estimated pose (x, y, yaw) in the plan, to which increments of the true motion are added with errors.
 
-    The error model is that of `simulate_odometry`, limited to the plan; here the trajectory is not known in advance. The
+    Errors follow the model of `simulate_odometry`, limited to the plan; here the trajectory is not known in advance. The
     errors of scale and the biases are drawn for each instance.
     """
 

@@ -15,13 +15,14 @@ from worlds.house import House
 from worlds.truth import NOWHERE, room_at
 
 _SCAN_EVERY_M = 0.1
+"""Distance between two scans [m]."""
 _SCAN_EVERY_S = 0.5
-"""A scan is made after this distance, or after this time if the robot is slower."""
+"""Longest time between two scans, for a slow robot [s]."""
 _LEAST_TIME_S = 60.0
 _TIME_FACTOR = 4.0
-"""Time limit of a drive: this factor times the time that the route takes at full speed, plus `_LEAST_TIME_S`."""
+"""The time limit of a drive is `_TIME_FACTOR` times the time of the route at full speed, plus `_LEAST_TIME_S` [s]."""
 _KNEE_M = 0.3
-"""Height above the foot at which the room is looked up, so that a floor's thickness does not matter."""
+"""Height above the foot at which the room is looked up [m], so that a floor's thickness does not matter."""
 DROP = "drop"
 """Name in `Drive.touched` for a place without ground."""
 
@@ -35,7 +36,7 @@ class Drive:
     room: str | None
     """Id of the room in which the robot ended; None if it ended in no room."""
     length_m: float
-    """Length of the path driven, in 3-D."""
+    """Length of the path driven, in 3-D [m]."""
     touched: tuple[str, ...]
     """Names of the geoms that the robot touched, or `DROP`. The first contact ends the drive."""
 

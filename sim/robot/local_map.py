@@ -19,7 +19,7 @@ from lexis.maths.ties import rounded
 CELL_M = 0.08
 """Side length of a cell of the grid on which local paths are planned [m]."""
 _FINE = 4
-"""Divisions of a cell to which obstacle points are rounded."""
+"""Number of divisions of a cell's side. Obstacle points are rounded to this finer grid."""
 _HALF = 22
 """Number of cells on either side of the robot's cell."""
 _N = 2 * _HALF + 1
@@ -32,11 +32,11 @@ _PREFERRED_M = 0.25
 """Preferred clearance in addition to the least distance from obstacles [m]; more clearance lowers the cost no further."""
 _BLOCKED = 1000.0
 """Cost of a metre of path below the least distance from obstacles. The cost is finite, so that a path is always found, but
-any path outside is preferred."""
+any path that keeps the distance is preferred."""
 _CROWDING = 5.0
 """Additional cost of a metre of path at the least distance from obstacles."""
 _MISS_COST = 30.0
-"""Cost of every metre between the path's end and the target. It exceeds the cost of a metre at the least distance."""
+"""Cost per metre between the path's end and the target. It exceeds the cost per metre at the least distance."""
 _STRAYED_M = 0.3
 """Distance from the route that costs nothing, because drift explains it [m]."""
 _STRAYING = 20.0

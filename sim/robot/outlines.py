@@ -38,7 +38,7 @@ def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["
 
 
 def _add_railing(spec: "mujoco.MjSpec", flight: Stairs, height_m: float) -> list["mujoco.MjsGeom"]:
-    """Add boxes for the posts of a railing and for what they carry."""
+    """Add boxes for the posts and the rails of a railing."""
     geoms = []
     for part in flight.railing:
         (x, y, z), (width, depth, height) = part.centre, part.size

@@ -5,9 +5,9 @@ from jaxtyping import Float64
 
 _SAMPLE_M = 0.1
 _LEVEL_M = 0.3
-"""Heights that differ by no more than this belong to one storey. Part of it allows for errors of the map."""
+"""Largest difference in height within one storey [m]. Part of it allows for errors of the map."""
 _WINDOW_M = 0.8
-"""Length ahead in which the nearest point is searched. It is short, as a route may pass close to itself, e.g. on stairs."""
+"""Length of route ahead in which the nearest point is searched [m]; short, as routes may pass close to themselves."""
 
 
 class Route:
@@ -37,11 +37,11 @@ class Route:
         self._at += int(np.argmin(((window - position) ** 2).sum(axis=1)))
 
     def skip(self, metres: float) -> None:
-        """Skip a stretch of this length that cannot be followed, unless it is on stairs."""
+        """Skip a stretch of `metres` that cannot be followed, unless it is on stairs."""
         later = min(self._at + round(metres / _SAMPLE_M), len(self.points) - 1)
         if np.ptp(self._heights[self._at : later + 1]) <= _LEVEL_M:
             self._at = later
 
     def ahead(self, metres: float) -> Float64[np.ndarray, "j 2"]:
-        """Return the points of the next stretch of this length, from the present progress."""
+        """Return the route's points in the next `metres`, from the present progress."""
         return self.points[self._at : self._at + round(metres / _SAMPLE_M) + 1]

@@ -18,7 +18,7 @@ _DEEP_M = 20.0
 _EVERY = 2
 """Every second beam also has downward rays at its bearing."""
 _TREAD_M = 0.18
-"""Length over which the ground may rise or fall by `STEP_M`, as on the steepest stairs [m]."""
+"""Length of ground over which the height may change by `STEP_M`: the depth of a tread of the steepest stairs [m]."""
 
 
 class RangeScanner:

@@ -11,7 +11,7 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class NearbyBoxes:
-    """Pairs of a path point and a nearby upright box. Distances are computed for the points' present places."""
+    """Pairs of a path point and a nearby upright box. Methods take the points' present places."""
 
     points: int
     """Number of points."""
@@ -37,12 +37,12 @@ class NearbyBoxes:
         return NearbyBoxes(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
 
     def and_also(self, other: "NearbyBoxes") -> "NearbyBoxes":
-        """Return the pairs of both, which have to be about the same points."""
+        """Return the pairs of both objects, which must have equal points."""
         pairs = [(getattr(self, name), getattr(other, name)) for name in ("point", "centre", "half", "axes")]
         return NearbyBoxes(self.points, *(np.concatenate(pair) for pair in pairs))
 
     def without(self, points: Int[np.ndarray, "k"]) -> "NearbyBoxes":
-        """Return the pairs of all points other than these."""
+        """Return the pairs of all points except the given ones."""
         keep = ~np.isin(self.point, points)
         return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 

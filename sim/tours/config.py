@@ -1,4 +1,4 @@
-"""Settings of a tour: where it goes, and how it is walked."""
+"""Settings of a tour: its route, and the motion of the walker along that route."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal, get_args
@@ -16,7 +16,7 @@ TOUR_KINDS: tuple[TourKind, ...] = get_args(TourKind)
 
 @dataclass(frozen=True)
 class TourConfig(Settings, place="tour", error=SimError):
-    """Where a tour goes, and the speeds, turns and gait with which it is walked."""
+    """Settings of a tour: its kind and length, and the speeds, turn rates and gait of the walker."""
 
     kind: TourKind = "rooms"
     """rooms: through every room, the lowest storey first, and once more through the lowest storey. both ways: through
@@ -28,9 +28,9 @@ class TourConfig(Settings, place="tour", error=SimError):
     circuit_m: Annotated[float, Gt(0)] | None = None
     """Length of the loop's circuit [m]. None: 40, or less in a small house."""
     laps: Annotated[int, Ge(1)] = 3
-    """Laps of the loop where no length is requested."""
+    """Laps of the loop if no length is requested."""
     lane_m: Annotated[float, Ge(0.3)] = 1.0
-    """Distance between the lawn-mower's lanes [m]; it grows where the requested length is too short for so many."""
+    """Distance between the lawn-mower's lanes [m]; it grows if the requested length is too short for lanes this close."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Images per second [Hz]."""
     speed_m_s: Annotated[float, Gt(0)] = 0.7
@@ -42,15 +42,15 @@ class TourConfig(Settings, place="tour", error=SimError):
     eye_height_m: Annotated[float, Gt(0)] = 1.4
     """Height of the body frame above the walked surface [m]."""
     glance_rad: float = 0.3
-    """How far the camera turns away from the direction of the path, to either side, about once in 4 m in rooms [rad]."""
+    """Largest angle by which the camera glances to either side of the path, about once in 4 m in rooms [rad]."""
     pitch_on_stairs: bool = False
     """Whether the camera pitches with the slope of stairs. If False, it stays level."""
     sway: SwayName = "none"
-    """The gait that is added to the motion; it fades out where the body stands."""
+    """The gait that is added to the motion; it fades out while the body stands still."""
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds first, so that visual-inertial systems can initialise."""
     prefer_clearance_m: float = 0.6
-    """Distance kept from obstacles where there is room [m]."""
+    """Distance kept from obstacles if there is enough free space [m]."""
 
     @property
     def limits(self) -> Limits:

@@ -23,32 +23,32 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable, polyline_length
 
 SMOOTHED = 0.95
-"""Typical length of a smooth path as a share of its length over the graph."""
+"""Typical length of a smooth path, divided by its length along the walkable graph."""
 _SCATTER_M = 0.25
-"""Repeated visits pass within this distance of a stop, so that revisits do not have the very same viewpoint."""
+"""Largest distance of a repeated visit from its stop [m]. It is above 0, so that revisits have other viewpoints."""
 _CIRCUIT_M = 40.0
 """Default length of one lap of a `loop` tour [m]."""
 _PLACES = 48
 """Number of places that a random tour draws from."""
 _WIDER = 1.25
-"""Factor by which the lanes of a lawn-mower tour are spaced wider until the tour is short enough."""
+"""Factor on the lane spacing of a lawn-mower tour, applied repeatedly until the tour is short enough."""
 _WIDEST_M = 6.0
 _SHORTEST_LAP_M = 2.0
 """Least length of a lap that is repeated [m]; to repeat a shorter lap would be to walk on the spot."""
 _NEAR_ENOUGH_M = 0.15
-"""Detours whose lengths differ by less than this from the best one count as equally good."""
+"""Largest difference in length between the best detour and detours that count as equally good [m]."""
 _DRAWN = 0.3
 """Clearance [m] that a detour may lose for each metre that it is nearer to the next stop of the tour."""
 
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to visit, without the return to the first one at the end."""
+    """Nodes of the walkable graph to visit, without the return to the first node at the end."""
 
     first: Sequence[int]
     """Nodes that are always visited."""
     again: Sequence[int]
-    """Nodes that are visited next, repeatedly, as far as the length allows."""
+    """Nodes that are visited next, repeatedly, until the requested length is used up."""
     default_repeats: int
     """Number of repeated visits if no length is requested."""
     distance: Callable[[int, int], float]
@@ -57,7 +57,7 @@ class Itinerary:
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """Plans tours of one kind. Lengths are measured over the graph, before the path is smoothed."""
+    """Plans tours of one kind. Lengths are measured along the walkable graph, before the path is smoothed."""
 
     house: House
     walkable: Walkable
@@ -74,7 +74,7 @@ class Planner:
         return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
 
     def nodes(self, length_m: float | None) -> list[int]:
-        """Return the nodes to visit in order, from home back to home.
+        """Return the nodes to visit in order, from home, the first node, back to home.
 
         The tour is about `length_m` long (None: the kind's own length), or longer if no tour of the kind is that short.
         """

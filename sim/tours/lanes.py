@@ -8,13 +8,13 @@ from jaxtyping import Float64, Int
 from worlds.walkable import Walkable
 
 _SHORTEST_M = 0.4
-"""Shorter free stretches of a lane are left out."""
+"""Least length of a free stretch of a lane; shorter ones are left out [m]."""
 
 
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
     """Return the nodes at both ends of each free stretch of each lane, room by room.
 
-    Each room is entered at the corner nearest to the end of the room before.
+    Each room is entered at the corner nearest to the end of the lanes of the previous room.
     """
     route: list[int] = []
     for room in rooms:

@@ -76,7 +76,7 @@ class Motion:
         return self.attitude(t)[:, 2]
 
     def yaw_rate(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-        """Return the rate of yaw [rad/s]."""
+        """Return the yaw rate [rad/s]."""
         return self.attitude(t, 1)[:, 2]
 
     def attitude(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 3"]:
@@ -113,7 +113,7 @@ class Motion:
 
 
 def _turned(v: Float64[np.ndarray, "n 3"], yaw: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-    """Rotate vectors from the level body frame to W."""
+    """Rotate vectors from the level body frame into W."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.stack([cos * v[:, 0] - sin * v[:, 1], sin * v[:, 0] + cos * v[:, 1], v[:, 2]], axis=-1)
 

@@ -31,9 +31,9 @@ def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[lis
 
 
 def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: bool = False) -> list[int]:
-    """Drop the stops that cost most length until the lap with its way home is no longer than `most_m`.
+    """Drop the stops that cost most length until the lap with its return path is no longer than `most_m`.
 
-    Each room keeps one stop, so the result may be longer than that.
+    Each room keeps one stop, so the result may be longer than `most_m`.
     """
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
     left, per_room = list(lap), Counter(room_of[stop] for stop in lap)
@@ -52,7 +52,7 @@ def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
 
 
 def shortened_by_moving_stops(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
-    """Keep one stop a room and move each to the place in its room where the lap becomes shortest.
+    """Keep one stop per room, and move each stop to the place in its room at which the lap becomes shortest.
 
     Even stops move while odd ones stay, then the reverse, then even ones again: the best place depends on the neighbours.
     Returns the moved stops and the lap through them.

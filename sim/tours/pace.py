@@ -16,16 +16,16 @@ from sim.tours.motion import DEGREE, Motion
 from sim.tours.sway import Sway
 
 _KNOT_S = 0.05
-"""Time between control points before stretching."""
+"""Time between control points before stretching [s]."""
 _TANGENTIAL, _LATERAL = 0.7, 0.7
-"""Shares of the acceleration limit for changing speed and for turning. Both together keep it: 0.7² + 0.7² < 1."""
+"""Shares of the acceleration limit for changing speed and for turning. Together they keep the limit: 0.7² + 0.7² < 1."""
 _ROUNDS = 25
 _SLOWER = 0.93
-"""Margin by which bounds are lowered further than the excess requires, so that few rounds suffice."""
+"""Additional factor on speeds that are lowered because of an excess, so that few rounds suffice."""
 _ROUNDING = 1e-9
-"""Relative excess that counts as none."""
+"""Largest relative excess over a limit that is ignored as rounding."""
 _GAIT_S = 0.6
-"""Time over which the speed is averaged to scale the sway."""
+"""Time over which the speed is averaged to scale the sway [s]."""
 _DIGITS = 9
 """Decimals of the gait. Sums that BLAS computes differ between processors in their last bits."""
 
@@ -37,7 +37,7 @@ class Limits:
     speed_m_s: float = 0.7
     acceleration_m_s2: float = 1.5
     turn_rate_rad_s: float = 1.2
-    """Limit of the rate of yaw and pitch together."""
+    """Limit of the rate of yaw and pitch together [rad/s]."""
     turn_acceleration_rad_s2: float = 4.0
 
 

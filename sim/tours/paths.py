@@ -21,17 +21,17 @@ class KnownPaths:
     _known: dict[tuple[int, int], Float64[np.ndarray, "k 3"]] = field(default_factory=dict)
 
     def leg(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:
-        """Return the path from node `a` to node `b` in W [m]. Raises `UnreachableError` if there is none."""
+        """Return the path from node `a` to node `b` in W [m]. Raises `UnreachableError` if no path exists."""
         if (a, b) not in self._known:
             self._known[a, b] = self._found(a, b)
         return self._known[a, b]
 
     def length(self, a: int, b: int) -> float:
-        """Return the length of that path [m]."""
+        """Return the length of the path from node `a` to node `b` [m]."""
         return polyline_length(self.leg(a, b))
 
     def line(self, nodes: Sequence[int]) -> Float64[np.ndarray, "k 3"]:
-        """Return the path through nodes in order."""
+        """Return the path in W through the nodes in order [m]."""
         return np.concatenate([self.leg(a, b) for a, b in pairwise(nodes) if a != b])
 
     def _found(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:

@@ -21,11 +21,11 @@ from sim.tours.clearance import NearbyBoxes
 from worlds.walkable import Walkable
 
 STEP_M = 0.01
-"""Distance between the points of a smooth path."""
+"""Distance between the points of a smooth path [m]."""
 _BAND_STEP_M = 0.05
-"""Distance between the points of the band."""
+"""Distance between the points of the band [m]."""
 _PER_STEP = 5
-"""Points of the spline per step of the band."""
+"""Number of points of the spline per step of the band."""
 _STIFFNESS = 6.0**4
 """Weight of bending. With k⁴ the band rounds a corner over about k of its steps to either side."""
 _PENALTY = 3.0
@@ -35,21 +35,23 @@ _DIGITS = 6
 """Decimals (micrometres) kept after every iteration. LAPACK's last bits differ between processors, and corners of obstacles
 would amplify the difference to metres."""
 _AT_STAIRS = 3.0
+"""Weight that holds the band to the line near stairs; elsewhere on the floor, this weight is 1."""
 _ON_STAIRS = 20.0
+"""Weight that holds the band to the line on stairs."""
 _PINNED = 1e4
-"""Weights that hold the band to the line: near stairs, on stairs and where the line turns back. Elsewhere they are 1."""
+"""Weight that holds the band to the line at the points at which the line turns back."""
 _SPARE_M = (0.01, 0.05)
-"""Smallest and largest clearance that the band keeps in addition to the body's radius."""
+"""Smallest and largest clearance that the band keeps in addition to the body's radius [m]."""
 _NEEDED_M = 0.002
-"""Clearance of the path in addition to the radius, because the spline over time cuts corners by about a millimetre."""
+"""Clearance of the path in addition to the radius [m], because the spline over time cuts corners by about a millimetre."""
 _REACH_M = 0.3
-"""Distance that the band may move from the line. Obstacles are looked for within it."""
+"""Largest distance that the band may move from the line [m]. Obstacles are searched as far as this requires."""
 _BLEND = 8
-"""Steps of the band over which the path is blended back to the line."""
+"""Number of steps of the band over which the smooth path is blended into the line."""
 _SLOPE_STEPS = 5
 """Width, in steps, of the moving average that rounds the foot and head of stairs; it is applied twice."""
 _TURNS_BACK = -0.85
-"""Cosine of the turning angle. At a sharper turn the line turns back, and the band has to keep that point."""
+"""Cosine of the turning angle beyond which the line turns back at a point; the band has to keep this point."""
 
 
 def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
@@ -149,9 +151,9 @@ def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 def _clear(
     smooth: Float64[np.ndarray, "m 3"], straight: Float64[np.ndarray, "m 3"], near: NearbyBoxes, distance_m: float
 ) -> Float64[np.ndarray, "m 3"]:
-    """Return the smooth path, blended to the straight one around places where it is too close to obstacles.
+    """Return the smooth path, blended into the straight path around places where the smooth path is too close to obstacles.
 
-    Blending itself may come too close, so it is repeated until no place does. `distance_m` is the clearance to keep, or that
+    Blended stretches may be too close, too, so blending is repeated. `distance_m` is the clearance to keep, or that
     of the straight path if it has less.
     """
     needed = np.minimum(distance_m, _clearance(straight, near))

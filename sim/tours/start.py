@@ -10,15 +10,15 @@ from sim.tours.pace import Limits
 
 _DURATION_S = 5.0
 _RAMP_S = 0.8
-"""Time over which the swing grows at its start and fades at its end."""
+"""Time over which the swing grows at its start and fades at its end [s]."""
 _ACROSS, _UP, _YAW, _PITCH = range(4)
 _AMPLITUDE = np.array([0.03, 0.0045, 0.14, 0.07])
 """Amplitudes: sideways and up [m], in yaw and in pitch [rad]."""
 _HERTZ = np.array([0.6, 3.0, 0.5, 0.9])
-"""Frequencies of the same. The slow sideways swing gives parallax. The fast vertical one makes the acceleration differ
-between frames, at up to 30 frames a second."""
+"""Frequencies of these four motions [Hz]. The slow sideways swing gives parallax. The fast vertical swing makes the
+acceleration differ between frames, at up to 30 frames a second."""
 _DESIGNED_FOR = Limits()
-"""Limits that the full swing keeps."""
+"""Limits of speed, acceleration and turn rate that the full swing keeps."""
 
 
 def with_start_manoeuvre(motion: Motion, limits: Limits) -> Motion:

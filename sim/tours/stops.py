@@ -14,13 +14,13 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 COMFORT_M = 0.35
-"""Clearance that a stop keeps from obstacles if the room allows. More than twice this clearance counts as no better."""
+"""Clearance that a stop keeps from obstacles if the room allows [m]. More than twice this clearance counts as no better."""
 _INSIDE_M = 0.5
-"""Distance of a stop from its room's boundary if the room is large enough, because a doorway is a poor viewpoint."""
+"""Distance of a stop from its room's boundary if the room is large enough [m], because a doorway is a poor viewpoint."""
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 0.7
-"""A room gets a further stop only while some place is farther than this from its stops."""
+"""Largest distance between a place and the nearest stop at which a room gets no further stop [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,15 +28,15 @@ class Stops:
     """Places to visit, numbered from 0."""
 
     nodes: Int[np.ndarray, "m"]
-    """Nodes of the walkable graph."""
+    """Node of the walkable graph at each stop."""
     between: Float64[np.ndarray, "m m"]
-    """Walking distances over the graph [m]."""
+    """Walking distances between stops along the walkable graph [m]."""
     of_room: dict[str, list[int]]
     """Stops of each room, the most central first."""
 
     @staticmethod
     def of(house: House, walkable: Walkable) -> "Stops":
-        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two in all."""
+        """Choose up to three stops in each reachable room. Raises `SimError` if the house has fewer than two stops."""
         reachable = set(walkable.reachable_rooms())
         nodes: list[int] = []
         of_room = {}

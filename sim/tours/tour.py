@@ -1,4 +1,4 @@
-"""`plan_tour`: plans a walk through a house that is free of collisions and ends where it began.
+"""`plan_tour`: plans a walk through a house without collisions, which ends at its start.
 
 1. Plan the nodes to visit, by the kind of tour (`itinerary`).
 2. Connect them by paths and smooth the whole path (`smooth`). If a length is requested, correct the plan by the length that
@@ -28,10 +28,10 @@ from worlds.walkable import Walkable
 _RANDOM_M = 100.0
 """Length of a random tour if none is requested [m]."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
-"""Tolerance of the length in metres, and as a share of the length. The larger one counts."""
+"""Tolerance of the length in metres, and as a share of the length. The larger tolerance applies."""
 _TRIES = 5
 _GOOD_ENOUGH = 0.3
-"""Share of the tolerance within which no better length is searched for."""
+"""Largest deviation of the length at which the search for a better length ends, as a share of the tolerance."""
 
 __all__ = ["Tour", "TourConfig", "plan_tour"]
 
@@ -66,7 +66,7 @@ class Tour:
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
     """Plan a tour. A body of `walkable`'s radius can walk it without collision.
 
-    Raises `SimError` if the house has no room for a tour, or none of the requested length.
+    Raises `SimError` if no tour is possible in the house, or no tour of the requested length.
     """
     config = config or TourConfig()
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
@@ -80,7 +80,7 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
-    """Return the smooth path of the requested length. The planned length is corrected by that of the smooth path."""
+    """Return the smooth path of the requested length. The planned length is corrected by the length of the smooth path."""
     wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
     if wished is None:
         return _smooth(planner, None)

@@ -15,12 +15,12 @@ from worlds.truth import room_at
 _SMOOTHING_M = 0.24
 _PITCH_SMOOTHING_M = 0.5
 _GLANCE_EVERY_M = 4.0
-"""Path length of one cycle of glances, to the left and to the right."""
+"""Path length of one cycle of glances [m], to the left and to the right."""
 _DIGITS = 7
 """Decimals of angles. The last bits of trigonometric functions differ between processors, and the pace must not depend on
 them."""
 _AMBIGUOUS_RAD = 1e-3
-"""Turns of 180 degrees go to the left, even if rounding makes them appear to go to the right."""
+"""Largest difference from 180 degrees at which a right turn counts as a left turn [rad], since rounding decides its sign."""
 
 
 def view_along(

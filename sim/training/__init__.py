@@ -1,4 +1,4 @@
-"""How the shipped encoder `lexis-mini` was trained, and how the probabilities of its answers were calibrated.
+"""Training of the shipped encoder `lexis-mini`, and calibration of the probabilities of its answers.
 
 `command` runs all steps and resumes each. `text_tower` distils a sentence encoder (`teacher`, `text_corpus`,
 `text_target`); `frames` renders training images (`houses`, `viewpoints`, `variants`), `dense` and `align` are the two

@@ -35,9 +35,9 @@ from worlds.labels import ROOM_LABELS
 TEXT_NOISE = 1.25
 """Expected length of the noise vector that is added to unit text embeddings."""
 WORDINGS = (200, 32)
-"""Numbers of captions that are drawn once for every room label and for every thing; every step uses one of them each."""
+"""Numbers of captions that are drawn once for every room label and for every thing; every step uses one caption of each."""
 SETTLING_STEPS = 1000
-"""Training steps of the projection alone, at the end."""
+"""Number of final training steps in which only the projection is trained."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5

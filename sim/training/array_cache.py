@@ -1,6 +1,6 @@
 """A file cache for arrays that take minutes to make.
 
-Every file contains fingerprints (origins) of what its arrays were made from. A file whose origins do not match is rejected,
+Every file contains fingerprints (origins) of the inputs of its arrays. A file whose origins do not match is rejected,
 so that arrays of earlier code or settings are never used by mistake.
 """
 

@@ -13,9 +13,9 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""Share of an image that a thing must exceed to count as present in the image."""
+"""Largest share of an image filled by a thing that does not count as present in the image."""
 PATCH_PRESENT = 0.02
-"""Share of a patch that a thing must exceed to count as present in the patch."""
+"""Largest share of a patch filled by a thing that does not count as present in the patch."""
 STRETCH = 4
 """Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
 
@@ -100,7 +100,7 @@ def _sampled(maps: Float[Tensor, "b c h w"], theta: Float[Tensor, "b 2 3"], padd
 def _tints(
     house: Int[np.ndarray, "n"], rng: np.random.Generator, device: torch.device
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
-    """Random gains per channel and an offset, the same for all frames of a house, since colours distinguish its places."""
+    """Random gains per channel and an offset, equal for all frames of a house, since colours distinguish its places."""
     houses = house.max() + 1
     gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
     offset = rng.normal(0.0, 0.15, (houses, 1, 1, 1))

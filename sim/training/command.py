@@ -48,41 +48,41 @@ class TrainingRun(Settings, place="training", error=SimError):
     """Settings of one training of the encoder, from rendered houses to weights."""
 
     houses: Annotated[int, Ge(1)] = 520
-    """Houses to train on."""
+    """Number of houses to train on."""
     tuning_houses: Annotated[int, Ge(1)] = 24
-    """Houses on which temperature and checkpoints are chosen."""
+    """Number of houses on which training is monitored, and the temperature and the calibration are fitted."""
     epochs: tuple[int, int] = (10, 4)
-    """Epochs of dense supervision, and of alignment."""
+    """Numbers of epochs of dense supervision and of alignment."""
     settling_steps: int = SETTLING_STEPS
-    """Steps at the end in which the projection alone is trained."""
+    """Number of steps at the end in which the projection alone is trained."""
     seed: int = 0
     work: Path = Path("encoder-training")
     """Folder for frames, text tower and checkpoints. A training that was stopped resumes from there."""
     out: Path = MINI_WEIGHTS
     """File of the weights; the model's configuration is written beside it."""
     workers: int = 2
-    """Number of processes that render, and of threads that train."""
+    """Number of rendering processes, and number of threads for training."""
     start: Path | None = None
     """Weights of an earlier `mini` from which the image tower starts. None: it starts untrained."""
     teacher: Path | None = None
     """Folder of the sentence encoder that is distilled. None: the installed package."""
     batch: int = 128
-    """Images in a batch."""
+    """Number of images in a batch."""
     wordings: tuple[int, int] = WORDINGS
-    """Captions drawn for every room label, and for every thing."""
+    """Numbers of captions drawn for every room label and for every thing."""
     distillation: DistilConfig = field(default_factory=DistilConfig)
 
     def __post_init__(self) -> None:
-        """Raise SimError where a value cannot work."""
+        """Raise SimError for values that are not valid."""
         super().__post_init__()
         if min(self.epochs) < 1:
             self.refuse("epochs", "at least 1 each")
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
-    """Do what is not done yet, write weights and configuration; the history of both stages is returned.
+    """Run the steps that are not done yet, write weights and configuration, and return the history of both stages.
 
-    Raises `SimError` where the work folder belongs to a run with other settings.
+    Raises `SimError` if the work folder belongs to a run with other settings.
     """
     run.work.mkdir(parents=True, exist_ok=True)
     _check_settings(run)
@@ -141,7 +141,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
-    """All settings that the result follows from, but for the teacher: wherever it lies, it is the same."""
+    """All settings that affect the result. The teacher's folder does not: the teacher is the same in every folder."""
     names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}

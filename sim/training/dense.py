@@ -23,11 +23,11 @@ TRUNK = "regnetx_002"
 """Name of the image tower's architecture in timm."""
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
-"""Weights relative to the room loss. Presence has a large one, since its loss is a mean over many things, mostly absent."""
+"""Weights relative to the room loss. The presence losses have a large weight: they average over many absent things."""
 _PLACES_WEIGHT = 1.0
 _PLACE_DIM = 128
 _RARE = -4.0
-"""Initial logit of presence: most things are absent from most images."""
+"""Initial logit of the presence of a thing. It is low, since most things are absent from most images."""
 _BATCH = 256
 
 

@@ -51,7 +51,7 @@ def export(tower: AlignedTower, text: TextTransformer, temperature: float, path:
 
 
 def start_trunk_from(path: Path, tower: DenseTower) -> None:
-    """Load the image trunk of an earlier `lexis-mini` into `tower`. Raises `SimError` if the file contains no such trunk."""
+    """Load the image trunk of an earlier `lexis-mini` into `tower`. Raises `SimError` for a file without a fitting trunk."""
     try:
         weights = load_file(path)
         trunk = {name.removeprefix(_TRUNK): value.float() for name, value in weights.items() if name.startswith(_TRUNK)}

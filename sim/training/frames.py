@@ -30,7 +30,7 @@ THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
 PATCHES = (4, 5)
 """Rows and columns of patches in a frame, as in the last feature map of the image tower."""
 BARE = 0.03
-"""Frames whose `content` is below this share show little but bare walls."""
+"""Least `content` of a frame that shows more than bare walls, as a share of the image."""
 
 _FORMAT = 1
 """Version of cached frames. Raise it after changes of textures, tours or renderers; other causes are in the origins."""
@@ -63,7 +63,7 @@ class Frames:
 
     @property
     def arrays(self) -> Arrays:
-        """All fields, by name."""
+        """All fields as a dict from field name to array."""
         return {f.name: getattr(self, f.name) for f in fields(Frames)}
 
     @cached_property
@@ -89,14 +89,14 @@ def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Ite
 
 
 def frames_in(folder: Path) -> Frames:
-    """Load all frames that `rendered` saved in a folder. Raises `SimError` if there are none."""
+    """Load all frames that `rendered` saved in a folder. Raises `SimError` if the folder has no frames."""
     return Frames.joined(list(frames_by_house(folder)))
 
 
 def frames_by_house(folder: Path) -> Iterator[Frames]:
     """Load the frames that `rendered` saved in a folder house by house, which needs less memory than all at once.
 
-    Raises `SimError` if there are none.
+    Raises `SimError` if the folder has no frames.
     """
     paths = sorted(folder.glob("*.npz"))
     if not paths:
@@ -106,7 +106,7 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
 
 
 def frames_origin(views: ViewpointConfig) -> str:
-    """Fingerprint of how frames are rendered and annotated, independent of the house."""
+    """Fingerprint of the settings with which frames are rendered and annotated, independent of the house."""
     told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
     looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
     return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)
@@ -119,7 +119,7 @@ def frames_of_house(draw: HouseDraw, views: ViewpointConfig = TRAINING_VIEWS) ->
 
 
 def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Render frames from poses `T_W_B` of the body inside a house, in the size that `views` asks for."""
+    """Render frames from poses `T_W_B` of the body inside a house, in the image size of `views`."""
     camera, plain = wide_camera(*views.rendered), wide_camera(*_IDS_SIZE)
     scene = build_scene(house, views.rendered, fovy_deg(camera.intrinsics))
     images, ids = [], []

@@ -12,7 +12,7 @@ from worlds.spec import AppearanceSpec, HouseSpec
 TRAINING_SEEDS = range(100_000, 800_000)
 """Seeds of houses that the encoder is trained on."""
 TUNING_SEEDS = range(800_000, 900_000)
-"""Seeds of houses on which training is monitored and temperatures are fitted."""
+"""Seeds of the houses on which training is monitored and softmax temperatures are fitted."""
 TEST_SEEDS = range(900_000, 1_000_000)
 """Seeds of houses for reported figures. Demos use seeds below 100 000, acceptance tests seeds from 1 000 000 upwards."""
 
@@ -41,7 +41,7 @@ class HouseDraw(NamedTuple):
     clutter: float = 1.0
 
     def spec(self) -> HouseSpec:
-        """Sample the house. If it cannot be given `openness`, it keeps the openness that its family has."""
+        """Sample the house. If it cannot be given `openness`, it keeps the usual openness of its family."""
         try:
             spec = sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
         except WorldsError:

@@ -39,9 +39,9 @@ HELD_OUT_PHRASES = tuple(
         }
     )
 )
-"""Every third entry, except those that are part of a room label or kind of furniture, since these have to be trained."""
+"""Every third entry, except entries that are part of a room label or kind of furniture, which have to be trained."""
 HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
-"""Matches texts that contain a held-out phrase."""
+"""Regular expression that matches texts with a held-out phrase."""
 
 
 def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
@@ -97,7 +97,7 @@ def caption(name: str, rng: np.random.Generator) -> str:
 def room_caption(label: str, rng: np.random.Generator) -> str:
     """Draw a caption of a room in trained words: with its label, one of its names, an activity or a thing.
 
-    `_ROOM_SHARE` has the shares of the four.
+    `_ROOM_SHARE` has the probabilities of the four.
     """
     draw = int(rng.choice(4, p=_ROOM_SHARE))
     if draw == 0:

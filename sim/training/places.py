@@ -13,13 +13,13 @@ from lexis.types import Poses
 
 _TEMPERATURE = 0.07
 _DOUBT = 1.5
-"""Frames beyond the bounds of one place, but within this factor of them, count neither as the same place nor as another."""
+"""Factor on the bounds of one place beyond which frames show different places. Pairs in between count as neither."""
 
 
 def pairs_of_places(
     T_W_B: Poses, houses: Int[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]
 ) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
-    """Whether each pair of frames shows the same place, and whether it shows different places, of one or two houses.
+    """Return two masks of pairs of frames: pairs that show one place, and pairs that show different places.
 
     A pair can be neither. Besides doubtful distances this holds for two close frames on both sides of a doorway, since the
     embeddings of the two rooms should differ there.
@@ -51,10 +51,11 @@ def place_loss(
     apart: Bool[Tensor, "b b"],
     temperature: float = _TEMPERATURE,
 ) -> Tensor:
-    """Supervised contrastive loss (Khosla 2020): frames of the same place should be more similar than those of others.
+    """Supervised contrastive loss (Khosla 2020): frames of one place should be more similar than frames of different places.
 
     The loss is the mean over frames with another frame of their place in the batch. Each such pair is compared with all
-    frames of other places; at a low `temperature`, mostly with the most similar ones. Without any such pair the loss is 0.
+    frames of other places; at a low `temperature`, mostly with the most similar ones. A batch without two
+    frames of one place has the loss 0.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

@@ -78,7 +78,7 @@ def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Cal
 
 @dataclass(frozen=True)
 class CalibrationFigures:
-    """How reliable the probabilities of answers are, over questions of which every second one has an answer."""
+    """Reliability of the probabilities of answers, over questions half of which have an answer."""
 
     questions: int
     calibration_error: float

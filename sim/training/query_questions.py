@@ -35,7 +35,7 @@ YES, NO, DOUBTFUL = 1, 0, -1
 
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
-"""A room is a right answer for a thing that fills at least this share of one of its images."""
+"""Least share of an image of a room that a thing has to fill for the room to be a right answer."""
 _ASKED = 12
 """Number of questions per topic that have an answer in the house, and of questions that have none."""
 
@@ -48,7 +48,7 @@ class RoomViews:
     room: Int[np.ndarray, "n"]
     """Room of every image; rooms are numbered from 0 without gaps."""
     label: Int[np.ndarray, "n"]
-    """Label of that room, as an index into `ROOM_LABELS`."""
+    """Label of the image's room, as an index into `ROOM_LABELS`."""
     shares: Float32[np.ndarray, "n things"]
     """Share of every image that shows each of `THINGS`."""
 
@@ -117,7 +117,7 @@ def ask(
 def _drawn(
     topic: str, views: RoomViews, rng: np.random.Generator, held_out: bool
 ) -> Iterator[tuple[str, str, Int[np.ndarray, "rooms"]]]:
-    """Draw as many questions with an answer as without, as (topic, text, truth by room); none if there is no such pair."""
+    """Draw as many questions with an answer as without, as (topic, text, truth by room); none if either kind is missing."""
     truths = {key: _truth(topic, key, views) for key in _words(topic, held_out)}
     answered = [key for key, truth in truths.items() if (truth == YES).any()]
     vain = [key for key, truth in truths.items() if (truth == NO).all()]

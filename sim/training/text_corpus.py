@@ -43,9 +43,9 @@ _SCENES = (
 )  # fmt: skip
 """Sentence frames with a room {0} and two things {1} and {2}."""
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
-"""Shares of compositions without a sentence frame, and of those whose second word is one of `_HEADS`."""
+"""Share of compositions without a sentence frame, and share of compositions whose second word is one of `_HEADS`."""
 _NEAR_SHARE = 0.7
-"""Share of words that are drawn from those that belong to houses."""
+"""Share of words that are drawn from the words related to houses."""
 
 
 _FORBIDDEN = re.compile(
@@ -101,7 +101,7 @@ def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.
 
 
 def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw `count` captions of a room by a trained name with one or two of its things. Duplicates are removed."""
+    """Draw `count` captions with a trained name of a room and one or two of the room's things. Duplicates are removed."""
     labels = tuple(ROOM_NAMES)
     return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
 

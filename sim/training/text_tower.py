@@ -33,7 +33,7 @@ TEXT_CFG: Mapping[str, int] = {"context_length": 24, "vocab_size": 49408, "width
 """Architecture of the text tower, as in an open_clip model configuration."""
 
 _POOL_BATCHES = 20
-"""Texts are sorted by length within pools of this many batches, so that little padding is needed."""
+"""Number of batches in a pool. Texts are sorted by length within pools, so that little padding is needed."""
 _INIT_DEVIATION = 0.3
 """Standard deviation of the initial token embeddings of words."""
 
@@ -162,7 +162,7 @@ def load_text_tower(path: Path) -> TextTransformer:
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
-    """Initialise the token embedding of every word with the leading part of its target.
+    """Initialise the token embedding of every word with the first entries of the word's target.
 
     Training then starts from a bag-of-words model, instead of from noise.
     """
@@ -177,7 +177,7 @@ def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
 
 
 def _whole_word_of() -> Int[Tensor, "vocabulary"]:
-    """Map the token of every word piece ("bath" in "bathtub") to that of the word with the same letters, else to itself."""
+    """Map every token of a word piece ("bath" in "bathtub") to the token of the word "bath"; without a word, to itself."""
     index = open_clip.tokenizer.SimpleTokenizer().encoder
     return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
 

@@ -17,9 +17,9 @@ _TRIES = 64
 
 
 def repainted(house: House, held_out: bool) -> House:
-    """The same house with furniture in trained colours only, or, if `held_out`, in held-out colours where a kind has any.
+    """Return the house with furniture in trained colours only, or, with `held_out`, in held-out colours if a kind has any.
 
-    With trained colours, pieces for which no such look is found, such as a shelf of many bright things, are left out. The
+    With trained colours, pieces for which no trained look is found, e.g. a shelf of many bright things, are left out. The
     result is deterministic.
     """
     pieces = (_with(piece, held_out) for piece in house.furniture)

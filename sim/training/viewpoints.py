@@ -29,7 +29,7 @@ class ViewpointConfig:
     size: tuple[int, int] = IMAGE_SIZE
     """Width and height of the images that are kept [px]."""
     rendered: tuple[int, int] = (480, 360)
-    """Width and height of the rendered images, which are then scaled to `size` [px]; by default those of LEXIS's camera."""
+    """Width and height of the rendered images, which are then scaled to `size` [px]; default: LEXIS's image size."""
     spacing_m: float = 2.0
     """Distance between pairs of frames along the tour [m]."""
     most: int = 110

@@ -70,7 +70,7 @@ def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
 
 
 def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
-    """Whether rooms of the camera's own label fill at least as much of the image as those of any other label."""
+    """Whether rooms of the camera's own label fill at least as much of the image as rooms of any other label."""
     return np.asarray(own_room(frames) >= frames.views.max(axis=1))
 
 

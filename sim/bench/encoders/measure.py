@@ -27,7 +27,7 @@ _NAME_SETS = 12
 
 @dataclass(frozen=True)
 class EncoderRow:
-    """The figures of one encoder on one house, all in [0, 1]. None if the house has no such questions or revisits."""
+    """The figures of one encoder on one house, all in [0, 1]; None if the house lacks the questions or revisits."""
 
     accuracy: float
     """Zero-shot label accuracy among the labels of the house."""
@@ -47,11 +47,11 @@ class EncoderRow:
     activities: float | None
     """Share of questions for activities that are typical of a room label that rank a room of that label first."""
     held_out_questions: float | None
-    """Mean of these shares over things, typical things and activities, for questions in words never used in training."""
+    """Mean of these three shares (things, typical things, activities) for questions in words never used in training."""
     trained_looks: float
     """Label accuracy in pairs of texture and lighting that occur together in training."""
     held_out_looks: float
-    """Label accuracy of the same keyframes in the same textures and lightings, paired as they never are in training."""
+    """Label accuracy in pairs of the same textures and lightings that never occur together in training."""
     trained_variants: float
     """Label accuracy with furniture in trained colours only."""
     held_out_variants: float
@@ -83,7 +83,7 @@ class EncoderFigures:
     own_room: Float[np.ndarray, "n"]
     """The share of the image that shows rooms of the camera's own label."""
     prevails: Bool[np.ndarray, "n"]
-    """Whether rooms of the camera's own label fill at least as much of the image as those of any other label."""
+    """Whether rooms of the camera's own label fill at least as much of the image as rooms of any other label."""
     asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
     """Loss of label accuracy by (label, held-out name) if only the rooms of that label are given that name."""
@@ -97,7 +97,7 @@ class References:
     orb: OrbWords | None = None
 
     def of(self, run: EncoderRun) -> "ReferenceAnswers":
-        """Run the reference methods on one run. The answers are the same for all encoders."""
+        """Run the reference methods on one run. Their answers do not depend on the encoder."""
         right = None if self.ceiling is None else self.ceiling(run.frames) == run.frames.rooms
         if self.orb is None:
             return ReferenceAnswers(right, {})
@@ -200,7 +200,7 @@ def _held_out_losses(
     own: Int[np.ndarray, "n"],
     similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    """The losses of `EncoderFigures.held_out_losses`; `similarities` are those to all rooms by their own labels."""
+    """The losses of `EncoderFigures.held_out_losses`; `similarities` compare images with all rooms by their own labels."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):
@@ -212,7 +212,7 @@ def _held_out_losses(
 
 
 def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]]:
-    """(label, held-out name, mean loss of accuracy over houses with such rooms) for every name with a loss, worst first."""
+    """(label, held-out name, mean loss over houses with rooms of the label) for every name with a loss, worst first."""
     losses: dict[tuple[str, str], list[float]] = defaultdict(list)
     for house in houses:
         for key, loss in house.held_out_losses.items():

@@ -37,7 +37,7 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import objects
 
 SEEN, SEEN_IN = 0.01, 3
-"""Questions ask only for things that fill more than a share of `SEEN` of at least `SEEN_IN` images."""
+"""Questions about a thing need at least `SEEN_IN` images in which the thing fills more than a share of `SEEN`."""
 TRAINED, HELD_OUT_WORDS, HELD_OUT_FRAMES = WORDINGS = "trained", "held-out words", "held-out frames"
 THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
 """Things that truly stand in the room; things that are typical of it; activities that are typical of it."""
@@ -49,7 +49,7 @@ class RoomQuestion(NamedTuple):
     topic: str
     wording: str
     about: str
-    """The kind of thing or the phrase that is asked for."""
+    """The kind of thing or the phrase that the question is about."""
     text: str
     answer: str
     """The label of the right rooms."""
@@ -64,12 +64,12 @@ class AnsweredQuestion:
 
     @property
     def right(self) -> bool:
-        """Whether the room that is ranked first is the right answer."""
+        """Whether the label of the room that is ranked first is the right answer."""
         return self.said == self.question.answer
 
 
 class Failure(NamedTuple):
-    """A thing or phrase with at least one wrong answer, and how often that happened."""
+    """A thing or phrase with at least one wrong answer, and the number of questions and of right answers."""
 
     topic: str
     wording: str
@@ -104,7 +104,7 @@ def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
 
 
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
-    """Map every kind of furniture that is visible and stands only in rooms of one label to that label."""
+    """Map from kinds of furniture that are visible and stand in rooms of a single label to this label."""
     house = run.house
     labels: dict[str, set[str]] = {}
     for thing in objects(house):
@@ -119,13 +119,13 @@ def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
 
 
 def share_right(asked: Iterable[AnsweredQuestion], topic: str, wording: str) -> tuple[float | None, int]:
-    """The share of questions of that topic and wording with a right answer (None if there are none), and their number."""
+    """Share of right answers to questions of one topic and wording, and number of questions; the share of none is None."""
     right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
     return (float(np.mean(right)) if right else None), len(right)
 
 
 def failures(asked: Sequence[AnsweredQuestion]) -> list[Failure]:
-    """Group questions by what they ask for; return the groups with wrong answers, most wrong answers first."""
+    """Group questions by topic, wording, thing and right label; return groups with wrong answers, worst first."""
     groups: dict[tuple[str, str, str, str], list[AnsweredQuestion]] = {}
     for one in asked:
         topic, wording, about, _, answer = one.question

@@ -34,7 +34,7 @@ _WARM_UP, _TIMES = 2, 9
 
 @dataclass(frozen=True)
 class Timing:
-    """Times of an encoder; those for image and text are medians over repetitions."""
+    """Times of an encoder; the times for image and text are medians over repetitions."""
 
     image_ms: float
     """Time for one image from pixels to embedding, including scaling [ms]."""
@@ -45,7 +45,7 @@ class Timing:
 
 
 def timed(model: str, way: str, image: Image) -> Timing | str:
-    """Times of a model with the options `WAYS[way]`, or the reason why it cannot be run with them here."""
+    """Times of a model with the options `WAYS[way]`, or the reason why the model does not run with these options here."""
     options = WAYS[way]
     if options.device != "cpu" and not torch.cuda.is_available():
         return "no GPU"
@@ -58,7 +58,7 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """Times of an open_clip architecture with random weights, by name in `WAYS`; a reason if it cannot be made or run."""
+    """Times of an open_clip architecture with random weights by name in `WAYS`; a failure gives its reason instead."""
     try:
         with random_weights(architecture) as model:
             return {way: timed(model, way, image) for way in ways}
@@ -79,7 +79,7 @@ def example_image() -> Image:
 
 
 def check_architecture(name: str) -> None:
-    """Raise `EncoderError` if open_clip has no architecture of that name."""
+    """Raise `EncoderError` if open_clip has no architecture with the given name."""
     if name not in open_clip.list_models():
         raise EncoderError(f"no architecture {name!r}; valid: one of open_clip.list_models(), such as RN50, ViT-B-32")
 
