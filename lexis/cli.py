@@ -251,7 +251,7 @@ def _relabel(arguments: argparse.Namespace) -> int:
 
 
 def _report(lexis_map: LexisMap, folder: Path) -> None:
-    """What a map that was written holds, and where it is."""
+    """Print a summary of a written map: counts of keyframes and loop edges, rooms, and the map's folder."""
     keyframes, loops = _count(len(lexis_map.keyframes), "keyframe"), _count(len(lexis_map.loops), "loop edge")
     print(f"{keyframes}, {loops}, rooms: {', '.join(instance_names(lexis_map.rooms))}")
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
@@ -264,7 +264,7 @@ def _count(number: int, noun: str) -> str:
 
 
 def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
-    """The encoder that was asked for, else the one that made the map."""
+    """The requested encoder, or the encoder that made the map if none was requested."""
     try:
         return _encoder(asked or lexis_map.encoder.name)
     except EncoderError as error:

@@ -127,7 +127,7 @@ def _drop_output() -> None:
 def warn_of_replacement(out: Path, marker: str) -> None:
     """Before long work, check that `out` can be replaced, and print a note if it holds an earlier result.
 
-    The file `marker` in the folder identifies such a result. Raises LexisError as `check_replaceable` does.
+    The file `marker` in the folder identifies an earlier result. Raises LexisError as `check_replaceable` does.
     """
     check_replaceable(out, marker)
     if (out / marker).is_file():

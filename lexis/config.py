@@ -18,14 +18,15 @@ _FILE = FileKind("settings as JSON; 'lexis config' prints the defaults", 1_000_0
 
 @dataclass(frozen=True)
 class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
-    """Which observations become keyframes of the graph (paper, Sec. III-A)."""
+    """Selection of the observations that become keyframes of the graph (paper, Sec. III-A)."""
 
     spacing_m: Annotated[float, Gt(0)] = 0.5
-    """Odometry path between keyframes [m]."""
+    """Length of the odometry path between keyframes [m]."""
     rotation_rad: Annotated[float, Gt(0)] | None = None
-    """Rotation after which a keyframe is taken as well [rad]. None, as in the paper: distance alone decides."""
+    """Rotation after which a new keyframe is selected even if the path is shorter than `spacing_m` [rad]. None: only the
+    path length decides, as in the paper."""
     support_spacing_m: Annotated[float, Gt(0)] = 0.25
-    """Odometry path between support frames, which only serve to triangulate landmarks [m]."""
+    """Length of the odometry path between support frames, which only serve to triangulate landmarks [m]."""
     supports: Annotated[int, Ge(1)] = 2
     """Support frames used on either side of a keyframe."""
 
@@ -59,15 +60,16 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     refine: bool = True
     """Whether neighbours vote and height finds the stairs. If False, every keyframe keeps the label of its own image."""
     neighbours: Annotated[int, Ge(1)] = 5
-    """C: the nearest keyframes that vote (paper: 3 to 7)."""
+    """C: number of nearest keyframes that vote on a label (paper: 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
-    """K: labels are refined after this many new keyframes at the latest (paper: 7 to 12), and after every optimisation."""
+    """K: largest number of new keyframes between two refinements of the labels (paper: 7 to 12). Labels are also refined
+    after every optimisation."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The room name that keyframes on stairs get. If the user's room names lack it, stairs are not detected."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
-    """Change of height within the window from which a keyframe counts as on stairs [m]."""
+    """Least change of height within the window for a keyframe to count as on stairs [m]."""
 
 
 @dataclass(frozen=True)
@@ -75,10 +77,10 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Clusters of keyframes and floors (paper, Sec. III-C)."""
 
     distance_m: Annotated[float, Gt(0)] = 3.0
-    """A keyframe joins a cluster of its label if the cluster's mean position is at most this far away [m]."""
+    """Largest distance between a keyframe and the mean position of the cluster of its label that it joins [m]."""
     adjacency_m: Annotated[float, Gt(0)] = 1.5
-    """Two clusters of one label merge if keyframes of both are this close with no other room between them [m]. Clusters of
-    consecutive keyframes merge at any distance."""
+    """Largest distance between keyframes of two clusters of one label that are merged, if no other room lies between them
+    [m]. Clusters of consecutive keyframes merge at any distance."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The label that separates floors."""
 
@@ -126,10 +128,10 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
     """Common error of the landmarks, added in quadrature to the standard deviation of a loop edge's translation [m]."""
     max_sigma_m: Annotated[float, Gt(0)] = 0.06
-    """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Few or distant landmarks
-    determine the pose less well than this, and the edge would follow their errors."""
+    """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Loop edges with a larger one are
+    rejected: their landmarks are too few or too distant, and the edge would follow the landmarks' errors."""
     seed: Annotated[int, Ge(0)] = 0
-    """Seed of RANSAC."""
+    """Seed of the random samples that RANSAC draws."""
 
     def __post_init__(self) -> None:
         """Raise ConfigError where a value cannot work."""
@@ -143,14 +145,16 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """The optimisation (paper, Eq. 2)."""
 
     dcs: Annotated[float, Gt(0)] = 12.6
-    """Dynamic covariance scaling (DCS) down-weights a loop edge whose squared whitened residual exceeds this: the 0.95
-    quantile of chi² with 6 degrees of freedom."""
+    """Squared whitened residual above which dynamic covariance scaling (DCS) down-weights a loop edge: the 0.95 quantile of
+    chi² with 6 degrees of freedom."""
     every: Annotated[int, Ge(1)] = 10
-    """The graph is optimised at most once in this many keyframes."""
+    """Least number of keyframes between two optimisations of the graph."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
-    """Added in quadrature to the standard deviation of an odometry step's rotation, as it may be reported as 0 [rad]."""
+    """Error added in quadrature to the standard deviation of an odometry step's rotation [rad], which may be reported as
+    0."""
     min_translation_sigma_m: Annotated[float, Gt(0)] = 1e-4
-    """Added likewise to the standard deviation of the step's translation [m]."""
+    """Error added in quadrature to the standard deviation of an odometry step's translation [m], which may be reported as
+    0."""
     max_iterations: Annotated[int, Ge(1)] = 50
     """Most iterations of Levenberg-Marquardt in one optimisation."""
 

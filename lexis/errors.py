@@ -24,7 +24,7 @@ class MapError(LexisError):
 
 
 class PlanError(LexisError):
-    """There is no such room in the map, or no path to it."""
+    """The map lacks the requested room, or no path leads to the room."""
 
 
 class DatasetError(LexisError):

@@ -53,7 +53,7 @@ def mutual_matches(
 def _two_nearest(
     queries: UInt8[np.ndarray, "n bytes"], train: UInt8[np.ndarray, "m bytes"], allowed: Bool[np.ndarray, "n m"] | None
 ) -> tuple[Int[np.ndarray, "n 2"], Int[np.ndarray, "n 2"]]:
-    """Distances and rows of the two nearest neighbours; the largest int32 and -1 where there is no neighbour."""
+    """Distances and rows of the two nearest neighbours; a missing neighbour has the largest int32 as distance and row -1."""
     mask = None if allowed is None else np.ascontiguousarray(allowed, dtype=np.uint8)
     if len(train) == 1:  # OpenCV needs at least as many rows as neighbours: add a masked copy
         train = np.repeat(train, 2, axis=0)

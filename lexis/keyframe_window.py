@@ -21,7 +21,7 @@ class _Entry:
     frame: Frame
     features: Features
     embedding: Float32[np.ndarray, "d"] | None
-    """None for a support frame."""
+    """CLIP embedding of the image; None for a support frame."""
 
     @property
     def view(self) -> View:

@@ -20,7 +20,7 @@ class Frame:
 
     observation: Observation
     is_keyframe: bool
-    """False for a support frame, which only serves to triangulate landmarks."""
+    """Whether the observation becomes a keyframe; False: a support frame, which only serves to triangulate landmarks."""
     step_covariance: Covariance
     """Covariance of the odometry since the previous keyframe [rad², m²]."""
 

@@ -1,7 +1,8 @@
 """Paths between rooms over the pose graph (paper, Sec. IV, planning application).
 
 1. Choose the keyframe of each room where a path may begin or end (`path_end`), well away from the room's boundary.
-2. Connect keyframes that a robot can travel between (`adjacency`): consecutive ones, ones of the same room, and loops.
+2. Connect keyframes that a robot can travel between (`adjacency`): consecutive keyframes, keyframes of the same room, and
+   loops.
 3. Find the shortest path over this graph by Dijkstra's algorithm (`plan`).
 """
 
@@ -26,7 +27,7 @@ MAX_STEP_M = 3.0
 MIN_LOOP_WEIGHT = 0.5
 """Smallest weight, by the robust kernel, of a loop edge that connects keyframes."""
 DOUBTFUL = 0.55
-"""A room is doubtful if its evidence is less than this share of the evidence of the clearest room of its label."""
+"""Least evidence of a room that is not doubtful, as a share of the evidence of the clearest room of its label."""
 GRID_M = 2.0**-20
 """Unit of path lengths [m]: a power of two, about a micrometre, so that sums are exact and equally long paths tie."""
 LOOK_AHEAD_M = 1.5
@@ -35,7 +36,7 @@ REACH_M = 2.0
 """Largest distance between a place and a place shown by an image that counts as evidence for it [m]. It must exceed
 `LOOK_AHEAD_M`, so that at least its own image counts for the position of every keyframe."""
 WEAK = 0.4
-"""A room is taken to end where its evidence falls below this share of its maximum."""
+"""Least evidence inside a room, as a share of its maximum there; with less evidence, a place counts as outside the room."""
 MARGIN_M = 1.5
 """Distance from the room's boundary beyond which the end of a path is no better [m]; it covers the errors of a robot."""
 
@@ -69,7 +70,7 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
     label. The path begins and ends well inside the rooms (`path_end`).
 
     Raises:
-        PlanError: there is no such room in the map, or no path between the two.
+        PlanError: the map lacks one of the rooms, or no path connects them.
     """
     starts, goals = _ends(map, start), _ends(map, goal)
     graph = adjacency(map, config or PlannerConfig())
@@ -82,13 +83,13 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 
 
 def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
-    """The keyframe where a path to a room ends: one with clear evidence of the room, far from the room's boundary.
+    """The keyframe where a path to a room ends. It has clear evidence of the room and is far from the room's boundary.
 
     1. Take as candidates the room's own keyframes and those at the places that the room's images show. The latter are needed
        because a small room may only be recognised by keyframes in front of it.
     2. Compute the evidence at each candidate: how much the images of its place resemble this room more than any other.
     3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal ones, the
-       first. If no candidate has positive evidence, choose the one with the most.
+       first. If no candidate has positive evidence, choose the candidate with the most.
     """
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)
@@ -100,9 +101,9 @@ def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
     """Lengths of the direct connections between keyframes that a robot can travel [m].
 
-    As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, those of trusted loop
-    edges are. A connection that the robot did not travel itself is at most `shortcut_m` long, because a longer one could
-    lead through furniture or a wall.
+    As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, so are the two
+    keyframes of each trusted loop edge. A connection that the robot did not travel itself is at most `shortcut_m` long,
+    because a longer one could lead through furniture or a wall.
     """
     positions = map.T_W_B[:, :3, 3]
     walked = np.stack([np.arange(len(positions) - 1), np.arange(1, len(positions))], axis=1)

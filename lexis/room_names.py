@@ -29,7 +29,7 @@ def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[s
 
 
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
-    """The room of that name, else all rooms of that label; empty if there are none. Case and outer blanks are ignored."""
+    """The room of this name, else all rooms of this label; empty if no room matches. Ignores case and outer blanks."""
     wanted = name.strip().lower()
     exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)
     return exact or tuple(room for room in rooms if room.label.lower() == wanted)

@@ -99,9 +99,9 @@ class Keyframe:
     step_covariance: Covariance
     """Covariance of the odometry since the previous keyframe [rad², m²]."""
     embedding: Float32[np.ndarray, "d"]
-    """f_CLIP, unit norm."""
+    """CLIP embedding of the image (f_CLIP in the paper), with unit norm."""
     features: Features
-    """f_AKAZE."""
+    """AKAZE features of the image (f_AKAZE in the paper)."""
     landmarks: Landmarks
 
 
@@ -128,7 +128,7 @@ class LoopArrays:
     match: Int[np.ndarray, "m"]
     T_match_query: Float64[np.ndarray, "m 4 4"]
     covariance: Float64[np.ndarray, "m 6 6"]
-    """[rad², m²]"""
+    """Covariances of `T_match_query` [rad², m²]."""
     inliers: Int[np.ndarray, "m"]
 
     @staticmethod
@@ -158,7 +158,7 @@ class RoomInstance:
     id: int
     label: str
     keyframes: tuple[int, ...]
-    """Ids, ascending."""
+    """Ids of the room's keyframes, ascending."""
     mean: Float64[np.ndarray, "3"]
     """Mean position of the keyframes in W [m]."""
     floor: int | None
@@ -186,13 +186,13 @@ class LexisMap:
     """The vocabulary; labels are indices into it."""
     keyframes: tuple[Keyframe, ...]
     T_W_B: Poses
-    """Optimised poses."""
+    """Optimised poses of the keyframes."""
     similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every image with every room prompt (Eq. 1)."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Labels before refinement: the prompt with the largest similarity."""
+    """Labels of the keyframes before refinement: the index of the prompt with the largest similarity."""
     labels: Int[np.ndarray, "n"]
-    """Labels after refinement."""
+    """Labels of the keyframes after refinement, as indices into `room_names`."""
     floors: Int[np.ndarray, "n"]
     """Number of the floor, 0 for the lowest; -1 on stairs."""
     rooms: tuple[RoomInstance, ...]

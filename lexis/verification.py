@@ -50,7 +50,7 @@ class Verifier(Protocol):
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
     ) -> list[LoopEdge]:
-        """Return the confirmed loop edges; arguments and result are those of `verify`."""
+        """Return the confirmed loop edges; `verify` documents arguments and result."""
         ...
 
 
@@ -172,7 +172,7 @@ def _inliers(
 ) -> Int[np.ndarray, "i"]:
     """Rows of the correspondences that agree with the pose.
 
-    The solver's own inliers are not used, because they may belong to an earlier pose than the one it returns.
+    The solver's own inliers are not used, because they may belong to an earlier pose than the returned pose.
     """
     in_front = points_C[:, 2] > 0
     safe = np.where(in_front[:, None], points_C, [0.0, 0.0, 1.0])
@@ -187,7 +187,7 @@ def _occupied_cells(pixels: Float64[np.ndarray, "i 2"], intrinsics: Intrinsics) 
 
 
 def _covariance(points_C: Float64[np.ndarray, "i 3"], camera: Camera, config: VerificationConfig) -> Covariance:
-    """Covariance of ``T_match_query``: that of the reprojections, plus a constant for the landmarks' common error."""
+    """Covariance of ``T_match_query``, from the reprojections and a constant for the landmarks' common error."""
     points_B = transform(camera.T_B_C, points_C)
     rotation = camera.T_B_C[:3, :3].T
     # Derivative of the points in C by a perturbation of T_match_query on the right, rotation first.

@@ -1,13 +1,14 @@
 """Generated houses with several rooms and storeys, and the exact truth about them. Pure geometry: no simulator, no SLAM.
 
 A house exists in two forms. `HouseSpec` (`spec.py`) is plain data with a JSON form; `build_house` (`house.py`) turns it into
-exact geometry, the same for the same spec. Specs come from `presets` (families of houses over seeds), `strategies`
+exact geometry; equal specs give equal geometry. Specs come from `presets` (families of houses over seeds), `strategies`
 (Hypothesis draws the spec itself, so failing houses shrink), `variant` (the same house with one thing changed) and
-`plan_import` (floor plans drawn elsewhere). Everything else reads the built house: `truth` says who is where and what is
-open, `walkable` finds paths, `validation` proves that the house can stand and be walked. The subpackages build the parts:
+`plan_import` (floor plans drawn elsewhere). Everything else reads the built house: `truth` says which room a point is in and
+which boundaries are open, `walkable` finds paths, `validation` proves that the house can stand and be walked. The
+subpackages build the parts:
 
 - `floor_plans`: rooms from a list of labels to rectangles on storeys.
-- `openings`: doors, arches, half walls and windows, and how open a house is.
+- `openings`: doors, arches, half walls and windows, and the openness of a house.
 - `stairs`: flights between storeys.
 - `furniture`: the catalogue, and the placement of pieces in rooms.
 - `visuals`: textures, meshes and export.
@@ -20,7 +21,7 @@ Glossary:
 - openness: the share of the inner walls' area that is gap, in [0, 1].
 - bay: a piece of a storey as wide as its rooms need; a run is bays that stay side by side, a band is a row of bays along a
   corridor, and a wing is a corridor with its bands.
-- clutter: how many small things lie around, as a factor.
+- clutter: factor for the number of small things that lie around.
 - piece: one piece of furniture in its place.
 """
 

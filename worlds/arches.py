@@ -6,7 +6,7 @@ An opening gives the width of the arch and the height of its crown, the highest 
 import math
 
 MAX_RISE_M = 0.4
-"""Greatest height of the curved part; a narrow arch is a semicircle."""
+"""Greatest height of the curved part of an arch [m]; a narrow arch is a semicircle."""
 
 
 def arch_rise(width_m: float) -> float:

@@ -16,12 +16,13 @@ from worlds.house import House
 from worlds.labels import STAIRS
 
 BODY_LOW_M = 0.05
+"""Height above the walked surface from which on a body collides with obstacles [m]; rugs are lower."""
 BODY_HIGH_M = 1.9
-"""A body collides with what lies between these heights above the walked surface; lintels and rugs do not count."""
+"""Height above the walked surface up to which a body collides with obstacles [m]; lintels are higher."""
 CLEARANCE_CAP_M = 1.0
-"""Larger distances are given as this value [m]."""
+"""Greatest distance that is computed; larger distances are cut to this value [m]."""
 _PADDING_M = 0.3
-"""How far the grid extends beyond the rooms."""
+"""Width of the margin of the grid around the rooms [m]."""
 _TOLERANCE_M = 1e-6
 
 
@@ -47,7 +48,7 @@ class Obstacles:
         return STRtree(shapely.polygons(np.stack([x, y], axis=-1) + self.centre[:, None, :]))
 
     def at_height(self, surface_m: float) -> "Obstacles":
-        """The boxes with which a body that stands on a surface at this height in W [m] can collide."""
+        """The boxes that can collide with a body standing on a surface at height `surface_m` in W [m]."""
         meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 

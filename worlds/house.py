@@ -53,8 +53,9 @@ class Room:
     polygon: Polygon
     """Outline along the wall centre lines [m]."""
     floor_m: float
+    """Height of the floor in W; for stairs, of the lowest storey's floor [m]."""
     ceiling_m: float
-    """Heights in W [m]; for stairs, the floor of the lowest storey and the ceiling of the highest."""
+    """Height of the ceiling in W; for stairs, of the highest storey's ceiling [m]."""
     outdoor: bool
 
 
@@ -173,7 +174,7 @@ def _is_solid(piece: FurnitureSpec) -> bool:
 
 
 def _with_unique_ids(pieces: Sequence[Furniture]) -> tuple[Furniture, ...]:
-    """The pieces. Raises `HouseError` where a piece of the spec has the id of one that was filled in."""
+    """The pieces. Raises `HouseError` if a piece of the spec and a filled-in piece have the same id."""
     repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
     if repeated:
         raise HouseError(

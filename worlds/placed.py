@@ -26,7 +26,7 @@ class Placed(ABC):
     @cached_property
     @abstractmethod
     def parts(self) -> tuple[Part, ...]:
-        """The parts in the object's own frame; they are built when first asked for, because only rendering needs them."""
+        """The parts in the object's own frame; they are built at the first access, because only rendering needs them."""
 
     @cached_property
     def footprint(self) -> Polygon:

@@ -112,7 +112,7 @@ def _random_kind(rng: np.random.Generator) -> BuildingKind:
 
 
 def _counts(kind: BuildingKind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
-    """Numbers of rooms and storeys of a building: those asked for, and draws where None is given.
+    """Numbers of rooms and storeys of a building: the requested numbers, or drawn numbers if None is given.
 
     A drawn number of storeys is limited so that there are enough rooms for all of them. Raises `WorldsError` for numbers
     that are not valid.
@@ -148,7 +148,7 @@ def _finished(
     openness: float | None,
     clutter: float,
 ) -> HouseSpec:
-    """The spec of a house from its programmes: rooms get positions, links become openings, walls are opened as asked for."""
+    """The spec of a house from its programmes, with the rooms' positions, openings and the requested openness."""
     if not 0.0 <= clutter <= 4.0:
         raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's), 1 is usual")
     layouts = lay_out(programmes, style, rngs[1])

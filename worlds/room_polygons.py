@@ -10,7 +10,7 @@ from worlds.spec import HouseSpec
 
 
 def room_polygons(spec: HouseSpec) -> dict[str, Polygon]:
-    """By room id, in the order of the spec: the polygon along the wall centre lines [m].
+    """Polygons of the rooms along the wall centre lines, by room id, in the order of the spec [m].
 
     Raises `HouseError` for a polygon that crosses itself or turns clockwise, and for stairs that are not rectangular. All
     polygons are checked together, because one call of shapely for all is faster than one for each.

@@ -25,7 +25,7 @@ from worlds.valid_names import did_you_mean, listed
 
 MAX_ROOMS = 200
 MIN_WALL_M = 0.005
-"""Least length of a side of a room's polygon."""
+"""Least length of a side of a room's polygon [m]."""
 MAX_PLAN_M2 = 20_000.0
 """Greatest area of the rectangle around all rooms, times the storeys: a grid of 10 cm over it must fit in memory."""
 

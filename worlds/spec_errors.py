@@ -83,7 +83,7 @@ def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[s
 
 
 def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> list[str]:
-    """One line for each malformed field: where it is, what its value is, and what would be valid.
+    """One line for each malformed field: its place, its value and the valid values.
 
     After `MAX_MISTAKES` lines, a last line says how many malformed fields are left.
     """

@@ -77,7 +77,7 @@ class StoreyPlan:
                 yield Wall(self.level, boundary, a0, a1, floor + min(z0, z1), floor + top, spandrel=True)
 
     def hung_windows(self) -> Iterator[Window]:
-        """The windows in their walls. Raises `HouseError` for one that lies in no outer wall of its room, or upside down."""
+        """The windows in their walls. Raises `HouseError` for a window in no outer wall of its room, or upside down."""
         return hang_windows(self.house, self.level, self.windows, self.outer, self.floor_m)
 
     def hung_leaves(self) -> Iterator[DoorLeaf]:
@@ -86,7 +86,7 @@ class StoreyPlan:
         return hang_leaves(self.level, self.pieces, self.house.storeys[self.level].openings, self.floor_m, seed)
 
     def furniture(self) -> tuple[FurnitureSpec, ...]:
-        """The furniture of the spec, or what the catalogue says belongs in the rooms where the spec leaves it open."""
+        """The furniture that the spec lists, or furniture filled in from the catalogue if the spec lists none."""
         storey = self.house.storeys[self.level]
         if storey.furniture is not None:
             return storey.furniture
@@ -100,7 +100,7 @@ def indoor_rooms(house: HouseSpec) -> frozenset[str]:
 
 
 def wall_height(boundary: Boundary, ceiling_height_m: float, indoors: frozenset[str]) -> float:
-    """Height of a wall: up to the ceiling, or that of a fence where none of its rooms is in `indoors` [m]."""
+    """Height of a wall: up to the ceiling, or `FENCE_HEIGHT_M` if none of its rooms is in `indoors` [m]."""
     return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else ceiling_height_m
 
 

@@ -2,7 +2,7 @@
 
 A strategy draws the rooms of a house rather than a seed, so that Hypothesis can shrink a failing house to a small one.
 Every drawn house is valid: `build_house` and `validate` accept it. Houses are unfurnished by default. Rooms shrink to
-rectangles of 2 x 2 m, labels and kinds of openings to the first ones in the lists that the caller gives. With the package
+rectangles of 2 x 2 m; labels and kinds of openings shrink to the first entries of the caller's lists. With the package
 installed, `st.from_type(HouseSpec)` draws `houses()`. Invalid arguments raise `hypothesis.errors.InvalidArgument`.
 """
 
@@ -29,7 +29,7 @@ from worlds.spec import HouseSpec, OpeningKind
 
 MAX_ROOMS, MAX_STOREYS = 40, 4
 DRAWABLE = tuple(label for label in ROOM_LABELS if label != STAIRS)
-"""Labels that callers can ask for; stairs are added to houses of several storeys."""
+"""Labels that callers can request; stairs are added to houses of several storeys."""
 INDOOR = tuple(label for label in DRAWABLE if label not in OUTDOOR_LABELS)
 KINDS: tuple[OpeningKind, ...] = ("door", "open", "cased", "arch", "half wall", "counter")
 _MAX_SIZE_DM, _MAX_WIDTH_DM = 60, 40

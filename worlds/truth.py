@@ -22,12 +22,12 @@ from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 
 AMBIGUITY_BAND_M = 0.75
-"""Distance from an open boundary within which the labels of both rooms count as right."""
+"""Greatest distance from an open boundary at which the labels of both rooms count as correct [m]."""
 AMBIGUOUS_FRAME_M = 1.2
-"""From this width on, a cased opening or an arch counts as an open boundary."""
+"""Least width of a cased opening or an arch that counts as an open boundary [m]."""
 NOWHERE = -1
 FLOOR_TOLERANCE_M = 1e-6
-"""A point this little below a floor counts as on it, because computed heights have rounding errors."""
+"""Greatest depth below a floor at which a point counts as on the floor [m]; it covers rounding errors of heights."""
 
 Point3 = tuple[float, float, float]
 
@@ -49,7 +49,7 @@ class Passage:
     """An edge of the room graph: an opening that one can walk through."""
 
     rooms: tuple[str, str]
-    """Ids of the rooms (in `house.rooms`) that it connects; a staircase is one room on all its storeys."""
+    """Ids of the rooms (in `house.rooms`) that the passage connects; a staircase is one room on all its storeys."""
     storey: int
     kind: OpeningKind
     point: Point3
@@ -129,7 +129,7 @@ def ambiguity_at(
 
 
 def is_ambiguous(opening: OpeningSpec) -> bool:
-    """Whether an opening makes a boundary so open that one cannot tell by looking where one room ends.
+    """Whether an opening makes a boundary so open that an image does not show where one room ends.
 
     This holds for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
     doors.

@@ -190,7 +190,7 @@ class Walkable:
         """The shortest path between two points or nodes, as its corners on the walked surface in W [m].
 
         Points are replaced by the nearest nodes. With `prefer_clearance_m` > 0, the path keeps about this distance from
-        obstacles [m], where there is space. The path from `goal` to `start` is the same in reverse. Raises
+        obstacles [m] if there is enough space. The path from `goal` to `start` is the same path reversed. Raises
         `UnreachableError` if there is no path, or a point is not walkable.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))

@@ -18,7 +18,7 @@ from worlds.spec import OpeningSpec, StoreySpec
 
 WALL_THICKNESS_M = 0.1
 FENCE_HEIGHT_M = 1.5
-"""Height of walls that have no indoor room on either side."""
+"""Height of walls that have no indoor room on either side [m]."""
 ARCH_STRIPS = 12
 """Number of straight pieces that approximate the curve of an arch."""
 _TOLERANCE_M = 1e-6

@@ -24,7 +24,7 @@ from lexis.types import Camera, Observation, Poses
 __all__ = ["Dataset", "DatasetConfig", "assumed_covariances", "open_dataset", "write_dataset"]
 
 TURNING_M = 0.3
-"""Path length that a rotation by one radian counts as, when covariances are assumed [m/rad]."""
+"""Path length that is equivalent to a rotation by one radian when odometry covariances are assumed [m/rad]."""
 
 
 @dataclass(frozen=True, eq=False)

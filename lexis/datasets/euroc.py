@@ -39,7 +39,7 @@ SENSORS, CAMERA, ODOMETRY = "mav0", "cam0", "odom0"
 _WITH_COVARIANCE = 8 + 36
 _NANOSECONDS = re.compile(r"[0-9]{1,19}")
 _DISTORTION_MODELS = ("radial-tangential", "", "~", "null")
-"""Supported values: the only model, and the ways to write that there is none."""
+"""Supported distortion models: radial-tangential, and the spellings of "no distortion"."""
 _CAMERA_FILE = FileKind(
     "a camera's calibration with resolution, intrinsics [fu, fv, cu, cv] and T_BS of 16 numbers", 100_000, DatasetError
 )

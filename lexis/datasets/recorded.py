@@ -28,7 +28,7 @@ class DatasetConfig:
     """Choices among the contents of a dataset, and assumptions about what it does not state."""
 
     odometry: str | None = None
-    """The odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: the one that LEXIS-sim writes."""
+    """The odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: the default name."""
     camera: str | None = None
     """The camera: a file (TUM), a sensor's folder (EuRoC) or the namespace of topics (ROS 2). None: the default name."""
     max_odometry_gap_s: float = 0.5
@@ -41,7 +41,7 @@ class DatasetConfig:
 
 @dataclass(frozen=True, eq=False)
 class OdometryTrack:
-    """Odometry poses at their own stamps, which may differ from those of the images."""
+    """Odometry poses with their own stamps, which may differ from the stamps of the images."""
 
     source: str
     """File or topic of the odometry, for messages."""

@@ -9,8 +9,8 @@
                                  first [rad², m²]
     /tf_static                   tf2_msgs/TFMessage: from the odometry's child frame to the camera's frame
 
-Stamps are those of the headers. The covariances in the odometry messages are not read: they are covariances of the pose,
-and the difference of two such matrices need not be a covariance.
+The stamps are read from the message headers. The covariances in the odometry messages are not read: they are covariances of
+the pose, and the difference of two such matrices need not be a covariance.
 """
 
 from collections.abc import Callable, Iterator
@@ -118,7 +118,7 @@ class _Bag:
                 pass
 
     def first_of(self, *topics: str) -> str:
-        """The first of the given topics that is in the bag. Raises DatasetError if none is."""
+        """The first of the given topics that is in the bag. Raises DatasetError if the bag has none of the topics."""
         present = [topic for topic in topics if topic in self.topics]
         if not present:
             found = ", ".join(self.topics) or "nothing"

@@ -176,7 +176,7 @@ def _read_config(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _common_preprocessing(architecture: str) -> dict[str, Any] | None:
-    """The preprocessing shared by all published weights of the architecture; None if they disagree or there are none."""
+    """The preprocessing that all published weights of the architecture share; None if they disagree or do not exist."""
     tags = open_clip.list_pretrained_tags_by_model(architecture)
     settings = [open_clip.get_pretrained_cfg(architecture, tag) for tag in tags]
     chosen = [{key: known[key] for key in _SETTINGS} for known in settings if all(key in known for key in _SETTINGS)]

@@ -1,4 +1,4 @@
-"""How an encoder computes. Which model it is, `load_encoder` is told separately. This module imports no torch."""
+"""`EncoderOptions`: how an encoder computes. The model is chosen in `load_encoder`. This module imports no torch."""
 
 import re
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ _DEVICES = re.compile(r"cpu|cuda(:\d+)?")
 
 @dataclass(frozen=True)
 class EncoderOptions(Settings, place="encoder", error=EncoderError):
-    """How an encoder computes.
+    """Options of an encoder's computation: device, precision, batches, prompt templates and cache.
 
     The same options, images and texts give the same embeddings, up to rounding that depends on the size of batches.
     """
 
     device: str = "cpu"
-    """cpu, cuda or cuda:N."""
+    """Device on which torch computes: cpu, cuda or cuda:N."""
     precision: Precision = "fp32"
     """Precision of the arithmetic; the weights stay as they are. fp16 needs a GPU."""
     compiled: bool = False
@@ -36,7 +36,7 @@ class EncoderOptions(Settings, place="encoder", error=EncoderError):
     templates: tuple[str, ...] = TEMPLATES
     """Captions whose embeddings are averaged for a room name, each with one {} for the name with its article."""
     cache: Path | None = None
-    """Folder that keeps embeddings of images from run to run. None: nothing is kept."""
+    """Folder in which embeddings of images are kept from run to run. None: no cache."""
 
     def __post_init__(self) -> None:
         """Raise EncoderError for a setting that is not valid; whether the device exists is found out when loading."""

@@ -31,7 +31,7 @@ class Preprocessing:
 
 
 def squashing(height: int, width: int) -> Preprocessing:
-    """The preprocessing of `lexis-mini` to height x width [px]."""
+    """The preprocessing of `lexis-mini`, which resizes every image to height x width [px] (see `squash`)."""
     return Preprocessing(
         json.dumps(["area", height, width, MINI_MEAN, MINI_STD]), lambda image: squash(image, height, width)
     )

@@ -9,7 +9,7 @@ Labels = Int[np.ndarray, "n"]
 
 
 def accuracy(predicted: Labels, truth: Labels) -> float | None:
-    """Share of keyframes whose label is that of the room in which the camera truly is; None without keyframes."""
+    """Share of keyframes labelled as the room in which the camera truly is; None without keyframes."""
     return float(np.mean(predicted == truth)) if len(truth) else None
 
 

@@ -12,7 +12,7 @@ from lexis.types import Poses
 TRUE_M, TRUE_RAD = 0.5, 0.2
 """Largest errors of the relative pose of a true edge [m, rad]."""
 REVISIT_M, REVISIT_RAD, REVISIT_S = 1.0, 0.5, 10.0
-"""A revisit is a keyframe within this distance [m] and angle [rad] of one at least this much earlier [s]."""
+"""Largest distance [m] and angle [rad] between a revisit and an earlier keyframe, and the least time between the two [s]."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def true_edges(
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
-    """Keyframes whose true pose is within 1 m and 0.5 rad of that of a keyframe at least 10 s earlier."""
+    """Revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
     later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
     near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
     later, earlier = later[near], earlier[near]

@@ -1,6 +1,6 @@
 """Accuracy of predicted room instances. All metrics compare two partitions of the same keyframes.
 
-An instance is an integer id; the true id of a keyframe is that of the room in which the camera was. A room without
+An instance is an integer id; the true id of a keyframe is the id of the room in which the camera was. A room without
 keyframes, for example because frames were lost, therefore enters none of these metrics, not even `count_error`. The number
 of such rooms is given by `coverage` in result.json.
 """

@@ -44,7 +44,7 @@ def replaced_file(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
-    """Give an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
+    """Yield an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
     An existing folder is only replaced if it is empty or holds the file `marker`. At any time, even if this process is
     killed, `path` is either the complete old folder or the complete new one. A symbolic link is followed. Raises LexisError

@@ -170,7 +170,7 @@ def _check_references(arrays: Arrays) -> None:
 
 
 def _check_counts(arrays: Arrays, name: str) -> None:
-    """Raise MapError unless the counts of what every owner has add up to all that there is."""
+    """Raise MapError unless the numbers of items per owner add up to the total number of items."""
     counts, total = arrays[f"{name}_count"], len(arrays[_COUNTED[name]])
     # Counts are bounded one by one first, so that their sum cannot overflow.
     if ((counts < 0) | (counts > total)).any() or counts.sum() != total:

@@ -1,4 +1,4 @@
-"""A check that an encoder is the one that made a map, because embeddings of different models cannot be compared."""
+"""A check that a map was made with a given encoder, because embeddings of different models cannot be compared."""
 
 from lexis.errors import MapError
 from lexis.perception import Encoder
@@ -6,7 +6,7 @@ from lexis.types import LexisMap
 
 
 def check_encoder(map: LexisMap, encoder: Encoder) -> None:
-    """Raise MapError unless the encoder's embeddings can be compared with those of the map."""
+    """Raise MapError unless the encoder's embeddings can be compared with the map's embeddings."""
     own = map.encoder
     if encoder.fingerprint != own.fingerprint:
         raise MapError(

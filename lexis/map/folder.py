@@ -57,9 +57,8 @@ class _Map(BaseModel):
 def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     """Write the map to a folder, which appears complete or not at all; an earlier map there is replaced.
 
-    Without `features`, key points and landmarks are left out. The map is then smaller, but no later walk can close loops
-    with it.
-    Raises LexisError if the folder cannot be written, or holds something that is no map.
+    Without `features`, key points and landmarks are left out. The map is then smaller, but a later run cannot close loops
+    with it. Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
         schema=2,

@@ -23,7 +23,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
         config: should have the settings of labels and segmentation that the map was made with.
 
     Raises:
-        LexisError: the room names are unusable, or the encoder is not the one that made the map.
+        LexisError: the room names are unusable, or the map was made with another encoder.
     """
     check_room_names(room_names)
     check_encoder(map, encoder)

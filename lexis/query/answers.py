@@ -3,7 +3,7 @@
 1. Turn the question into captions, the texts that the encoder was trained on (`lexis.query.questions`). A question may have
    several readings.
 2. Embed each reading as the mean of its captions, and compare it with the embeddings of all keyframes.
-3. Score each room by the mean similarity of its best views, because most of its views may not show what is asked for.
+3. Score each room by the mean similarity of its best views, because most of its views may not show the requested thing.
 4. With a calibration, convert the scores to probabilities (`lexis.query.calibration`).
 5. Return the rooms and keyframes of the reading that some room fits best.
 """
@@ -24,9 +24,9 @@ from lexis.query.questions import Captions, read_question
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5
-"""Number of best views that a room is scored by; most of its views may not show what is asked for."""
+"""Number of best views that a room is scored by, because most views of the room may not show the requested thing."""
 FITS = 0.5
-"""Smallest probability of a room that counts as an answer."""
+"""Least probability of a room that counts as an answer."""
 
 
 class RoomFit(NamedTuple):
@@ -36,11 +36,12 @@ class RoomFit(NamedTuple):
     similarity: float
     """Mean cosine similarity between the text and the room's best views."""
     probability: float | None
-    """Probability that the room is, or shows, what was asked for; None without a calibration."""
+    """Probability that the room fits the question; None without a calibration."""
     keyframe: int
     """Id of the room's keyframe that fits best."""
     negated: bool = False
-    """Whether the question is negated; then `similarity` is with what is not wanted, and `probability` of not fitting it."""
+    """Whether the question is negated, as in "not a kitchen". Then `similarity` measures how well the room fits the excluded
+    thing (the kitchen), and `probability` is the probability of not fitting it."""
 
 
 class KeyframeFit(NamedTuple):
@@ -67,9 +68,9 @@ class Answer:
 def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration | None = None) -> Answer:
     """Rank all rooms and keyframes of the map by how well they fit a question; the map's room names are not used.
 
-    If a question has several readings, the one that some room fits best is used.
-    For a negated question ("not a kitchen"), similarities are with what is not wanted, the smallest come first, and
-    probabilities are those of not fitting.
+    If a question has several readings, the reading with the best-fitting room is used.
+    For a negated question ("not a kitchen"), similarities are to the excluded thing, and the smallest come first;
+    probabilities are probabilities of not fitting the excluded thing.
 
     Args:
         map: the map to search.
@@ -78,8 +79,8 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
         calibration: the encoder's calibration, needed for probabilities.
 
     Raises:
-        LexisError: the text is blank, too long or negates only a part of itself, the map has no rooms, or the encoder is not
-            the one that made the map.
+        LexisError: the text is blank, too long or negates only a part of itself, the map has no rooms, or the map was made
+            with another encoder.
     """
     question = read_question(text)
     if not map.rooms:

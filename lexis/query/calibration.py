@@ -42,7 +42,7 @@ class Calibration:
     def probabilities(
         self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """Probabilities that rooms are, or show, what the texts ask for, if half of the questions have an answer.
+        """Probabilities that rooms fit the texts, if half of the questions have an answer.
 
         Args:
             similarities: mean similarity of every room's best views to every text.
@@ -87,7 +87,7 @@ def load_calibration(path: Path) -> Calibration:
 
 
 def find_calibration(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
-    """The calibration at `path`, or without a path the one that ships with `mini` if it belongs to this encoder, or None.
+    """The calibration at `path`; without a path, the calibration shipped with `mini`, or None if it is for another encoder.
 
     Raises LexisError if the file is unusable or was fitted to another encoder.
     """

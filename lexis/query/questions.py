@@ -85,7 +85,7 @@ _SERVED_BY = (
     (re.compile(r"\b(?:hungry|something to eat)\b"), ("kitchen", "dining room")),
     (re.compile(r"\b(?:relax|unwind)\b"), ("sofa",)),
 )
-"""Words of a question, each with rooms or things that serve the same need."""
+"""Patterns of words in a question, each with rooms or things that serve the expressed need."""
 
 
 class Question(NamedTuple):
@@ -94,7 +94,7 @@ class Question(NamedTuple):
     readings: tuple[Captions, ...]
     """The literal reading of the question, then readings that serve the same need. A room need only fit one of them."""
     negated: bool
-    """Whether the question asks for rooms that do not fit the first reading."""
+    """Whether the question is negated: rooms are wanted that do not fit the first reading."""
 
 
 def read_question(text: str) -> Question:
@@ -103,7 +103,7 @@ def read_question(text: str) -> Question:
     If no rule applies, the question has one reading with one caption: the text itself.
 
     Raises:
-        LexisError: the text is blank or too long, or negates only a part of what it asks for.
+        LexisError: the text is blank or too long, or negates only a part of the question.
     """
     if len(text) > MAX_CHARACTERS:
         raise LexisError(f"the question has {len(text)} characters; valid: at most {MAX_CHARACTERS} characters")

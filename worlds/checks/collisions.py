@@ -79,5 +79,5 @@ def _corners(boxes: Obstacles) -> Float64[np.ndarray, "n 4 2"]:
 def _reach(
     directions: Float64[np.ndarray, "k 4 2"], axes: Float64[np.ndarray, "k 2 2"], size: Float64[np.ndarray, "k 2"]
 ) -> Float64[np.ndarray, "k 4"]:
-    """How far each box reaches from its centre in the given directions [m]."""
+    """Extent of each box from its centre in the given directions [m]."""
     return np.asarray(np.einsum("kab,kb->ka", np.abs(np.einsum("kad,kbd->kab", directions, axes)), size / 2))

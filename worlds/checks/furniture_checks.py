@@ -14,7 +14,7 @@ from worlds.openings.doors import DoorLeaf
 from worlds.walls import Wall, opening_span
 
 FLAT_M = 0.03
-"""Pieces that are no higher than this (rugs) may lie under other furniture."""
+"""Greatest height of a flat piece, such as a rug [m]; flat pieces may lie under other furniture."""
 _TOLERANCE_M = 2e-3
 _HEIGHT_TOLERANCE_M = 1e-3
 _AT_ONCE = 64

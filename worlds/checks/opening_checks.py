@@ -11,7 +11,7 @@ from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
 
 MIN_WIDTH_M = 0.6
-"""Least width of an opening that a body of radius 0.25 m walks through."""
+"""Least width of an opening that a body of radius 0.25 m walks through [m]."""
 MIN_HEIGHT_M = 1.9
 _TOLERANCE_M = 1e-3
 

@@ -9,7 +9,7 @@ from worlds.house import House
 from worlds.labels import OUTDOOR_LABELS, STAIRS
 
 MIN_APART_M = 0.3
-"""Least distance between two rooms that do not touch: nothing could be built in a narrower gap."""
+"""Least distance between two rooms that do not touch [m]: nothing could be built in a narrower gap."""
 MIN_SUPPORT = 0.9
 """Least share of the area of an indoor room on an upper storey that has indoor rooms below it."""
 _TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3

@@ -1,7 +1,7 @@
 """`PlanGrid`: the floor plans of a house as an exact grid of cells.
 
-The plan is cut along every x and y at which a room has a side, so each cell lies wholly inside or outside of every room, and
-questions about rooms become operations on arrays.
+The plan is cut along every x and y at which a room has a side, so each cell lies entirely inside or entirely outside every
+room, and questions about rooms become operations on arrays.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,10 @@ _DECIMALS = 6
 
 @dataclass(frozen=True, eq=False)
 class PlanGrid:
-    """Which room covers each cell of every storey. Rooms are numbered in the order of the spec, storey by storey."""
+    """A grid of cells over every storey's plan, with the room that covers each cell.
+
+    Rooms are numbered in the order of the spec, storey by storey.
+    """
 
     x: Float64[np.ndarray, "columns"]
     """The lines between cells, one more than there are cells along x [m]."""

@@ -1,4 +1,4 @@
-"""Which rooms a body can reach on foot: the connected parts of the free floor, joined by stairs."""
+"""Reachability of rooms on foot: the connected parts of the free floor are found and joined by stairs."""
 
 import math
 
@@ -11,14 +11,15 @@ from worlds.free_space import Obstacles, clearance_on, lattice, solid_obstacles,
 from worlds.house import House
 
 STAIRS_LINK_M = 0.5
-"""The end of a walking line (the path along a flight of stairs) is joined to free grid points within this distance."""
+"""Greatest distance between the end of a walking line (the path along a flight of stairs) and the free grid points that are
+joined to the end [m]."""
 
 
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
     """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the largest part of the house.
 
-    Doors count as opened: leaves are no obstacles. The rule is the same as that of `Walkable.reachable_rooms`, but it is
-    computed faster, without a graph:
+    Doors count as opened: leaves are no obstacles. The result is that of `Walkable.reachable_rooms`, but it is computed
+    faster, without a graph:
 
     1. On a grid of points, find those at which the body has space: inside a room, and far enough from obstacles and stairs
        that also the step to a diagonal neighbour is free.
@@ -45,7 +46,7 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_
 
 
 def _parts(free: Bool[np.ndarray, "storeys nx ny"]) -> Int[np.ndarray, "storeys nx ny"]:
-    """Number of the connected part that each grid point belongs to, 0 where it is not free; steps may be diagonal."""
+    """Number of each grid point's connected part; 0 for points that are not free. Steps may be diagonal."""
     parts, used = [], 0
     for storey in free:
         count, labels = cv2.connectedComponents(storey.astype(np.uint8), connectivity=8)

@@ -1,4 +1,4 @@
-"""Bands: which runs of bays stand in which band of every storey, in which order, and how long the bands become.
+"""Assignment of the runs of bays to the bands of every storey, their order in the bands, and the lengths of the bands.
 
 A band is a row of rooms along one side of a corridor (see the drawing in `wings`). A band is filled with runs: groups of
 bays that stay side by side; a bay is one slice of a band, with one main room (see `programmes`). Every storey has to stand
@@ -30,7 +30,7 @@ above them."""
 _WRAPPING_LABELS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
 """Labels of rooms that may bend round the end of the spine."""
 _STRETCH = 1.5
-"""A band is stretched at most by this factor to be as long as the shell; a shorter band ends before the shell does."""
+"""Greatest factor by which a band is stretched to the length of the shell; other bands end before the shell does."""
 
 
 @dataclass
@@ -43,7 +43,7 @@ class BandedStorey:
     lengths: dict[Band, int] = field(default_factory=dict)
     """Length of every band; `measured` fills it in [cm]."""
     wrap: int = 0
-    """How far the last room of the south band reaches beyond the spine's end, round which it bends; 0: it does not [cm]."""
+    """Length beyond the spine's end of the south band's last room, which bends round this end [cm]; 0: no bend."""
     past_spine: frozenset[Band] = frozenset()
     """Bands that continue past the spine's end, beside the stairs that stand there."""
 
@@ -59,7 +59,7 @@ def assign(
 
     For each storey, lowest first:
 
-    1. A storey that repeats the one below (the same `runs` object) gets a copy of its assignment: the floors stay equal.
+    1. A storey that repeats the storey below (the same `runs` object) gets a copy of its assignment: the floors stay equal.
     2. A single room may go behind the stairs, where no band reaches; on upper storeys only if there is one below it.
     3. `distribute` shares the other runs among the bands. On the ground storey the bands have the lengths planned in `room`
        [cm]; above, they have the lengths of the storey below, on which they stand.
@@ -94,8 +94,8 @@ def assign(
 def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
     """Lengths of the bands that may be built on a storey [cm].
 
-    Short bands are left out: `measured` makes a band as long as the one above, so their small rooms would grow large. The
-    south band always stays, because every storey needs one.
+    Short bands are left out: `measured` makes a band as long as the band above, so the small rooms of a short band would
+    grow large. The south band always stays, because every storey needs one.
     """
     length = {band: sum(_widths(storey, band, shell)) for band in storey.bands}
     return {band: n for band, n in length.items() if n > _SHORTEST_BELOW or (band == "south" and n)}
@@ -125,10 +125,10 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
 
 
 def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
-    """The band of the run that must go to the south band, by the run's index.
+    """The run that must go to the south band, as a mapping from its index to "south".
 
-    Every storey needs a run there, since gardens and most balconies lie in the south. It is the run with most living rooms,
-    dining rooms and kitchens, which lead outside; among equals, the one with the largest first room.
+    Every storey needs a run there, since gardens and most balconies lie in the south. The run with most living rooms, dining
+    rooms and kitchens, which lead outside, is chosen; among equal runs, the run with the largest first room.
     """
     garden = ("living room", "dining room", "kitchen")
     best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
@@ -136,9 +136,9 @@ def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
 
 
 def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """Remove from `runs` and return one that fits the place behind the stairs; None if none does.
+    """Choose a run that fits the place behind the stairs, remove it from `runs` and return it; None if no run fits.
 
-    The place has a given area: a run fits if it is one plain room, no twin, that wishes for about this area. At least two
+    The place has a given area: a run fits if it is one plain room, no twin, whose drawn area is about the same. At least two
     runs are left over for the bands.
     """
     slot = shell.slot()
@@ -156,7 +156,7 @@ def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
 def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
     """The shell with the length of every band; also sets `lengths` of every storey.
 
-    1. A band of the shell is as long as that band on the storey where it is longest.
+    1. Each band of the shell gets the greatest length that the band has on any storey.
     2. A storey whose south band is so short that it cannot be stretched to the spine's end loses its wrapped room. That
        changes widths, so the shell is measured again.
     3. With stairs at the spine's end, find the bands that reach past that end, from the top storey downwards: where a band
@@ -164,7 +164,7 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
        is measured a third time.
     4. `Shell.flush` removes small steps between the ends of bands.
     5. From the top storey downwards, a band is stretched to the shell's length if the factor is at most `_STRETCH`, and made
-       at least as long as the band above, which it bears.
+       at least as long as the band above, which stands on it.
     """
     shell = replace(shell, lengths=_longest(shell, storeys))
     for storey in storeys:
@@ -196,7 +196,7 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
 
 
 def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
-    """Length of every band on the storey where it is longest [cm]."""
+    """Greatest length of every band over all storeys [cm]."""
     return {b: max(sum(_widths(s, b, shell)) if b in s.bands else 0 for s in storeys) for b in BANDS}
 
 

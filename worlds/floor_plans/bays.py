@@ -1,9 +1,9 @@
-"""How wide the bays of a band are, and which rectangles their rooms cover; all lengths are in whole centimetres.
+"""Widths of the bays of a band, and the rectangles that their rooms cover; all lengths are in whole centimetres.
 
 A bay is one slice of a band (a row of rooms along a corridor). It holds one main room, the host, and up to two small rooms
-carved from it; `programmes` draws the forms. A bay's depth is that of its band, so its area follows from its width:
+carved from it; `programmes` draws the forms. A bay is as deep as its band, so its area follows from its width:
 
-1. `bay_width` gives each bay the width at which its rooms get the areas wished for.
+1. `bay_width` gives each bay the width at which its rooms get the areas that were drawn for them.
 2. `share_out` widens the bays of a band until they fill the band's length.
 3. `bay_rooms` cuts the bay into rectangles: the small rooms keep their size, the host gets everything else.
 """
@@ -25,10 +25,10 @@ _MOST_SLENDER = 1.75
 
 
 def bay_width(bay: Bay, depth: int) -> int:
-    """Wished-for width of a bay in a band of this depth, rounded up to 5 cm [cm].
+    """Preferred width of a bay in a band of this depth, rounded up to 5 cm [cm].
 
-    It is the largest of three widths: the one at which the rooms get the areas wished for; the least one at which the
-    host is neither too narrow nor too slender; and the one at which the carved rooms fit beside the host's own front.
+    It is the largest of three widths: the width at which the rooms get the areas drawn for them; the least width at which
+    the host is neither too narrow nor too slender; and the width at which the carved rooms fit beside the host's own front.
     """
     host = bay.labels[0]
     wished = round(sum(bay.areas) * 1e4 / depth)
@@ -40,7 +40,7 @@ def bay_width(bay: Bay, depth: int) -> int:
 
 
 def run_width(run: BayRun, depth: int) -> int:
-    """Sum of the wished-for widths of a run's bays in a band of this depth [cm]."""
+    """Sum of the preferred widths of a run's bays in a band of this depth [cm]."""
     return sum(bay_width(bay, depth) for bay in run.bays)
 
 
@@ -97,8 +97,8 @@ def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, widt
 def share_out(widths: Sequence[int], bays: Sequence[Bay], length: int) -> list[int]:
     """Widen bays in proportion so that they fill `length`, which is at least the sum of `widths` [cm].
 
-    The centimetres that rounding down leaves over go to the last bay that has no twin, because twins must stay equal. Where
-    all bays are twins, they go to the last bay.
+    Widths are rounded down to centimetres. The remainder goes to the last bay without a twin, because twins must stay equal,
+    or to the last bay if all bays are twins.
     """
     total = sum(widths)
     out = [w + (length - total) * w // total for w in widths]

@@ -11,25 +11,26 @@ class BuildingKind:
     """A family of buildings, such as homes or schools."""
 
     rooms: tuple[int, int]
-    """Range of the number of rooms, if the caller asks for none; corridors, halls and stairs are not counted."""
+    """Range of the number of rooms if the caller gives none; corridors, halls and stairs are not counted."""
     storeys: tuple[int, ...]
-    """Numbers of storeys to choose from, if the caller asks for none."""
+    """Numbers of storeys to draw from if the caller gives none."""
     first: tuple[str, ...]
-    """Labels of the rooms that every building gets, the most important first: a small building gets only the first ones."""
+    """Labels of the rooms that every building gets, the most important first. A small building gets only the first
+    labels."""
     more: tuple[str, ...]
     """Labels from which further rooms are drawn."""
     style: PlanStyle
     habits: LayoutShares
     halls: tuple[str | None, ...] = (None,)
-    """Labels to choose from for the first stretch of the ground storey's corridor; None: it has no such stretch."""
+    """Labels to draw from for an entrance hall at the start of the ground storey's corridor; None: no hall."""
     upstairs: tuple[str, ...] = ()
     """Labels of rooms that belong on upper storeys."""
     repeats: float = 0.0
     """Share of buildings whose upper storeys are all equal."""
     flat: tuple[int, int] | None = None
-    """Range of the number of rooms per storey, for buildings of several storeys whose number of rooms is not asked for."""
+    """Range of the number of rooms per storey in buildings of several storeys, if the caller gives no number of rooms."""
     shuffled: int = 0
-    """How many places a room may move in the order of `first`."""
+    """Greatest number of places by which a room may move when the order of `first` is shuffled."""
 
 
 _HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))

@@ -1,4 +1,4 @@
-"""`lay_out`: from what the storeys of a building hold (programmes) to where their rooms are (layouts).
+"""`lay_out`: turns the lists of rooms of a building's storeys (programmes) into floor plans (layouts).
 
 The plan of a building is a corridor, called the spine, with rows of rooms along it, called bands; a second corridor with two
 more bands may leave the first at a right angle (see the drawing in `wings`). The parts of the plan that all storeys share -
@@ -39,11 +39,12 @@ class PlanStyle:
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
     """Kinds of stairs to choose from; None: U-shaped stairs at the spine's end, all others stand in the north band."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """Range of a length [m]: if all rooms side by side are shorter, they stand on one side of the spine (the corridor)."""
+    """Range from which a limit is drawn for the length of all rooms side by side; shorter rows stand on one side of the
+    spine (the corridor) only [m]."""
     winged_m: float = 26.0
     """Least length of all rooms side by side in a plan with a second wing [m]."""
     wings: float = 0.7
-    """Share of the plans of at least this length that have a second wing; plans of 40 m and more always have one."""
+    """Share of the plans of `winged_m` to 40 m that have a second wing; longer plans always have one."""
     spine_m2: float = 0.0
     """Least area of the spine, for plans in which the spine is a living room [m²]."""
     wrapped: float = 0.35
@@ -57,7 +58,7 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.ran
     2. `_stairs` chooses the stairs before any room is placed, because they take the same part of every storey.
     3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last room of a band round the spine's
        end, and `bands.measured` sets the lengths of all bands so that every storey stands on the storey below.
-    4. The spine becomes wider where it is a living room and its area would be too small. This comes after step 3, because
+    4. The spine becomes wider if it is a living room whose area would be too small. This comes after step 3, because
        the area depends on the spine's length.
     5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies
        (`outdoors`). The draft is mirrored and rotated at random, the same for all storeys, and becomes a layout.
@@ -90,7 +91,7 @@ def _topology(
     """The depths of spine and bands, and the planned length of each band [cm].
 
     The total length of a storey's rooms, side by side, decides the form: short ones stand on one side of the spine, longer
-    ones on both, the longest get a second wing. The total is that of the storey with the longest rooms.
+    ones on both, the longest get a second wing. The largest total of all storeys counts.
     """
 
     def draw(bounds: tuple[float, float]) -> int:

@@ -1,6 +1,6 @@
 """`grow`: houses built from a list of room requests, one after another, for property-based tests.
 
-A request (`RoomRequest`) says what a room is like, where it stands relative to the rooms before it, and how it is entered:
+A request (`RoomRequest`) gives a room's label and size, its place relative to the rooms before it, and its openings:
 
     row 1  | room | room    |          The first room of a row starts at x = 0, north of the first room of the row below;
     -------+------+---+-----+          the others follow to its east.
@@ -27,24 +27,24 @@ Start = Literal["beside", "row", "storey"]
 Shape = Literal["rectangle", "L", "T"]
 DoorState = Literal["no leaf", "open", "ajar", "closed"]
 MIN_SIZE_DM = 20
-"""Least width and depth of a room; also the width of the stairs' cell."""
+"""Least width and depth of a room; also the width of the stairs' cell [dm]."""
 MIN_WIDTH_DM, MAX_DOOR_DM = 8, 10
-"""Least width of any opening that one can walk through, greatest width of a door or arch."""
+"""Least width of any opening that one can walk through, and greatest width of a door or arch [dm]."""
 _MIN_CONTACT_DM = 7
-"""Least length of wall that two touching rooms share; without that wall, a body can walk through."""
+"""Least length of wall that two touching rooms share [dm]; without that wall, a body can walk through."""
 _MIN_GAP_DM = 4
-"""Least difference between the depth of a row and that of a room in it; closer depths become equal."""
+"""Least difference between the depths of a row and of a room in the row [dm]; closer depths are made equal."""
 _MIN_STEM_DM = 12
-"""Least length of a wall that has room for a door."""
+"""Least length of a wall that has room for a door [dm]."""
 _ROW_DM, _STACK_DM = 240, 360
-"""A row of at least the first width is full; a stack of rows of at least the second depth gets no more rows."""
+"""Least width of a row that gets no more rooms, and least depth of a stack of rows that gets no more rows [dm]."""
 _MARGIN_DM = 2
-"""Distance of an opening from the ends of its wall."""
+"""Distance of an opening from the ends of its wall [dm]."""
 _STAIRS_DM = 34
-"""Length of the stairs' cell."""
+"""Length of the stairs' cell [dm]."""
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
 Box = tuple[int, int, int, int]
-"""x0, y0, x1, y1 [dm]."""
+"""A rectangle of the plan: x0, y0, x1, y1 [dm]."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +52,15 @@ class OpeningRequest:
     """A request for an opening in the wall between a room and a neighbour."""
 
     kind: OpeningKind | None = "door"
-    """None: no opening."""
+    """Kind of the opening; None: no opening."""
     width_dm: int = MIN_WIDTH_DM
-    """Width wished for; it is reduced to what the wall has. An "open" boundary is open along its whole length."""
+    """Requested width, reduced if the wall is too short [dm]. An "open" boundary is open along its whole length."""
     offset_dm: int = 0
-    """Distance from the western or southern end of the wall, as far as there is space."""
+    """Requested distance from the western or southern end of the wall [dm]; reduced if the wall is too short."""
     leaf: DoorState = "no leaf"
-    """How the leaf of a door stands; a leaf that would hit something is left out."""
+    """State of the door's leaf; a leaf that would hit something is left out."""
     hinge: Literal["start", "end"] = "start"
+    """End of the opening at which the leaf hangs."""
     into_first: bool = True
     """Whether the leaf swings into the older of the two rooms."""
 
@@ -89,10 +90,10 @@ class RoomRequest:
 def grow(
     requests: Sequence[RoomRequest], *, max_storeys: int = 1, min_openness: float = 0.0, clutter: float | None = None
 ) -> HouseSpec:
-    """The house that a list of room requests gives.
+    """Build the house described by a list of room requests.
 
-    1. The list is split into storeys, where a request starts one, up to `max_storeys`.
-    2. The storeys are planned from the top down, because a storey has to be as large as the one that it bears.
+    1. The list is split into at most `max_storeys` storeys, at the requests that start a new storey.
+    2. The storeys are planned from the top down, because a storey has to be at least as large as the storey above it.
     3. Each plan becomes a storey: rooms, stairs in the west if there are several storeys, and openings in the walls where
        rooms touch.
 
@@ -164,7 +165,7 @@ class _Placed:
 
 @dataclass(frozen=True)
 class _Contact:
-    """A stretch of wall between a room and one that was placed before it, and the opening requested there."""
+    """A stretch of wall between a room and a room that was placed before it, and the opening requested there."""
 
     rooms: tuple[_Placed, _Placed]
     """The older room and the younger one."""
@@ -173,11 +174,12 @@ class _Contact:
     at: int
     """The coordinate that is constant along the wall [dm]."""
     low: int
+    """Lower end of the stretch along the wall [dm]."""
     high: int
-    """Extent along the wall [dm]."""
+    """Upper end of the stretch along the wall [dm]."""
     way: OpeningRequest
     needed: bool
-    """Whether the younger room is entered here, so that one must be able to walk through."""
+    """Whether the younger room is entered here, so that the opening must be passable."""
 
     @property
     def length(self) -> int:
@@ -194,7 +196,7 @@ class _Plan:
 
     @staticmethod
     def of(requests: Sequence[RoomRequest], first_number: int, bears: tuple[int, int]) -> "_Plan":
-        """The plan of a storey that bears one of width and depth `bears` [dm]; (0, 0): it is the top storey.
+        """The plan of a storey below a storey of width and depth `bears` [dm]; (0, 0): this is the top storey.
 
         Rooms are numbered from `first_number` on. The last room of each row and the last row are enlarged until they reach
         as far as the storey above.
@@ -277,8 +279,8 @@ def _east(x1: int, below: Sequence["_Placed"]) -> int:
 def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bool) -> _Placed:
     """A room in its place in a row.
 
-    The first room of a row is as deep as the row, because the next row begins on top of it. On a storey that bears another
-    (`solid`), all rooms are that deep and have no notches, because the storey above needs support everywhere.
+    The first room of a row is as deep as the row, because the next row begins on top of it. On a storey below another storey
+    (`solid`), all rooms are as deep as the row and have no notches, because the storey above needs support everywhere.
     """
     x0, y0, x1, y1 = box
     if solid:
@@ -330,7 +332,7 @@ def _openings(contact: _Contact, swings: list[Box]) -> list[OpeningSpec]:
 
 
 def _leaf(contact: _Contact, start: int, stop: int, swings: list[Box]) -> LeafSpec | None:
-    """The leaf requested for a door; None if there is none or its swing area is not free."""
+    """The leaf requested for a door; None if no leaf was requested or its swing area is not free."""
     way, width = contact.way, stop - start
     if way.leaf == "no leaf":
         return None

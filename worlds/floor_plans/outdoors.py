@@ -26,7 +26,7 @@ def add_outdoors(
     hosts: Sequence[int],
     rng: np.random.Generator,
 ) -> None:
-    """Add the garden and the balcony that the programme asks for, each with a link to a room that leads to it.
+    """Add the garden and the balcony of the programme, if it has them, each with a link to a room that leads there.
 
     `hosts` are the numbers of the main rooms of the bays in `placed`, in the same order.
 

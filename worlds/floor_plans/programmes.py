@@ -38,7 +38,7 @@ _OPEN_CHAIN = ("kitchen", "dining room", "living room")
 """Labels of rooms that stand side by side in this order or the reverse one."""
 _SEEDS = 2**31
 _MOST_TWINS_IN_RUN = 4
-"""Most twins that stand side by side."""
+"""Greatest number of twins (equal bays) that stand side by side."""
 _OTHER_SEED = 1009
 """Added to a seed to get another one."""
 
@@ -50,9 +50,9 @@ class Bay:
     labels: tuple[str, ...]
     """Labels of the rooms, the host's first."""
     areas: tuple[float, ...]
-    """Area wished for by each room [m²]."""
+    """Area drawn for each room [m²]."""
     form: Form = "plain"
-    """Where the small rooms are; the module's docstring draws the forms."""
+    """Arrangement of the small rooms; the module's docstring draws the forms."""
     flipped: bool = False
     """Whether the form is mirrored along the band."""
     entry: OpeningKind = "door"
@@ -78,7 +78,7 @@ class BayRun:
 
     bays: tuple[Bay, ...]
     joint: OpeningKind | None = None
-    """Kind of the opening between the main rooms of neighbouring bays; None: there is no opening."""
+    """Kind of the opening between the main rooms of neighbouring bays; None: no opening."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class StoreyProgramme:
 
 @dataclass(frozen=True)
 class LayoutShares:
-    """Shares that say how the buildings of a kind are laid out, each in [0, 1]."""
+    """How often the buildings of a kind have certain features of layout, as shares in [0, 1]."""
 
     open_plan: float = 0.0
     """Share of storeys whose kitchen, dining room and living room have no walls between them."""

@@ -8,11 +8,11 @@ class RoomSize:
     """Size of the rooms with one label."""
 
     usual: tuple[float, float]
-    """Range from which the area wished for is drawn [m²]."""
+    """Range from which the area of a room is drawn [m²]."""
     side_m: float = 2.4
-    """Least width [m]."""
+    """Least width of a room [m]."""
     beside: tuple[str, ...] = ()
-    """Labels of the rooms from which such a room is preferably carved."""
+    """Labels of the rooms from which a room of this label is preferably carved."""
 
 
 _QUIET = ("bedroom", "children's room")

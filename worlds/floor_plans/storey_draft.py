@@ -19,7 +19,7 @@ from worlds.spec import OpeningKind, OpeningSpec, RoomSpec
 _LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
 """Least area of an entrance hall or lobby at the start of the spine, by label [m²]."""
 _LONGEST_HALL = 1100
-"""Greatest length of such a hall; a longer one would be a corridor [cm]."""
+"""Greatest length of an entrance hall or lobby [cm]; a longer hall would be a corridor."""
 _NICHE = 60
 """Least distance between corners of the spine; smaller niches would be of no use [cm]."""
 _LEAST_SHARED_WALL = 100
@@ -39,7 +39,7 @@ class PlacedBay:
     joint: BayRun | None
     """The run that this bay shares with the bay before it; None: this bay starts a run."""
     wrap: int = 0
-    """How far its host reaches beyond the spine's end, round which it bends; 0: it does not [cm]."""
+    """Length beyond the spine's end of the bay's host, which bends round this end [cm]; 0: no bend."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class StoreyDraft:
 
     rooms: list[DraftRoom] = field(default_factory=list)
     links: list[tuple[int, int, OpeningKind, int | None]] = field(default_factory=list)
-    """Requests for openings: numbers of two rooms, kind, seed."""
+    """Requests for openings: the numbers of the two rooms, kind of opening, seed."""
     gaps: list[tuple[int, int, str, tuple[Corner, Corner]]] = field(default_factory=list)
     """Openings to stairs, which have positions already: numbers of two rooms, "up" or "down", both ends [cm]."""
 
@@ -130,7 +130,7 @@ def draft_storey(
 def _spine(
     draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[PlacedBay], cross_apart: bool
 ) -> list[int]:
-    """Add the rooms of the spine and return their numbers, from west to east, that of the second wing last.
+    """Add the rooms of the spine and return their numbers, from west to east; the second wing's spine comes last.
 
     The spine ends where the last room along it ends, but not before the stairs or the second wing, so that both open on it.
     """
@@ -170,7 +170,7 @@ def _stairs_end(shell: Shell) -> int:
 
 
 def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) -> int:
-    """Position along the spine where the entrance hall ends and the corridor begins; 0: there is none [cm].
+    """Position along the spine where the entrance hall ends and the corridor begins; 0: no position is suitable [cm].
 
     It is the westernmost end of a bay that meets these conditions: the hall has its least area, and the corridor a useful
     length; the cut makes no narrow niche beside the stairs; and every bay whose front it divides, across the spine, has its

@@ -18,7 +18,7 @@ _Gap = TypeVar("_Gap", OpeningSpec, WindowSpec)
 
 @dataclass(frozen=True)
 class Symmetry:
-    """A symmetry of the plan: mirror x if asked for, then rotate counter-clockwise about the origin, then shift."""
+    """A symmetry of the plan: mirror x if `mirror`, then rotate counter-clockwise about the origin, then shift."""
 
     mirror: bool = False
     quarter_turns: int = 0
@@ -81,7 +81,7 @@ class Symmetry:
 
 
 def in_place(spec: HouseSpec, mirror: bool = False, quarter_turns: int = 0) -> Symmetry:
-    """The symmetry with a shift that keeps the lower left corner of the plan's bounding box where it is.
+    """The symmetry with the shift that keeps the lower left corner of the plan's bounding box in place.
 
     With this shift, mirroring twice or rotating by four quarter turns gives the same house again.
     """

@@ -15,17 +15,17 @@ from worlds.walls import opening_span
 _GROUND_ONLY = frozenset({"garden", "garage"})
 _NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
 _FRONT_M = 0.9
-"""No door leaf may stand nearer than this to the foot of a flight."""
+"""Least distance between a door leaf and the foot of a flight [m]."""
 _MIN_SHARED_M = 0.7
-"""Least width of the opening at the foot of a flight, unless the one below is narrower."""
+"""Least width of the opening at the foot of a flight [m], unless the opening of the flight below is narrower."""
 
 
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
     """A house with a copy of the top storey's plan on top, without gardens and garages; the stairs continue upwards.
 
-    1. Each staircase gets an opening on the present top storey for the new flight, above that of the flight below, since all
-       flights of a staircase have the same shape.
-    2. Door leaves that would stand in front of such an opening are hung differently, or removed.
+    1. Each staircase gets an opening on the present top storey for the new flight, above the opening of the flight below,
+       since all flights of a staircase have the same shape.
+    2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
     Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of the new flight.
@@ -98,7 +98,7 @@ def _new_name(name: str, level: int, taken: set[str]) -> str:
 
 
 def _new_seed(seed: int | None, level: int) -> int | None:
-    """The seed of a room's copy: a new one that depends on the old one only, so that twins stay twins; None stays None."""
+    """The seed of a room's copy. It depends only on the seed of the room, so that twins stay twins; None stays None."""
     return None if seed is None else zlib.crc32(f"{seed} {level}".encode())
 
 

@@ -37,11 +37,12 @@ _ARM = 140
 
 @dataclass(frozen=True)
 class Depths:
-    """Dimensions across the wings: widths of the spines, depths of the bands [cm]; 0: there is none."""
+    """Widths of the spines and depths of the bands [cm]; 0: the plan has no spine or band in this place."""
 
     spine: int
     """Width of the main spine."""
     south: int
+    """Depth of the south band."""
     north: int = 0
     """Depth of all three north bands."""
     cross: int = 0
@@ -81,7 +82,7 @@ class StairsBay:
 
     @property
     def depth(self) -> int:
-        """How far the cell reaches away from the spine [cm]."""
+        """Depth of the cell, measured away from the spine [cm]."""
         return self.width if self.kind == "straight" else self.length
 
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
@@ -145,7 +146,7 @@ class Shell:
 
     depths: Depths
     lengths: dict[Band, int]
-    """Length of every band on the storey where it is longest [cm]."""
+    """Greatest length of every band over all storeys [cm]."""
     stairs: StairsBay | None = None
     at_end: bool = False
     """Whether the stairs stand at the main spine's east end rather than in the north band."""
@@ -220,9 +221,9 @@ class Shell:
         return Edge(self.stairs_start, self.depths.spine, (1, 0), (0, 1))
 
     def slot(self) -> Rect | None:
-        """The space in the north band behind the stairs; None where it is too shallow for a room or cannot be reached.
+        """The space in the north band behind the stairs; None if the space is too shallow for a room or cannot be reached.
 
-        It is reached from the arms beside the stairs, so U-shaped stairs, which have none, leave no such space.
+        The space is reached from the arms beside the stairs; U-shaped stairs have no arms, so the result is None for them.
         """
         if self.stairs is None or self.at_end or self.stairs.kind == "U":
             return None
@@ -258,10 +259,10 @@ def distribute(
 
 
 def _misfit(run: BayRun, depth: int) -> float:
-    """How badly a run fits a band of some depth [cm].
+    """Measure of how badly a run fits a band of the given depth [cm].
 
-    In a deep band, it is the width that the run has beyond what its area asks for, because rooms have a least width. In a
-    shallow band, it is the width beyond 1.8 times the depth for each bay, where rooms become too long.
+    In a deep band, it is the run's width in excess of area over depth, because rooms have a least width. In a shallow band,
+    it is the width in excess of 1.8 times the depth for each bay, because longer rooms are too slender.
     """
     wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
     return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))

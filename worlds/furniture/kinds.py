@@ -11,7 +11,7 @@ from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
 
 Range = tuple[float, float]
-"""(lowest, highest)."""
+"""Lowest and highest value of a range."""
 Parts = tuple[Part, ...]
 
 

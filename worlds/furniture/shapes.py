@@ -100,7 +100,7 @@ def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", bo
 def stocked(
     s: Size, shelves: int, goods: tuple[str, ...], colour: Colour, rng: Generator, board: float = 0.03, fill: float = 0.8
 ) -> Parts:
-    """Goods on the shelves of a `shelf_unit` of the same size: blocks with a material drawn from `goods`.
+    """Goods for the shelves of a `shelf_unit` of this size: blocks with a material drawn from `goods`.
 
     Each shelf has a place for a block about every half metre; a place is filled with probability `fill`.
     """

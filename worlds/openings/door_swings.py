@@ -1,4 +1,4 @@
-"""Where door leaves hang: at which end of the opening, and into which room they swing.
+"""Choice of how door leaves hang: at which end of the opening, and into which room they swing.
 
 A leaf must swing freely: its swing area, the rectangle around the sector that it sweeps, overlaps no wall, obstacle or other
 leaf's swing area. As it stands, open, it must not block another opening. `hang_leaf` tries the four possible ways.
@@ -20,7 +20,7 @@ _PASSING_M = 0.65
 """Width that stays free past the tip of a leaf that stands open in a corridor [m]."""
 _MOST_OPEN_RAD = math.radians(105.0)
 _AJAR_RAD = (math.radians(62.0), math.radians(85.0))
-"""Range of the angle of a leaf that does not stand fully open."""
+"""Range of the angle of a leaf that does not stand fully open [rad]."""
 _CIRCULATION = frozenset({"corridor", "entrance hall", "lobby"})
 """Labels of rooms that people walk along, where a leaf is most in the way."""
 
@@ -71,7 +71,7 @@ def _extent(room: RoomSpec) -> float:
 
 
 def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """Distance from one end of the door, along its wall, to the next wall across; infinite if there is none [m]."""
+    """Distance from one end of the door, along its wall, to the next wall across; infinite if no wall lies there [m]."""
     hinge, sign = (door.low, -1.0) if at_low else (door.high, 1.0)
     inside = door.at + _WALL_M * (1.0 if door.larger_side == room.id else -1.0)
     nearest = math.inf
@@ -100,8 +100,8 @@ def _largest_angle(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
 def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
     """The swing area: the rectangle around the sector that the leaf sweeps from closed to its angle [m].
 
-    The sector is that of a right angle for leaves that stand less far open: people open them further. The rectangle begins
-    outside the face of the door's own wall.
+    Leaves that are less far open are treated as open to a right angle, because people open them further. The rectangle
+    begins outside the face of the door's own wall.
     """
     behind = max(0.0, -math.cos(leaf.angle)) * door.width + LEAF_THICKNESS_M / 2
     return _box(door, leaf, -behind, door.width, door.width)

@@ -15,7 +15,7 @@ from worlds.walls import Boundary
 
 LEAF_THICKNESS_M = 0.04
 _GAP_M = 0.01
-"""Gap between the leaf and the lintel above it."""
+"""Gap between the leaf and the lintel above it [m]."""
 _ARC_STEPS = 8
 """Straight pieces that stand for the arc of a leaf's tip."""
 _STEEL: Colour = (0.72, 0.72, 0.74)

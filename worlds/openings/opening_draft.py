@@ -1,7 +1,7 @@
 """`OpeningDraft`: an opening while its position is being planned.
 
 A draft gives the opening by its extent along its wall, which is easier to compute with than the end points of an
-`OpeningSpec`. The code calls drafts gaps.
+`OpeningSpec`. Variables that hold drafts are called gaps.
 """
 
 import itertools
@@ -25,7 +25,7 @@ class LeafDraft:
     into: str
     """Id of the room that the leaf swings into."""
     angle: float
-    """How far the leaf is open; 0: closed [rad]."""
+    """Opening angle of the leaf; 0: closed [rad]."""
 
     def spec(self) -> LeafSpec:
         """The leaf as a spec, for an opening that starts at the gap's lower end."""
@@ -37,17 +37,19 @@ class OpeningDraft:
     """An opening in a wall that runs along `axis` (0: x, 1: y), from `low` to `high` on that axis [m]."""
 
     rooms: tuple[str, str]
-    """Ids of the rooms on both sides: first the one at smaller coordinates across the wall, then the other."""
+    """Ids of the rooms on both sides: first the room at smaller coordinates across the wall, then the other room."""
     kind: OpeningKind
     axis: int
     at: float
     """Coordinate of the wall's centre line across the axis [m]."""
     low: float
+    """Lower end along the axis [m]."""
     high: float
+    """Upper end along the axis [m]."""
     height: float = 2.05
-    """Upper end above the floor [m]."""
+    """Height of the upper end above the floor [m]."""
     sill: float = 1.0
-    """Lower end above the floor, for half walls and counters only [m]."""
+    """Height of the lower end above the floor, for half walls and counters only [m]."""
     leaf: LeafDraft | None = None
 
     @property
@@ -80,7 +82,7 @@ class OpeningDraft:
 
     @staticmethod
     def of(opening: OpeningSpec, rooms: dict[str, RoomSpec]) -> "OpeningDraft":
-        """The draft of an opening from a spec. Raises `HouseError` where it runs along neither x nor y."""
+        """The draft of an opening from a spec. Raises `HouseError` if the opening runs along neither x nor y."""
         axis, at, low, high = opening_span(opening)
         # A spec may name its two rooms in any order; a draft needs them by their sides of the wall.
         sides = opening.rooms

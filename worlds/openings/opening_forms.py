@@ -16,21 +16,21 @@ from worlds.spec import PASSABLE, OpeningKind
 from worlds.walls import Boundary
 
 _MIN_STRETCH_M = 0.6
-"""Shorter stretches of wall are never removed, because a body could not walk through."""
+"""Least length of a stretch of wall that is removed [m], because a body could not walk through a shorter opening."""
 _MIN_HATCH_M = 0.2
-"""Least width of a hatch."""
+"""Least width of a hatch [m]."""
 _MAX_FRAMED_M = 2.6
-"""Greatest width of an arch or a cased opening."""
+"""Greatest width of an arch or a cased opening [m]."""
 _HATCH_CORNER_M = 0.05
-"""Distance of a hatch from the ends of its wall."""
+"""Distance of a hatch from the ends of its wall [m]."""
 _DOOR_CORNER_M = 0.1
-"""Distance of a door from the corner, when it is moved there to make space for a hatch; its leaf clears the wall there."""
+"""Distance of a door from a corner to which it is moved to make space for a hatch [m]; its leaf clears the wall there."""
 _LOW_SILL_M = 0.3
-"""Sill of a low hatch, which opens more of the wall than a usual one."""
+"""Height of the sill of a low hatch [m], which opens more of the wall than a usual hatch."""
 _EXACT_M2 = 0.03
-"""A form whose area differs by no more than this from the task's is accepted at once."""
+"""Greatest difference from the task's area at which a form is accepted at once [m²]."""
 _DOOR_M = 0.85
-"""Usual width of a door."""
+"""Usual width of a door [m]."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ Gaps = tuple[OpeningDraft, ...]
 def open_by(task: Task, style: str) -> Gaps:
     """Openings with the task's area, or as near to it as possible.
 
-    The form named `style` is tried first, then all others in the order of `FORMS`. The first with the right area (within
-    0.03 m²) is taken. If no form has it, the one that comes nearest is taken; a closed partition counts as area 0.
+    The form named `style` is tried first, then all others in the order of `FORMS`. The first form with the right area
+    (within 0.03 m²) is taken. If no form has it, the form that comes nearest is taken; a closed partition counts as area 0.
     """
     best, least = closed(task), math.inf
     for name in (style, *(name for name in FORMS if name != style)):
@@ -153,7 +153,7 @@ def _half_wall(task: Task) -> Gaps | None:
 
 def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A hatch beside the door, as wide as the area asks for; with `narrow_door`, the door first moves to a corner."""
+        """A hatch beside the door, as wide as the area requires; with `narrow_door`, the door first moves to a corner."""
         doors = closed(task)
         if narrow_door and doors:
             span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)

@@ -1,7 +1,7 @@
-"""`with_openness`: open or close the partitions of a house until it has the openness asked for.
+"""`with_openness`: open or close the partitions of a house until it has the requested openness.
 
 A partition is the wall between two indoor rooms. The openness of a house is the share of the area of all its partitions that
-is permanently open: 0 where every room has a door, 1 where there are no inner walls.
+is permanently open: 0 if all openings are doors, 1 if the house has no inner walls.
 """
 
 import math
@@ -29,13 +29,13 @@ _TIERS = {
 Labels that are not named are in tier 2.
 """
 TOLERANCE = 0.05
-"""Greatest difference between the openness reached and the target."""
+"""Greatest difference between the openness that is reached and the target."""
 _NEAR = 0.004
-"""An openness that differs from the target by less than this is left as it is."""
+"""Greatest difference from the target at which no opening is adjusted any further."""
 _FRONT_M = 0.6
-"""Depth of the area in front of a wall in which furniture counts as standing at it."""
+"""Depth of the area in front of a wall in which furniture counts as standing at the wall [m]."""
 _NARROW_M = 1.3
-"""No leaf may stand in front of an opening narrower than this."""
+"""Width of an opening below which no leaf may stand in front of it [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class _PartPlan:
     old: Gaps
     """The openings that the house has."""
     order: tuple[int, float]
-    """Sort key: the tier of `_TIERS`, that of the more private of the two rooms, then a random number."""
+    """Sort key: the tier (see `_TIERS`) of the more private of the two rooms, then a random number."""
     style: str
     """The form in which the partition is opened first (see `opening_forms`)."""
     share: float
@@ -99,8 +99,8 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     3. Openings cannot have just any area, so a difference may be left. `_correct` lets other partitions make up for it.
     4. The storeys whose openings changed are rebuilt, with leaves in the new doors.
 
-    Raises `WorldsError` for a target outside of [0, 1], and where the inner walls are so short (less than 1.5 m in total)
-    that no such house exists.
+    Raises `WorldsError` for a target outside of [0, 1], and if the inner walls are too short (less than 1.5 m in total) to
+    reach it.
     """
     if not 0.0 <= target <= 1.0:
         raise WorldsError(f"openness is {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")
@@ -140,7 +140,7 @@ def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
 
 
 def _excess(plans: Sequence[_PartPlan], goal: float) -> float:
-    """How far the open area of all plans is above the goal [m²]."""
+    """Open area of all plans in excess of the goal [m²]."""
     return sum(plan.area for plan in plans) - goal
 
 
@@ -197,7 +197,7 @@ def _correct(plans: list[_PartPlan], goal: float, enough: float) -> None:
 def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
     """The storey with the openings of some partitions replaced, and leaves in the new doors.
 
-    Old leaves stay, unless they would stand in front of a narrow new opening; such a leaf is hung differently or removed.
+    Old leaves stay, unless they would stand in front of a narrow new opening; these leaves are hung differently or removed.
     """
     rooms = {room.id: room for room in storey.rooms}
     pairs = {plan.part.rooms for plan in changed}
@@ -217,7 +217,7 @@ def _rebuild(storey: StoreySpec, changed: Sequence[_PartPlan]) -> StoreySpec:
 
 
 def _blocking_furniture(storey: StoreySpec) -> list[FurnitureSpec]:
-    """The solid furniture that the spec lists, at a height where it blocks people."""
+    """The solid furniture in the spec that is low enough to block people."""
     return [piece for piece in storey.furniture or () if kind_of(piece.kind).solid and piece.position_m[2] < 2.0]
 
 

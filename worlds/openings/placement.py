@@ -14,35 +14,35 @@ from worlds.spec import PASSABLE, OpeningKind, OpeningSpec
 from worlds.walls import Boundary
 
 CORNER_M = 0.15
-"""Least distance of an opening from the ends of its wall."""
+"""Least distance of an opening from the ends of its wall [m]."""
 APART_M = 0.1
-"""Least distance between two openings."""
+"""Least distance between two openings [m]."""
 MIN_DOOR_M = 0.7
-"""Least width of a door."""
+"""Least width of a door [m]."""
 MIN_OPEN_M = 0.8
-"""Least length of a wall that is removed; the walls across reach into the opening at its corners."""
+"""Least length of a wall that is removed [m]; the walls across reach into the opening at its corners."""
 _MIN_LOOK_THROUGH_M = 0.4
-"""Least width of a half wall or counter, which one can only look over."""
+"""Least width of a half wall or counter [m], which one can only look over."""
 _WIDTHS_M: dict[OpeningKind, tuple[float, float]] = {
     "door": (0.8, 1.0), "cased": (1.1, 2.0), "arch": (1.1, 2.0), "half wall": (1.0, 3.0), "counter": (1.0, 2.2),
 }  # fmt: skip
-"""Range from which the width of an opening is drawn."""
+"""Range from which the width of an opening is drawn, by kind [m]."""
 _DOORLESS = 0.06
 """Share of doorways without a leaf."""
 _DRAWS = 7
-"""Random numbers that each link uses."""
+"""Number of random numbers that each link uses."""
 
 Span = tuple[Boundary, float, float]
 """A free part of a shared wall: the wall, and the ends of the part along it [m]."""
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
-    """All openings of a storey: those that the layout has already, then those of its links, in their order.
+    """All openings of a storey: first the openings given by the layout, then the openings of its links, in order.
 
     1. Every link gets its own random numbers, all drawn first, so that how many of them one link uses does not change the
        others. The links of twin rooms draw them from a seed that they share.
     2. Openings that one can walk through are placed first, because they must fit; half walls and counters take what is left.
-       Openings lie on the centimetre grid, clear of corners and of each other. A wall too short for the kind asked for gets
+       Openings lie on the centimetre grid, clear of corners and of each other. A wall too short for the requested kind gets
        a door.
     3. Door leaves are hung when all openings have a position, since a leaf must not block an opening.
 
@@ -77,7 +77,7 @@ def _place(
 ) -> list[OpeningDraft]:
     """The openings of one link.
 
-    `alone`: one cannot walk through the kind asked for (a half wall or a counter), and no other link connects the rooms.
+    `alone`: one cannot walk through the requested kind (a half wall or a counter), and no other link connects the rooms.
     They get a door or a cased opening first.
     """
     if link.kind == "open":

@@ -19,15 +19,15 @@ from worlds.spec import HouseSpec, RoomSpec, WindowSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary, segment_span
 
 WINDOW_DEPTH_M = 0.07
-"""How far frame, sill and curtains reach from the wall into the room [m]."""
+"""Depth of frame, sill and curtains, measured from the wall into the room [m]."""
 _CORNER_M = 0.2
-"""Least distance of a window from the ends of its wall."""
+"""Least distance of a window from the ends of its wall [m]."""
 _APART_M = 0.3
-"""Least distance between two windows."""
+"""Least distance between two windows [m]."""
 _UNDER_CEILING_M = 0.12
-"""Least distance of a window from the ceiling."""
+"""Least distance of a window from the ceiling [m]."""
 _TRIES = 4
-"""Positions that are tried for each window."""
+"""Number of positions that are tried for each window."""
 _TOLERANCE_M = 1e-6
 
 
@@ -60,7 +60,7 @@ _WINDOW_STYLES: Mapping[str, _WindowStyle] = {
     "toilet": _WindowStyle((0.3, 0.3), (0.5, 0.7), (1.5, 1.6), (0.45, 0.55)),
     **dict.fromkeys(("corridor", "entrance hall", "laundry room"), _SELDOM),
 }
-"""Windows by room label; rooms with other labels have none."""
+"""Styles of windows by room label; rooms with other labels have no windows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +172,7 @@ def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
 
 
 def _wall_of(spec: WindowSpec, outer: Sequence[Boundary]) -> Boundary | None:
-    """The stretch of outer wall in which the whole window lies; None if there is none."""
+    """The stretch of outer wall in which the whole window lies; None if no stretch contains it."""
     span = segment_span(spec.start_m, spec.end_m)
     if span is None:
         return None

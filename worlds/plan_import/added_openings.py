@@ -30,8 +30,8 @@ _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
     """For each storey, the openings to add so that every room can be reached on foot from every other.
 
-    Rooms that are already connected get none, and neither do stairs that have a drawn passage. Raises `WorldsError` where
-    there is no room for an opening.
+    Rooms that are already connected get none, and neither do stairs that have a drawn passage. Raises `WorldsError` if a
+    wall is too short for an opening.
     """
     stairs: list[list[OpeningSpec]] = [[] for _ in storeys]
     for level, storey in enumerate(storeys):

@@ -33,9 +33,9 @@ from worlds.validation import built_and_checked
 _SLAB_M = 0.3
 _FAR_M = 900.0
 _WIDER_SNAPS_M = (0.1, 0.15, 0.2, 0.25, 0.3)
-"""Values of `snap_m` that are tried to suggest one with which an invalid plan would be valid."""
+"""Values of `snap_m` that are tried for an invalid plan, to suggest a value with which it would be valid [m]."""
 _EXACT_M = 0.001
-"""Value of `snap_m` tried first: a plan that is valid with corners moved by so little is kept as drawn."""
+"""Value of `snap_m` that is tried first [m]; a plan that is valid with corners moved by so little is kept as drawn."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,16 @@ def import_plan(
 ) -> ImportedPlan:
     """The house in a floor plan; `build_house` fills in windows and furniture later.
 
-    Rooms that the drawn openings do not reach get doors. Stairs without an opening get one at the foot and one at the head.
+    Rooms that the drawn openings do not reach get doors. Stairs without an opening get an opening at the foot and another at
+    the head.
 
     Args:
         path: a file of at most 16 MB that ends in .svg, .geojson or .json.
         metres_per_unit: scale of the drawing. None means 1 for GeoJSON, and the scale stated in its root for SVG.
-        snap_m: corners at most this far apart move to one line, but only if the plan is invalid as drawn [m]. If rooms are
-            drawn with gaps for the walls between them, give the thickness of the walls.
+        snap_m: largest distance between corners that are moved to one line, but only if the plan is invalid as drawn [m]. If
+            rooms are drawn with gaps for the walls between them, give the thickness of the walls.
         only_drawn: add no openings to the drawn ones.
-        name: name of the house; None for that of the file.
+        name: name of the house; None: the file's name.
         seed: seed of the house.
 
     Raises:

@@ -16,15 +16,15 @@ from worlds.plan_import.drawn_plan import DrawnRoom
 from worlds.spec import Point
 
 _SLOPE = 0.02
-"""Slope of a wall that is still taken to run along x or y [m/m], in addition to the tolerance of its corners."""
+"""Greatest slope of a wall that is taken to run along x or y [m/m], in addition to the tolerance of its corners."""
 _AGREE_RAD = math.radians(3.0)
-"""Largest angle between walls that count as having the same direction."""
+"""Largest angle between walls that count as having the same direction [rad]."""
 _ROUNDING_M = 1e-6
-"""Tolerance for rounding: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
+"""Tolerance for rounding [m]: lines 0.1 m apart in a file may be slightly more than 0.1 m apart in floating point."""
 _TURN_RAD = 1e-3
-"""A plan whose main direction is off by less than this is not turned."""
+"""Least deviation of a plan's main direction from the axes at which the plan is turned [rad]."""
 Lines = Callable[[float], float]
-"""Maps the coordinate of a wall to that of the common line it belongs to [m]."""
+"""Maps the coordinate of a wall to the coordinate of the common line that the wall belongs to [m]."""
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:

@@ -43,7 +43,7 @@ from worlds.spec import OpeningKind, Point
 
 _PX_M = 0.0254 / 96.0
 _SMALLEST_PLAN_M = 2.0
-"""A smaller plan is taken to be a drawing at a reduced scale, such as 1:100 [m]."""
+"""Least size of a plan drawn at full scale [m]; a smaller plan is taken to be drawn at a reduced scale, such as 1:100."""
 _FAR_M = 1e8
 _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
@@ -120,7 +120,7 @@ def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:
 
 
 def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
-    """The label or the kind that a shape or group itself names; for a shape, only one that its tag can stand for."""
+    """The room label or opening kind that a shape or group itself names. A shape's tag must be suitable for it."""
     attributes, tag = thing.attributes, thing.tag
     if "data-kind" in attributes:
         return None, kind_of(thing.where, attributes["data-kind"])
@@ -137,7 +137,7 @@ def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
 
 
 def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
-    """The shapes that stand for a room or an opening, by their own names or else by those of the groups around them.
+    """The shapes that stand for a room or an opening, by their own names or else by the names of the groups around them.
 
     Every stroke in a group inherits its kind. The label of a group is inherited only if exactly one shape in it can be the
     room: with several, such as the furniture of a kitchen, it is unclear which one is meant.

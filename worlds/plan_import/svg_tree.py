@@ -28,7 +28,7 @@ _TOO_MUCH = f"has elements nested deeper than {_MAX_DEPTH} or more than {_MAX_EL
 
 @dataclass(frozen=True, eq=False)
 class Named:
-    """An element with the names that it is given in the drawing."""
+    """An SVG element with the names that the drawing gives it."""
 
     tag: str
     attributes: Mapping[str, str]
@@ -51,7 +51,7 @@ class SvgShape(Named):
     """A visible shape."""
 
     T_svg_shape: Float64[np.ndarray, "3 3"]
-    """Transform from the coordinates of the shape to those of the drawing."""
+    """Transform from the shape's coordinates to the drawing's coordinates."""
     storey: object
     """Storey as given in the file, not yet validated."""
     groups: tuple[Named, ...]

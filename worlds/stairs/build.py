@@ -30,11 +30,11 @@ from worlds.stairs.flights import MIN_WIDTH_M, Point, StairsKind, StairsLayout, 
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
 
 APPROACH_M = 0.4
-"""The walking line begins and ends this far outside the cell."""
+"""Distance outside the cell at which the walking line begins and ends [m]."""
 MIN_HEAD_ROOM_M = 1.95
-"""Least head room above every tread and landing, and least height of the openings to the stairs."""
+"""Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
 BODY_HALF_M = 0.3
-"""Half the width of a body: an opening to a flight reaches at least this far to either side of the flight's middle line."""
+"""Half the width of a body, and least reach of an opening to a flight on either side of the flight's middle line [m]."""
 _TOLERANCE_M = 1e-6
 
 
@@ -54,8 +54,8 @@ class Stairs:
     there, before the first."""
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
-    """Path in W up the stairs [m], from the room in front of them on the lower storey to that on the upper one. The path is
-    straight along every flight, and above the middle of each tread it is at the tread's height."""
+    """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
+    upper storey. The path is straight along every flight, and above the middle of each tread it is at the tread's height."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -66,8 +66,8 @@ class Stairs:
 def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ...]:
     """All flights of a house whose storeys have their floors at the heights `floors_m` in W.
 
-    Raises `HouseError` where it is not clear which opening leads to which flight, where a flight cannot be reached through
-    its openings, and where a cell is too small or the head room too low. The message names the stairs and what they need.
+    Raises `HouseError` if it is not clear which opening leads to which flight, if a flight cannot be reached through its
+    openings, and if a cell is too small or the head room too low. The message names the stairs and what they need.
     """
     stairs = tuple(_Site.of(spec, floors_m, level, place).stairs() for level, place in flight_places(spec))
     _check_head_room(stairs)
@@ -81,11 +81,11 @@ class _Site:
     room: str
     storey: int
     heights_m: tuple[float, float]
-    """Heights of the lower and the upper storey from floor to ceiling."""
+    """Heights of the lower and the upper storey from floor to ceiling [m]."""
     floor_m: float
-    """Height of the lower floor in W."""
+    """Height of the lower floor in W [m]."""
     rise_m: float
-    """Height from the lower floor to the upper one."""
+    """Height from the lower floor to the upper floor [m]."""
     is_lowest: bool
     """Whether the flight stands on solid ground: no flight of the same staircase is below it."""
     foot: OpeningSpec
@@ -198,7 +198,7 @@ def _extents(parts: Sequence[Part]) -> Float64[np.ndarray, "2 n 3"]:
 def _least_gap(lower: Float64[np.ndarray, "2 n 3"], upper: Float64[np.ndarray, "2 m 3"]) -> float:
     """Least height from the top of a lower box to the underside of an upper box that overlaps it in plan [m].
 
-    Both are given as least and greatest corners. Upper boxes whose top is no higher than that of the lower box are ignored.
+    Boxes are given as least and greatest corners. Upper boxes whose top is no higher than the lower box's top are ignored.
     """
     (low, high), (start, stop) = lower[:, :, None], upper[:, None]
     over = ((low < stop - _TOLERANCE_M) & (start < high - _TOLERANCE_M))[..., :2].all(axis=-1)

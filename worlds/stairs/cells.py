@@ -16,7 +16,7 @@ Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 _TOLERANCE_M = 1e-6
 _SAME_HALF_M = 0.2
-"""In U-shaped stairs, openings whose middles are less far apart do not tell which flight has which half of the cell."""
+"""Least distance between the openings of U-shaped stairs, middle to middle, that tells which flight has which half [m]."""
 _INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Unit vectors into the cell from its sides of low x, high x, low y and high y."""
 
@@ -39,7 +39,7 @@ def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
 
 
 def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
-    """The stairs on storeys[`level`] that cover the same rectangle as `cell`; None without such stairs or such a storey."""
+    """The stairs on storeys[`level`] in the same rectangle as `cell`; None if the stairs or the storey do not exist."""
     if not 0 <= level < len(spec.storeys):
         return None
     return next((room for room in spec.storeys[level].rooms if is_same_cell(room, cell)), None)
@@ -70,7 +70,7 @@ def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
 
 
 def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
-    """All flights of a house: the index of the lower storey, and that of the stairs in the storey's `rooms`."""
+    """All flights of a house, as pairs: index of the lower storey, and index of the stairs in that storey's `rooms`."""
     for level, lower in enumerate(spec.storeys):
         for place, room in enumerate(lower.rooms):
             if cell_on(spec, level + 1, room) is not None:
@@ -101,7 +101,7 @@ def _openings_of(storey: StoreySpec, room: RoomSpec) -> Iterator[tuple[int, Open
 
 
 def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
-    """Where the opening with the index `place` leads. Only where there are two flights does the spec have to say so."""
+    """Direction in which the opening with index `place` leads. The spec must state it if flights go up and down."""
     opening = spec.storeys[level].openings[place]
     goes = {
         "up": cell_on(spec, level + 1, room) is not None,
@@ -130,8 +130,9 @@ class CellFrame:
     u_axis: tuple[float, float]
     v_axis: tuple[float, float]
     length: float
+    """Extent of the cell along u, between wall centre lines [m]."""
     width: float
-    """Extents of the cell along u and v, between wall centre lines [m]."""
+    """Extent of the cell along v, between wall centre lines [m]."""
 
     def world(self, u: float, v: float) -> tuple[float, float]:
         """The coordinates (x, y) in W of a point of the cell [m]."""
@@ -145,10 +146,10 @@ class CellFrame:
 
 
 def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
-    """The kind of stairs between two openings of a cell, and the frame for them.
+    """The coordinate frame of a cell for the flight between two openings, and the kind of stairs that fits.
 
-    `foot` is the opening on storeys[`level`], `head` the one on the storey above. Raises `HouseError` for an opening that is
-    in no side of the cell, and for two in the same half of the same side.
+    `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` for an opening
+    that is in no side of the cell, and for two openings in the same half of one side.
     """
     x0, y0, x1, y1 = bounds(room)
     u, from_head = _inward(level, room, foot), _inward(level + 1, room, head)
@@ -179,7 +180,7 @@ def _middle(opening: OpeningSpec) -> tuple[float, float]:
 
 
 def _inward(level: int, room: RoomSpec, opening: OpeningSpec) -> tuple[float, float]:
-    """Unit vector into the cell from the side that the opening is in. Raises `HouseError` where it is in none."""
+    """Unit vector into the cell from the side that the opening is in. Raises `HouseError` if the opening is in no side."""
     x0, y0, x1, y1 = bounds(room)
     x, y = _middle(opening)
     gaps = (abs(x - x0), abs(x1 - x), abs(y - y0), abs(y1 - y))

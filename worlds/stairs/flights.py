@@ -26,18 +26,19 @@ StairsKind = Literal["straight", "L", "U"]
 MAX_RISER_M = 0.19
 MIN_TREAD_M = 0.22
 MIN_WIDTH_M = 0.8
-"""Least width of a flight. A landing is at least as long as its flight is wide."""
+"""Least width of a flight [m]. A landing is at least as long as its flight is wide."""
 MAX_FLIGHT_RISE_M = 3.7
-"""Straight stairs that rise higher have a landing half way."""
+"""Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
-"""An open side of a slab has a railing where the drop is higher than this."""
+"""Greatest drop at an open side of a slab without a railing [m]."""
 INSET_M = WALL_THICKNESS_M / 2
-"""Distance from a wall's centre line to its face."""
+"""Distance from a wall's centre line to its face [m]."""
 _USUAL_TREAD_M = 0.3
-"""Greatest depth of a tread, however long the cell is."""
+"""Greatest depth of a tread, however long the cell is [m]."""
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
+"""Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_WIDTH_M` is the last resort."""
 _USUAL_L_TREAD_M = 0.26
-"""An L-shape gets the first of these widths that leaves treads at least this deep, or else `MIN_WIDTH_M`."""
+"""Least depth of the treads at which a width of `_USUAL_L_WIDTHS_M` is taken [m]."""
 _TOLERANCE_M = 1e-6
 
 Point = tuple[float, float, float]
@@ -78,10 +79,11 @@ class Slab:
     """A level rectangle to stand on: a step, a landing or a piece of floor."""
 
     u: tuple[float, float]
+    """Interval that the slab covers along u [m]."""
     v: tuple[float, float]
-    """Intervals that it covers."""
+    """Interval that the slab covers along v [m]."""
     top: float
-    """Height of its upper face."""
+    """Height of the slab's upper face [m]."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +99,9 @@ class StairsLayout:
     """The stairs from one storey to the next, in the cell's coordinates."""
 
     tread_m: float
-    """Depth of every tread."""
+    """Depth of every tread [m]."""
     width_m: float
-    """Width of the flights."""
+    """Width of the flights [m]."""
     treads: tuple[Slab, ...]
     """Steps and landings, from the lowest to the highest."""
     foot: Slab
@@ -107,8 +109,8 @@ class StairsLayout:
     head: Slab
     """Floor in the cell (the room of the stairs) after the last riser, level with the upper storey."""
     line: tuple[Point, ...]
-    """Walking line from the side of the cell where the climb begins to the side where it ends. It runs straight along every
-    flight, and above the middle of each tread it is at the tread's height."""
+    """Walking line from the side of the cell where the climb begins to the side where it ends. The line runs straight along
+    every flight, and above the middle of each tread it is at the tread's height."""
     rails: tuple[Rail, ...]
 
     @property
@@ -230,7 +232,7 @@ def _l_shaped(length: float, width: float, rise: float, above_void: bool) -> Sta
 
 
 def _split(first_m: float, second_m: float, n: int) -> tuple[int, float]:
-    """How many of `n` risers the first flight of an L-shape gets so that its treads are deepest, and their depth [m].
+    """Number of the `n` risers in the first flight of an L-shape that gives the deepest treads, and the treads' depth [m].
 
     `first_m` and `second_m` are the lengths that the two flights can have.
     """

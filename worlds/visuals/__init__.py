@@ -1,4 +1,4 @@
-"""What is seen of a house: textured quads for renderers and exporters.
+"""Visible geometry of a house: textured quads for renderers and exporters.
 
 `surfaces` (with `shell_grid`) finds the visible faces of walls, floors and ceilings, `surface_textures` covers them,
 `materials` (with `patterns`) paints textures, `meshes` turns furniture into quads, `atlas` packs small images together,

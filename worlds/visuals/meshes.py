@@ -14,7 +14,7 @@ from worlds.parts import Part, Vector
 
 _SIDES = 10
 _GROWTH_M = 2e-5
-"""Each part of a solid is larger than the part before it by this much [m].
+"""Length by which each part of a solid is larger than the part before [m].
 
 Where faces of two parts lie in one plane, the face of the later part is therefore the visible one.
 """

@@ -132,7 +132,7 @@ def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) ->
 
 
 def _plan(house: House, level: int, planes: Sequence[Float64[np.ndarray, "_"]]) -> Int[np.ndarray, "nx ny"]:
-    """Index of the room that covers each cell of a storey's plan; `len(house.rooms)` where there is none."""
+    """Index of the room that covers each cell of a storey's plan; `len(house.rooms)` for cells that no room covers."""
     plan = np.full((len(planes[0]) - 1, len(planes[1]) - 1), len(house.rooms), np.int16)
     index = {room.id: i for i, room in enumerate(house.rooms)}
     for spec in house.spec.storeys[level].rooms:

@@ -43,7 +43,7 @@ class SurfaceTexture:
 
 
 def finishes(house: House) -> dict[str, Finish]:
-    """The finish of each room by its id, and that of the outside under `OUTSIDE`. It depends only on the room's seed."""
+    """Finish of each room by its id, and of the outside under `OUTSIDE`. A finish depends only on the room's seed."""
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 

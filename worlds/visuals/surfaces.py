@@ -24,7 +24,7 @@ from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
-"""Stands for the outside of the house; room ids have no brackets."""
+"""Name of the outside of the house where a room id is expected; no room id has brackets."""
 _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6
@@ -155,7 +155,7 @@ def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, in
 
 
 def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Surface]:
-    """All level faces: floors, ceilings, roofs of lower storeys, and those of walls (tops, sills, undersides of lintels)."""
+    """All level faces: floors, ceilings, roofs of lower storeys, and tops, sills and undersides of walls."""
     x, y, z = grid.planes
     origins = [*(room.polygon.bounds[:2] for room in house.rooms), (float(x[0]), float(y[0]))]
     for facing in (1, -1):

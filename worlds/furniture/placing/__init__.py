@@ -1,4 +1,4 @@
-"""Where furniture stands: a seeded search that keeps every room walkable.
+"""Placement of furniture: a seeded search that keeps every room walkable.
 
 `furnish` fills the rooms of a storey: `counts` decides how many pieces of a kind there are, `candidates` proposes places,
 and `room_plan` accepts a place that is free and leaves the room walkable (`free_floor`). `kept_free` lists what openings and

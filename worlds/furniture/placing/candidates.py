@@ -20,7 +20,7 @@ _FLOOR_TRIES = 14
 _TOP_TRIES = 8
 _WALL_TRIES = 12
 _UNDER_M = 0.02
-"""Least distance between a piece and one that hangs above it [m]."""
+"""Least distance between a piece and the piece that hangs above it [m]."""
 
 
 def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:

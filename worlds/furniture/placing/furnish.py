@@ -50,8 +50,8 @@ def furnish(
     Args:
         storey: the storey to furnish.
         rng_of: gives the generator of each room. Equal rooms with equal generators are furnished equally.
-        clutter: 0 for no furniture, 1 for that of a usual home, more for additional loose things. A piece that is present at
-            some clutter is present at any higher one, under the same id.
+        clutter: 0 for no furniture, 1 for the furniture of a usual home, more for additional loose things. A piece that is
+            present at some clutter is present at any higher one, under the same id.
         prefix: start of the ids of the furniture.
         windows: the windows of the storey.
     """

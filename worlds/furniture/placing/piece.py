@@ -45,8 +45,8 @@ class Piece:
     size: Size
     pose: Pose
     key: int
-    """Key of its random stream, from which those of pieces at, on or above it are derived."""
+    """Key of the piece's random stream; the keys of the pieces at, on or above this piece are derived from it."""
     seed: int
     """Seed of its colours and variants."""
     since: float
-    """The clutter from which on the piece is present."""
+    """Least clutter at which the piece is present."""

@@ -11,9 +11,9 @@ from worlds.furniture.placing.room_shape import EPS_M, Rectangle, RoomShape, gro
 from worlds.spec import RoomSpec, StoreySpec, WindowSpec
 
 FLAT_M = 0.03
-"""Pieces up to this height (rugs, mats) may lie under other furniture [m]."""
+"""Greatest height of a flat piece, such as a rug or mat [m]; flat pieces may lie under other furniture."""
 _TRIES = 5
-"""Candidates per piece for which the walkable floor is checked, the costly part of placing."""
+"""Greatest number of candidate poses per piece for which the walkable floor is checked, the costly part of placing."""
 
 
 class RoomPlan:
@@ -39,7 +39,7 @@ class RoomPlan:
         self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
 
     def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
-        """The first of `poses`, which all have the same height, at which a piece fits; None if there is none.
+        """The first of `poses` at which a piece fits; None if it fits nowhere. All poses have the same height.
 
         A solid piece must leave all passages connected and `share` of the room's area walkable. Its floor is marked as
         occupied at once; `add` has to follow.

@@ -80,7 +80,10 @@ class Courses:
     """Upper bound on the number of pieces in a row."""
 
     def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
-        """Draw brightness (deviation `light`) and hue (deviation `tint`) of each piece; joints have the shade `joint`."""
+        """Draw the shade of each piece; joints get the shade `joint`.
+
+        `light` and `tint` are the standard deviations of a piece's brightness and hue.
+        """
         rows = len(self.piece_of)
         shades = 1.0 + rng.normal(0.0, light, (rows, self.pieces, 1)) + rng.normal(0.0, tint, (rows, self.pieces, 3))
         table = shades.astype(np.float32)[np.arange(rows)[:, None], self.piece_of]
