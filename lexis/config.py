@@ -1,6 +1,7 @@
 """Settings of LEXIS: one frozen dataclass per stage, with defaults that work; `Config` holds them all.
 
-Valid ranges stand beside the fields. A bad value is refused where it is written, not in the middle of a run.
+Valid ranges stand beside the fields. A bad value is refused when the settings are created or read, not in the middle of a
+run.
 """
 
 from dataclasses import dataclass, field
@@ -42,9 +43,9 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
     epipolar_px: Annotated[float, Gt(0)] = 2.5
     """Largest distance of a match from its epipolar line [px]."""
     ratio: Annotated[float, Interval(gt=0, le=1)] = 0.8
-    """Lowe's ratio of the best to the second-best Hamming distance."""
+    """Largest ratio of the best to the second-best Hamming distance of an accepted match (Lowe's ratio test)."""
     max_hamming: Annotated[int, Interval(ge=1, le=488)] = 120
-    """Largest distance of two matched descriptors, of 486 bits."""
+    """Largest Hamming distance of two matched descriptors, which have 486 bits."""
     min_views: Annotated[int, Ge(2)] = 3
     """Fewest images, the keyframe included, that must agree on a landmark."""
     min_parallax_rad: Annotated[float, Interval(gt=0, lt=1)] = 0.026
@@ -82,7 +83,7 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Largest distance between keyframes of two clusters of one label that are merged, if no other room lies between them
     [m]. Clusters of consecutive keyframes merge at any distance."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
-    """The label that separates floors."""
+    """The label of stairs; keyframes with this label separate floors."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +91,11 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Loop candidates from the query's room (paper, Sec. III-D)."""
 
     candidates: Annotated[int, Ge(0)] = 5
-    """Keyframes proposed to verification per query."""
+    """Largest number of keyframes per query that are proposed to verification."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
-    """Keyframes more recent than this are not candidates [s]."""
+    """Least age of a loop candidate: time between the candidate and the query [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
-    """Keyframes fewer metres of path behind the query than this are not candidates [m]."""
+    """Least length of the path between a loop candidate and the query [m]."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     pool: Annotated[int, Ge(0)] = 2
     """Neighbours on either side of the candidate whose landmarks join its own."""
     ratio: Annotated[float, Interval(gt=0, le=1)] = 0.8
-    """Lowe's ratio of the best to the second-best Hamming distance."""
+    """Largest ratio of the best to the second-best Hamming distance of an accepted match (Lowe's ratio test)."""
     max_reprojection_px: Annotated[float, Gt(0)] = 3.0
     """Largest reprojection error of an inlier [px]."""
     min_inliers: Annotated[int, Ge(4)] = 15
@@ -150,11 +151,9 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
-    """Error added in quadrature to the standard deviation of an odometry step's rotation [rad], which may be reported as
-    0."""
+    """Error added in quadrature to the standard deviation of an odometry step's rotation [rad]; it may be reported as 0."""
     min_translation_sigma_m: Annotated[float, Gt(0)] = 1e-4
-    """Error added in quadrature to the standard deviation of an odometry step's translation [m], which may be reported as
-    0."""
+    """Error added in quadrature to the standard deviation of an odometry step's translation [m]; it may be reported as 0."""
     max_iterations: Annotated[int, Ge(1)] = 50
     """Most iterations of Levenberg-Marquardt in one optimisation."""
 
@@ -164,8 +163,9 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Paths between rooms over the graph (paper, Sec. IV)."""
 
     shortcut_m: Annotated[float, Ge(0)] = 0.6
-    """Keyframes this close are connected although the camera did not walk between them [m]. Keep it below twice the robot's
-    clearance plus the thickness of a wall, or a path may cross a wall. 0 allows walked edges and loop edges only."""
+    """Largest distance between keyframes that are connected although the camera did not walk between them [m]. Keep it below
+    twice the robot's clearance plus the thickness of a wall, or a path may cross a wall. 0 allows walked edges and loop
+    edges only."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ MAX_PIXELS = 50_000_000
 MIN_FOCAL_PX, MAX_FOCAL_PX = 1e-3, 1e6
 """Bounds of focal lengths [px]; the upper one also bounds the coordinates of principal points and key points."""
 DESCRIPTOR_BYTES = 61
-"""Length of an AKAZE descriptor."""
+"""Length of an AKAZE descriptor, in bytes."""
 
 _RIGID = "valid: 4x4 with an orthonormal, right-handed rotation and 0 0 0 1 as last row"
 

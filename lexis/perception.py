@@ -25,11 +25,11 @@ class Encoder(Protocol):
         ...
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
-        """f_CLIP of an RGB image, unit norm."""
+        """CLIP embedding of an RGB image (f_CLIP in the paper), with unit norm."""
         ...
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """f_TEXT of every room name, unit norm."""
+        """Text embedding of every room name (f_TEXT in the paper), with unit norm."""
         ...
 
 
@@ -38,7 +38,7 @@ class TextEncoder(Encoder, Protocol):
     """An encoder that can also embed arbitrary texts."""
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """f_TEXT of every text, unchanged by prompts, unit norm."""
+        """Text embedding of every text as it is, without prompts, with unit norm."""
         ...
 
 

@@ -45,7 +45,7 @@ class PoseGraph:
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
-        """Append a keyframe at the pose that odometry predicts from the previous one."""
+        """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose."""
         if not self.keyframes:
             self._poses, self._path_m = [keyframe.T_O_B], [0.0]
         else:
@@ -60,9 +60,9 @@ class PoseGraph:
         self._unused_loops |= bool(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
-        """Optimise if there are new loops and `every` keyframes have passed since the last time; return whether it did.
+        """Optimise if there are new loops and `every` keyframes have passed since the last optimisation.
 
-        With `final`, new loops alone suffice.
+        With `final`, new loops alone suffice. Returns whether the graph was optimised.
         """
         waited = len(self.keyframes) - self._last_optimised >= self._config.every
         if not self._unused_loops or not (waited or final):

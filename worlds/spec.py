@@ -27,7 +27,7 @@ MAX_ROOMS = 200
 MIN_WALL_M = 0.005
 """Least length of a side of a room's polygon [m]."""
 MAX_PLAN_M2 = 20_000.0
-"""Greatest area of the rectangle around all rooms, times the storeys: a grid of 10 cm over it must fit in memory."""
+"""Greatest area of the rectangle around all rooms, times the number of storeys [m²]; a grid of 10 cm must fit in memory."""
 
 _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
 """Matches arrays of numbers, of points and of strings in indented JSON, which are written on one line instead."""

@@ -24,7 +24,7 @@ _MAX_FIELDS = 100
 MAX_MISTAKES = 20
 """Greatest number of malformed fields that are explained one by one."""
 _MAX_LINE = 380
-"""Greatest length of a message."""
+"""Greatest number of characters in a message."""
 _CONTENTS = "valid: a house as JSON"
 _TOO_DEEP = f"is nested too deeply; {_CONTENTS}"
 _IDENTIFIER = "a name of 1 to 64 letters, digits, spaces and _ . ' -, the first a letter or digit"

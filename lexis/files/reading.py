@@ -18,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 from lexis.errors import LexisError, one_line
 
 MAX_LINE_CHARACTERS = 20_000
-"""Largest length of a line; lines of numbers are far shorter."""
+"""Largest number of characters in a line; lines of numbers are far shorter."""
 _Model = TypeVar("_Model", bound=BaseModel)
 
 

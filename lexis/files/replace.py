@@ -25,7 +25,7 @@ _OCCUPIED = (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR)
 
 @contextmanager
 def replaced_file(path: Path) -> Iterator[Path]:
-    """Give a temporary path; the file written to it replaces `path` if the `with` block ends without an exception.
+    """Yield a temporary path; the file written to it replaces `path` if the `with` block ends without an exception.
 
     A symbolic link is followed. Raises LexisError if the file cannot be written. If it was written but cannot be renamed to
     `path`, it is kept under a similar name, which the error states.

@@ -17,7 +17,7 @@ from lexis.encoder.prompts import with_article
 from lexis.errors import LexisError
 
 MAX_CHARACTERS = 500
-"""Length of the longest accepted question; the time to convert a question grows with the square of its length."""
+"""Largest number of characters in a question; the time to convert a question grows with the square of its length."""
 THING_CAPTIONS = ("{}", "{a}", "a photo of {a}", "a view of {a}")
 """Captions for a thing or the name of a room, {a} with its article."""
 ACTIVITY_CAPTIONS = (

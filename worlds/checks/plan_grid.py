@@ -31,7 +31,7 @@ class PlanGrid:
     level_of_room: tuple[int, ...]
     """Index of every room's storey."""
     owner: Int[np.ndarray, "storeys nx ny"]
-    """Number of the room that covers a cell (the last one, if several do), `NO_ROOM` where none does."""
+    """Number of the room that covers a cell: the last room if several do, `NO_ROOM` if none does."""
     clashes: tuple[tuple[int, int, float], ...]
     """Pairs of rooms of a storey that overlap, and the area that they share [m²]."""
 

@@ -35,9 +35,9 @@ class PlanStyle:
     depth_m: tuple[float, float] = (3.7, 4.6)
     """Depth of a band, across the spine [m]."""
     heights_m: tuple[float, ...] = (2.6,)
-    """Heights of the ceiling above the floor to choose from [m]."""
+    """Heights of the ceiling above the floor from which one is drawn [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """Kinds of stairs to choose from; None: U-shaped stairs at the spine's end, all others stand in the north band."""
+    """Kinds of stairs to draw from. None means U-shaped stairs at the spine's end; all others stand in the north band."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
     """Range from which a limit is drawn for the length of all rooms side by side; shorter rows stand on one side of the
     spine (the corridor) only [m]."""

@@ -1,4 +1,4 @@
-"""Programmes: which rooms a storey holds, grouped into bays and runs, before any room has a position.
+"""Programmes: lists of the rooms of a storey, grouped into bays and runs, before any room has a position.
 
 The words used for floor plans:
 
@@ -40,7 +40,7 @@ _SEEDS = 2**31
 _MOST_TWINS_IN_RUN = 4
 """Greatest number of twins (equal bays) that stand side by side."""
 _OTHER_SEED = 1009
-"""Added to a seed to get another one."""
+"""Number added to a seed to get another seed."""
 
 
 @dataclass(frozen=True)

@@ -37,20 +37,20 @@ _ARM = 140
 
 @dataclass(frozen=True)
 class Depths:
-    """Widths of the spines and depths of the bands [cm]; 0: the plan has no spine or band in this place."""
+    """Widths of the spines and depths of the bands, all in [cm]; 0: the plan has no spine or band in this place."""
 
     spine: int
-    """Width of the main spine."""
+    """Width of the main spine [cm]."""
     south: int
-    """Depth of the south band."""
+    """Depth of the south band [cm]."""
     north: int = 0
-    """Depth of all three north bands."""
+    """Depth of all three north bands [cm]."""
     cross: int = 0
-    """Width of the second wing's spine."""
+    """Width of the second wing's spine [cm]."""
     west: int = 0
-    """Depth of the band along the second wing's west side."""
+    """Depth of the band along the second wing's west side [cm]."""
     east: int = 0
-    """Depth of the band along the second wing's east side."""
+    """Depth of the band along the second wing's east side [cm]."""
 
     def of(self, band: Band) -> int:
         """Depth of a band [cm]."""
@@ -67,9 +67,9 @@ class StairsBay:
 
     kind: StairsKind
     length: int
-    """Length of the cell, along the first flight."""
+    """Length of the cell, along the first flight [cm]."""
     width: int
-    """Width of the cell, across the first flight."""
+    """Width of the cell, across the first flight [cm]."""
     flipped: bool = False
     """Whether the stairs are mirrored along u."""
 

@@ -204,4 +204,4 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
 }
 """All forms by name, what people build most often first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Forms from which a partition's style is drawn, and the range of the share of its area that they usually open."""
+"""Forms from which a partition's style is drawn, each with the usual range of the share of the partition's area it opens."""

@@ -31,7 +31,7 @@ def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[O
     """For each storey, the openings to add so that every room can be reached on foot from every other.
 
     Rooms that are already connected get none, and neither do stairs that have a drawn passage. Raises `WorldsError` if a
-    wall is too short for an opening.
+    needed opening fits nowhere.
     """
     stairs: list[list[OpeningSpec]] = [[] for _ in storeys]
     for level, storey in enumerate(storeys):

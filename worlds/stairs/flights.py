@@ -139,15 +139,15 @@ class _Flight:
     """A straight row of steps. It has one tread fewer than risers, because the last riser leads to a landing or floor."""
 
     start: Point
-    """Middle of the lower edge of the first riser."""
+    """Middle of the lower edge of the first riser [m]."""
     along: tuple[int, int]
     """Direction of the climb in (u, v)."""
     risers: int
     """Number of risers."""
     riser: float
-    """Height of each riser."""
+    """Height of each riser [m]."""
     tread: float
-    """Depth of each tread."""
+    """Depth of each tread [m]."""
     width: float
 
     def treads(self) -> list[Slab]:

@@ -19,7 +19,7 @@ CELL_M = 0.1
 HALF_WALL_M = 0.05
 _REACH = int(BODY_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
-"""Width of the rim of blocked cells around the bounding box, so that a window around any place stays inside the grid."""
+"""Number of blocked cells on every side of the bounding box, so that a window around any place stays inside the grid."""
 _BODY = np.ones((2 * _REACH + 1,) * 2, np.uint8)
 _Cells = UInt8[np.ndarray, "rows columns"]
 _Cell = tuple[int, int]
