@@ -11,7 +11,6 @@ import shlex
 import time
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from itertools import count
 from os.path import relpath
 from pathlib import Path
@@ -34,6 +33,7 @@ from sim.harness.world_tests import (
 
 if TYPE_CHECKING:
     from sim.harness.failed_test import FinishedRun
+    from sim.harness.failure_signature import Signature
     from sim.harness.results import RunResult
     from sim.harness.scenario import Scenario
     from sim.harness.slam_under_test import SlamUnderTest
@@ -348,13 +348,10 @@ def _is_own(path: Path, project: Path) -> bool:
 
 def _explain(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt, report: pytest.TestReport) -> None:
     """Make the scenario of a failure smaller, write the folder, and put what to know into the report."""
-    original, note = attempt.scenario, ""
-    if _wants_to_shrink(item.config):
-        try:
-            attempt = _shrunk(item, nextitem, attempt)
-        except ImportError as error:
-            note = f" (not shrunk: {error})"
-    text = _text(item, attempt, original if original is not attempt.scenario else None, note)
+    original = attempt.scenario
+    if original is not None and _wants_to_shrink(item.config):
+        attempt = _shrunk(item, nextitem, attempt, original)
+    text = _text(item, attempt, original if original is not attempt.scenario else None)
     if item.config.option.tbstyle == "auto":
         report.longrepr = text
     else:
@@ -368,28 +365,32 @@ def _wants_to_shrink(config: pytest.Config) -> bool:
     return wanted and not config.option.usepdb
 
 
-def _shrunk(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt) -> _Attempt:
+def _shrunk(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt, scenario: "Scenario") -> _Attempt:
     """The same failure in the smallest scenario that the reducer finds."""
-    reduce = import_module("sim.harness.reducer").reduce
+    from sim.harness.reducer import reduce
+
     signature, last = _signature(attempt), attempt
 
-    def fails(candidate: "Scenario") -> str | None:
+    def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
         _, tried = _attempt(item, nextitem, _Chosen(candidate))
         if _signature(tried) == signature:
             last = tried
         return _signature(tried)
 
-    smallest = reduce(attempt.scenario, fails).scenario
+    smallest = reduce(scenario, fails).scenario
     return last if last.scenario == smallest or fails(smallest) == signature else attempt
 
 
-def _signature(attempt: _Attempt) -> str | None:
-    """What a failure is recognised by while its scenario becomes smaller: the exception and the line that raised it."""
-    return None if attempt.failure is None else f"{attempt.failure.kind} at {attempt.failure.where}"
+def _signature(attempt: _Attempt) -> "Signature | None":
+    """The signature of a failure: the type of the exception and the line that raised it."""
+    from sim.harness.failure_signature import Signature
+
+    failure = attempt.failure
+    return None if failure is None else Signature("exception", f"{failure.kind} at {failure.where}")
 
 
-def _text(item: pytest.Item, attempt: _Attempt, original: "Scenario | None", note: str) -> str:
+def _text(item: pytest.Item, attempt: _Attempt, original: "Scenario | None") -> str:
     """What the terminal shows of a failure: what failed, where it first went wrong, the folder and the replay."""
     failure, scenario = attempt.failure, attempt.scenario
     if failure is None or scenario is None:
@@ -405,7 +406,7 @@ def _text(item: pytest.Item, attempt: _Attempt, original: "Scenario | None", not
     test = relpath(item.path, here) + "".join(_name(item).partition("::")[1:])
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
     command = shlex.join(["pytest", *_plugin_options(item.config), test, "--lexis-replay", str(shown)])
-    return "\n".join([*lines, f"folder: {shown}{note}", f"replay: {command}"])
+    return "\n".join([*lines, f"folder: {shown}", f"replay: {command}"])
 
 
 def _first_wrong(attempt: _Attempt, scenario: "Scenario") -> str:
