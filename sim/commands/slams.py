@@ -56,7 +56,7 @@ def runner_of(arguments: argparse.Namespace) -> Runner:
 
 
 def _program(arguments: argparse.Namespace) -> Runner:
-    from sim.harness.adapters.command import MEMORY_MB, TIMEOUT_S, command_words, run_command
+    from sim.programs.command import MEMORY_MB, TIMEOUT_S, command_words, run_command
 
     command_words(arguments.program)
     format, timeout_s, memory_mb = arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB

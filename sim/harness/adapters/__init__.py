@@ -1,8 +1,7 @@
-"""SLAM systems that the harness knows: LEXIS, plain ones to compare with, and programs in any language.
+"""SLAM systems that the harness knows: LEXIS, and plain ones to compare with.
 
 `lexis` is the adapter of LEXIS. `odometry_only` is no SLAM at all, and `geometric_rooms` finds floors and rooms from
-positions alone; both fail where a SLAM must not. `command` records a scenario for a program, runs the program, and reads its
-claims, whose files `program_files` describes.
+positions alone; both fail where a SLAM must not.
 """
 
 import lazy_loader

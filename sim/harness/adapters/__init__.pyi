@@ -1,5 +1,3 @@
-from .command import CommandSlam as CommandSlam
-from .command import run_command as run_command
 from .geometric_rooms import GeometricRooms as GeometricRooms
 from .lexis import Lexis as Lexis
 from .odometry_only import OdometryOnly as OdometryOnly

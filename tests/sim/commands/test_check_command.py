@@ -92,7 +92,7 @@ def test_the_options_of_a_program_reach_it(monkeypatch):
         seen.append(arguments)
         raise SimError("so far")
 
-    monkeypatch.setattr("sim.harness.adapters.command.run_command", stop)
+    monkeypatch.setattr("sim.programs.command.run_command", stop)
     command = ["check", "--command", "./slam {dataset} {out}"]
     assert status_of(command) == 2
     assert status_of([*command, "--format", "tum", "--timeout", "5", "--memory", "100"]) == 2

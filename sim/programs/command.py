@@ -17,9 +17,9 @@ import numpy as np
 
 from lexis.errors import one_line
 from sim.errors import SimError
-from sim.harness.adapters.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
+from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
 from sim.session import Session

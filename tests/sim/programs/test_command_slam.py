@@ -14,8 +14,9 @@ from lexis.files.tum_trajectory import write_tum
 from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Scenario, check, evaluate, write_run
-from sim.harness.adapters import GeometricRooms, run_command
-from sim.harness.adapters.program_files import AT_REST, RecordedTimes, read_estimate
+from sim.harness.adapters import GeometricRooms
+from sim.programs import run_command
+from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import write_take
 from sim.record.take import prepare
 from sim.render.rig import RigConfig, build_rig
@@ -63,7 +64,7 @@ def unlit(monkeypatch):
 @pytest.fixture
 def unrecorded(monkeypatch):
     """Leaves the folder of the recording empty, for programs that do not look at it."""
-    monkeypatch.setattr("sim.harness.adapters.command.write_take", lambda *_, **__: None)
+    monkeypatch.setattr("sim.programs.command.write_take", lambda *_, **__: None)
 
 
 def program(folder, content):
