@@ -359,7 +359,7 @@ def _explain(item: pytest.Item, nextitem: pytest.Item | None, attempt: _Attempt,
 
 
 def _wants_to_shrink(config: pytest.Config) -> bool:
-    """As the option says; a replay keeps its scenario unless told otherwise, and a debugger stops at one failure only."""
+    """Whether failures are made smaller. Without the option they are, except in a replay; never under a debugger."""
     option: bool | None = config.option.lexis_shrink
     wanted = config.option.lexis_replay is None if option is None else option
     return wanted and not config.option.usepdb

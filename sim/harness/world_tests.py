@@ -29,7 +29,7 @@ HOUSE_SEEDS = 1_000_000
 """Fresh houses have seeds below this number; those from here up are reserved for acceptance."""
 MOST_WORLDS = 10_000
 SCENARIO = "scenario.json"
-"""File by which a folder is known to be that of a failure."""
+"""File that identifies a folder as that of a failure."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])

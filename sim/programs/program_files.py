@@ -91,7 +91,7 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
-    """Of every frame that has a pose within half a frame period, the pose that is nearest in time."""
+    """The pose of each frame, by its index: the nearest one in time, if it is at most half a frame period away."""
     if not path.exists():
         raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
     stamps, poses = read_tum(path)

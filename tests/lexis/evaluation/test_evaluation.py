@@ -77,7 +77,7 @@ def test_the_truth_as_an_estimate_has_perfect_figures(truth):
 
 
 def test_a_room_cut_in_two_is_one_split():
-    """By Hydra's definition, over-segmentation has perfect precision; one-to-one matching does not."""
+    """Hydra's precision of over-segmented rooms is perfect; the precision by one-to-one matching is lower."""
     scores = score_rooms(np.repeat([0, 1, 2], [6, 4, 10]), np.repeat([0, 1], 10))
     assert (scores.splits, scores.merges, scores.count_error) == (1, 0, 1)
     assert scores.hydra_precision == 1.0 and scores.precision == pytest.approx(2 / 3)
