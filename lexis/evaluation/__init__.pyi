@@ -15,5 +15,6 @@ from .rooms import adjusted_rand_index as adjusted_rand_index
 from .rooms import score_rooms as score_rooms
 from .rooms import v_measure as v_measure
 from .trajectory import align as align
+from .trajectory import aligned as aligned
 from .trajectory import ate_rmse as ate_rmse
 from .trajectory import rpe_translation as rpe_translation

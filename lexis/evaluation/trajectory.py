@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.maths.paths import arc_length
-from lexis.maths.se3 import between
+from lexis.maths.se3 import between, inverse
 from lexis.types import Pose, Poses
 
 Points = Float64[np.ndarray, "n 3"]
@@ -23,6 +23,13 @@ def align(estimate: Points, truth: Points) -> Pose:
     result[:3, :3] = u @ handed @ vt
     result[:3, 3] = true_centre - result[:3, :3] @ centre
     return result
+
+
+def aligned(estimate: Poses, truth: Poses) -> Poses:
+    """Move an estimate as the ATE does, so that it lies on the truth; with too few poses, so that the first one is true."""
+    if len(truth) < LEAST_POSES:
+        return np.asarray(truth[0] @ inverse(estimate[0]) @ estimate)
+    return np.asarray(align(estimate[:, :3, 3], truth[:, :3, 3]) @ estimate)
 
 
 def ate_rmse(estimate: Points, truth: Points) -> float | None:

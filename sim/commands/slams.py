@@ -4,7 +4,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from lexis.errors import one_line
 from sim.commands.arguments import number
@@ -12,12 +12,8 @@ from sim.commands.record import FORMATS
 from sim.errors import SimError
 
 if TYPE_CHECKING:
-    from sim.harness import Run, Scenario
-    from sim.harness.runner import Progress
+    from sim.harness.failure_signature import Runner
     from sim.harness.slam_under_test import SlamUnderTest
-
-Runner: TypeAlias = "Callable[[Scenario, Progress | None], Run]"
-"""Runs the chosen SLAM on a scenario."""
 
 SLAM_HELP = (
     "a class in a module of the current folder or on Python's path, which is called without arguments (default: LEXIS); "
@@ -40,7 +36,7 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def runner_of(arguments: argparse.Namespace) -> Runner:
+def runner_of(arguments: argparse.Namespace) -> "Runner":
     """How to run the SLAM that `add_slam` has asked for. Raises `SimError` if the class or the command is not usable."""
     if arguments.program is not None:
         return _program(arguments)
@@ -55,7 +51,7 @@ def runner_of(arguments: argparse.Namespace) -> Runner:
     return lambda scenario, progress: run(scenario, new_slam(), progress)
 
 
-def _program(arguments: argparse.Namespace) -> Runner:
+def _program(arguments: argparse.Namespace) -> "Runner":
     from sim.programs.command import MEMORY_MB, TIMEOUT_S, command_words, run_command
 
     command_words(arguments.program)

@@ -9,9 +9,9 @@ from sim.harness.adapters.lexis import Lexis
 from sim.harness.failure_signature import FailureTest, Runner
 from sim.harness.house_reductions import keep_furniture
 from sim.harness.parts import house_spec
-from sim.harness.reductions import with_listed_house
+from sim.harness.reductions import with_features, with_listed_house
 from sim.harness.runner import Progress, Run, run
-from sim.harness.scenario import NEEDS_PIXELS, Scenario
+from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.variant import variant
@@ -91,8 +91,7 @@ def substitutions(scenario: Scenario, is_lexis: bool) -> Iterator[Substitution]:
 
 
 def _of_lexis(scenario: Scenario) -> Iterator[Substitution]:
-    faults = tuple(fault for fault in scenario.faults if not isinstance(fault, NEEDS_PIXELS))
-    on_features = replace(scenario, fidelity="features", faults=faults)
+    on_features = with_features(scenario)
     if scenario.fidelity == "render":
         yield Substitution("feature sensor", on_features)
     yield Substitution("oracle encoder", replace(on_features, encoder=ORACLE))

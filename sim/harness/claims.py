@@ -58,6 +58,11 @@ class Claim:
         return "holds" if _OPERATORS[self.comparison](value, self.limit) else "fails"
 
     @property
+    def is_about_plans(self) -> bool:
+        """Whether the figure needs plans that a robot has driven, which takes seconds."""
+        return self.figure.startswith("planning.")
+
+    @property
     def opposite(self) -> "Claim":
         """The opposite claim, which holds if this claim fails."""
         pairs = (("<", ">="), (">", "<="), ("==", "!="))

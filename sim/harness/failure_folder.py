@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from lexis.evaluation.trajectory import LEAST_POSES, align
+from lexis.evaluation.trajectory import LEAST_POSES
 from sim.harness.blame_table import BlameTable
 from sim.harness.failure_signature import FailureTest, Observed
+from sim.harness.first_wrong import position_errors
 from sim.harness.outputs import write_run
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference
 from sim.harness.runner import Run
-from worlds.labels import STAIRS
 
 _TOP = 3
 _LISTED = 8
@@ -68,7 +68,7 @@ def write_failure(
 def replay_test(test: FailureTest, replay: Replay = LEXIS_REPLAY) -> str:
     """A pytest that runs the scenario beside it and asserts the opposite of the claim: it fails until the SLAM is mended."""
     assert test.claim is not None
-    plans = test.claim.figure.startswith("planning.")
+    plans = test.claim.is_about_plans
     imports = "Claim, Scenario, evaluate" + (", try_plans" if plans else "")
     trials = ", try_plans(finished)" if plans else ""
     return f'''"""Replays a failure. It fails as long as {str(test.claim)!r} is true of the scenario beside it."""
@@ -148,12 +148,10 @@ def first_wrong_frame(run: Run, figure: str) -> WrongFrame | None:
     kind = figure.partition(".")[0]
     claims = run.estimate
     if kind == "floors" and claims.floors is not None:
-        on_stairs = np.array([run.house.rooms[room].label == STAIRS for room in run.true_rooms])
-        wrong = (claims.floors != run.true_storeys) & ~on_stairs
+        wrong = (claims.floors != run.true_storeys) & ~run.on_stairs
         said = [f"floor {truth}, claimed {claim}" for truth, claim in zip(run.true_storeys, claims.floors, strict=True)]
     elif kind == "trajectory" and claims.T_W_B is not None and len(claims.T_W_B) >= LEAST_POSES:
-        moved = align(claims.T_W_B[:, :3, 3], run.true_poses[:, :3, 3]) @ claims.T_W_B
-        errors_m = np.linalg.norm(moved[:, :3, 3] - run.true_poses[:, :3, 3], axis=1)
+        errors_m = position_errors(claims.T_W_B, run.true_poses)
         wrong = errors_m > min(_FAR_M, float(errors_m.max()) * 0.999)
         said = [f"the position is {error:.2f} m off" for error in errors_m.tolist()]
     elif claims.labels is not None:
@@ -166,14 +164,9 @@ def first_wrong_frame(run: Run, figure: str) -> WrongFrame | None:
     if not wrong.any():
         return None
     row = int(np.argmax(wrong))
-    return WrongFrame(float(run.stamps[row]), run.house.rooms[run.true_rooms[row]].id, said[row], _most_similar(run, row))
-
-
-def _most_similar(run: Run, row: int) -> tuple[tuple[str, float], ...]:
-    if run.estimate.similarities is None:
-        return ()
-    scores = run.estimate.similarities[row]
-    return tuple((run.room_names[k], float(scores[k])) for k in np.argsort(-scores)[:_TOP])
+    return WrongFrame(
+        float(run.stamps[row]), run.house.rooms[run.true_rooms[row]].id, said[row], run.most_similar(row, _TOP)
+    )
 
 
 def _passing(reduction: Reduction) -> Iterator[str]:

@@ -77,7 +77,7 @@ class FailureTest:
     def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
         """Run the SLAM and judge the result. Raises what the run raises."""
         finished = self.runner(scenario, progress)
-        drives = self.claim is not None and self.claim.figure.startswith("planning.")
+        drives = self.claim is not None and self.claim.is_about_plans
         trials = tuple(try_plans(finished)) if drives else ()
         result = evaluate(finished, trials)
         if self.claim is None:

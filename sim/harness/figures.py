@@ -39,7 +39,6 @@ from sim.harness.results import (
 from sim.harness.runner import Run, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest
-from worlds.labels import STAIRS
 from worlds.truth import ambiguity_at, floor_area, openness
 
 _MATCHES = (1, 3, 5)
@@ -124,9 +123,9 @@ def _floors(run: Run) -> FloorFigures:
     floors = run.estimate.floors
     if floors is None:
         return FloorFigures()
-    on_stairs = np.array([run.house.rooms[room].label == STAIRS for room in run.true_rooms])
     return FloorFigures(
-        floor_accuracy(floors, run.true_storeys, on_stairs), floor_count_error(floors, run.true_storeys, on_stairs)
+        floor_accuracy(floors, run.true_storeys, run.on_stairs),
+        floor_count_error(floors, run.true_storeys, run.on_stairs),
     )
 
 

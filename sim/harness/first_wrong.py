@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from lexis.evaluation.trajectory import LEAST_POSES, align
-from lexis.maths.se3 import inverse
+from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
@@ -40,7 +39,7 @@ def first_wrong(run: Run) -> WrongPlace | None:
         return _at(run, row, f"labelled {names[claims.labels[row]]}, is {names[run.true_labels[row]]}")
     if claims.T_W_B is None:
         return None
-    errors_m = _position_errors(claims.T_W_B, run.true_poses)
+    errors_m = position_errors(claims.T_W_B, run.true_poses)
     row = int(np.argmax(errors_m))
     return _at(run, row, f"no label is wrong, the largest position error is {errors_m[row]:.2f} m")
 
@@ -60,10 +59,6 @@ def _at(run: Run, row: int, what: str) -> WrongPlace:
     return WrongPlace(run.house.rooms[int(run.true_rooms[row])].id, float(stamps[frame] - stamps[0]), what)
 
 
-def _position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
+def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
     """Distance of every claimed position from the true one [m], aligned as for the ATE."""
-    if len(truth) < LEAST_POSES:
-        aligned = truth[0] @ inverse(claimed[0]) @ claimed
-    else:
-        aligned = align(claimed[:, :3, 3], truth[:, :3, 3]) @ claimed
-    return np.asarray(np.linalg.norm(aligned[:, :3, 3] - truth[:, :3, 3], axis=1))
+    return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))

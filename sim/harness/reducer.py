@@ -14,8 +14,8 @@ from typing import Literal
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness.failure_signature import Signature
-from sim.harness.reductions import STEPS, ScenarioSize, Step, size, with_listed_house
-from sim.harness.scenario import NEEDS_PIXELS, Scenario
+from sim.harness.reductions import STEPS, ScenarioSize, Step, size, with_features, with_listed_house
+from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -131,7 +131,7 @@ def reduce(
     ended: Ending = "smallest"
     try:
         if original.fidelity == "render":
-            search.descend_on_features(_with_features(original), on_features, path)
+            search.descend_on_features(with_features(original), on_features, path)
         if len(path) == 1 or len(path) < len(on_features):
             search.descend(path, search.end)
         elif search.is_cut:
@@ -149,7 +149,7 @@ class _TimeUpError(Exception):
 
 @dataclass(eq=False)
 class _Search:
-    """The outcomes so far, by which no scenario is run twice."""
+    """The state of a search. It remembers all outcomes, so that no scenario is run twice."""
 
     fails: Fails
     signature: Signature
@@ -158,7 +158,7 @@ class _Search:
     clock: Clock
     steps: Mapping[str, Step]
     outcomes: dict[str, Outcome] = field(default_factory=dict)
-    """By the content hash of the scenario."""
+    """Outcome of every scenario that was tried; the key is the content hash of the scenario."""
     is_cut: bool = False
     """Whether the search on features took all of its share of the time."""
 
@@ -267,9 +267,3 @@ def is_valid(scenario: Scenario) -> bool:
     except WorldsError:
         return False
     return True
-
-
-def _with_features(scenario: Scenario) -> Scenario:
-    """The scenario on feature fidelity, without the faults that only images can show."""
-    faults = tuple(fault for fault in scenario.faults if not isinstance(fault, NEEDS_PIXELS))
-    return replace(scenario, fidelity="features", faults=faults)

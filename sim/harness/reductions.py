@@ -10,7 +10,7 @@ from shapely.geometry import Polygon
 from sim.errors import SimError
 from sim.harness import house_reductions as house_steps
 from sim.harness.parts import house_spec, tour_config
-from sim.harness.scenario import Scenario
+from sim.harness.scenario import NEEDS_PIXELS, Scenario
 from sim.render.rig import RIGS, RigConfig
 from worlds.labels import ROOM_LABELS
 from worlds.spec import AppearanceSpec, HouseSpec
@@ -81,6 +81,12 @@ def with_listed_house(scenario: Scenario) -> Scenario:
     Raises `WorldsError` for a house that cannot be built.
     """
     return replace(scenario, house=explicit(house_spec(scenario)), length_m=tour_config(scenario).length_m)
+
+
+def with_features(scenario: Scenario) -> Scenario:
+    """The scenario on feature fidelity, without the faults that only images can show."""
+    faults = tuple(fault for fault in scenario.faults if not isinstance(fault, NEEDS_PIXELS))
+    return replace(scenario, fidelity="features", faults=faults)
 
 
 def _listed(scenario: Scenario) -> HouseSpec:

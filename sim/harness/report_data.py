@@ -5,10 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
-from lexis.evaluation.trajectory import LEAST_POSES, align
-from lexis.maths.se3 import inverse
+from lexis.evaluation.trajectory import aligned
 from lexis.room_names import numbered
-from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.planning import Trial
 from sim.harness.results import RunResult
@@ -39,13 +37,13 @@ def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> Re
 
 def _keyframes(run: Run) -> KeyframeTable:
     truth, claims = run.true_poses, run.estimate
-    odometry = _aligned(run.odometry_poses, truth)
+    odometry = aligned(run.odometry_poses, truth)
     unknown = np.full(len(truth), UNKNOWN)
     return KeyframeTable(
         run.stamps,
         truth,
         odometry,
-        odometry if claims.T_W_B is None else _aligned(claims.T_W_B, truth),
+        odometry if claims.T_W_B is None else aligned(claims.T_W_B, truth),
         run.true_storeys,
         run.true_labels,
         unknown if claims.baseline_labels is None else claims.baseline_labels,
@@ -62,13 +60,6 @@ def _room_of_frames(run: Run) -> tuple[str, ...]:
         return ("",) * len(run.estimate.frames)
     names = dict(zip(labels, numbered(list(labels.values())), strict=True))
     return tuple(names.get(room, "") for room in rooms.tolist())
-
-
-def _aligned(poses: Poses, truth: Poses) -> Poses:
-    """Align poses as the ATE does. If they are too few, move them so that the first pose equals the true first pose."""
-    if len(truth) < LEAST_POSES:
-        return np.asarray(truth[0] @ inverse(poses[0]) @ poses)
-    return np.asarray(align(poses[:, :3, 3], truth[:, :3, 3]) @ poses)
 
 
 def _plan(run: Run, trial: Trial) -> PlanPath:
@@ -114,7 +105,7 @@ def _samples(run: Run) -> tuple[SampleFrame, ...]:
     wrong = baseline != run.true_labels
     chosen = [*_surest(margin, ~wrong, run.true_rooms), *_surest(margin, wrong, run.true_rooms)]
     with CameraRenderer(run.session.scene, run.session.camera) as renderer:
-        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), _scores(run, similarities[k])) for k in chosen)
+        return tuple(SampleFrame(k, renderer.rgb(run.true_poses[k]), run.most_similar(k, _SCORES)) for k in chosen)
 
 
 def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:
@@ -124,7 +115,3 @@ def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], roo
         if eligible[k]:
             best.setdefault(int(rooms[k]), int(k))
     return sorted(list(best.values())[:_SAMPLES])
-
-
-def _scores(run: Run, similarities: Float[np.ndarray, "names"]) -> tuple[tuple[str, float], ...]:
-    return tuple((run.room_names[k], float(similarities[k])) for k in np.argsort(-similarities)[:_SCORES])

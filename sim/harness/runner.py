@@ -1,18 +1,18 @@
 """One run: a SLAM gets the observations of a scenario, and what it claims is kept beside the truth."""
 
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Bool, Float64, Int
 
 from lexis.errors import ObservationError
+from lexis.timing import StageTimer
 from lexis.types import Pose
 from sim.errors import SimError
-from sim.feature_sensor.model import MINI_FEATURES, load_features
+from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, load_features
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
@@ -24,6 +24,7 @@ from sim.render.rig import build_rig
 from sim.session import Session
 from sim.truth import Truth
 from worlds.house import House
+from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 Progress = Callable[[float], None]
@@ -90,9 +91,21 @@ class Run:
         return np.array([self.room_names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
 
     @property
+    def on_stairs(self) -> Bool[np.ndarray, "n"]:
+        """Whether the camera is truly on stairs."""
+        return np.array([self.house.rooms[room].label == STAIRS for room in self.true_rooms], bool)
+
+    @property
     def true_storeys(self) -> Int[np.ndarray, "n"]:
         """Storey that the camera is on, 0 for the lowest."""
         return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
+
+    def most_similar(self, row: int, count: int) -> tuple[tuple[str, float], ...]:
+        """The room names that the SLAM found most similar to a frame, best first; none without a claim of similarities."""
+        if self.estimate.similarities is None:
+            return ()
+        scores = self.estimate.similarities[row]
+        return tuple((self.room_names[k], float(scores[k])) for k in np.argsort(-scores)[:count])
 
     @property
     def walked_rooms(self) -> tuple[int, ...]:
@@ -115,22 +128,22 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     """
     slam = slam or Lexis(scenario.encoder)
     check_slam_methods(slam)
-    seconds: dict[str, float] = {}
-    with _timed(seconds, "house_s"):
+    timed = StageTimer()
+    with timed("house_s"):
         walked = walk(scenario)
-    camera = build_rig(scenario.rig).front
-    sensor = _sensor(scenario)
-    with _timed(seconds, "scene_s"):
+    camera, model = build_rig(scenario.rig).front, _feature_model(scenario)
+    sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
+    with timed("scene_s"):
         session = Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
-    with _timed(seconds, "slam_s"):
-        _start(slam, scenario, session)
+    with timed("slam_s"):
+        _start(slam, scenario, session, model)
     delivered, refused = [], []
     given: dict[int, Given] = {}
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
             try:
-                with _timed(seconds, "slam_s"):
+                with timed("slam_s"):
                     slam.process(observation)
                 given.setdefault(observation.index, Given(observation.stamp, observation.T_O_B))
             except ObservationError as error:
@@ -139,30 +152,27 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
                 refused.append(str(error))
             if progress is not None:
                 progress((observation.index + 1) / len(session))
-    with _timed(seconds, "slam_s"):
+    with timed("slam_s"):
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
         raise SimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
-    seconds["render_s"] = session.render_seconds
+    seconds = timed.seconds | {"render_s": session.render_seconds}
     _check_frames(estimate, given)
     return Run(
         scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
 
 
-def _sensor(scenario: Scenario) -> FeatureSensor | None:
-    """The feature sensor; None if the SLAM gets images."""
-    if scenario.fidelity == "render":
-        return None
-    model = load_features(scenario.feature_model or MINI_FEATURES)
-    return FeatureSensor(model, build_rig(scenario.rig).front, scenario.seed, scenario.encoder == ORACLE)
+def _feature_model(scenario: Scenario) -> FeatureModel | None:
+    """The model of the feature sensor; None if the SLAM gets images."""
+    return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
 
 
-def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
+def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: FeatureModel | None) -> None:
     names = session.house.spec.room_labels
-    if scenario.fidelity == "features" and isinstance(slam, AcceptsFeatures):
-        source = scenario.feature_model or MINI_FEATURES
-        features = FeatureInput(load_features(source), str(source), scenario.encoder == ORACLE, session.verifier())
+    if model is not None and isinstance(slam, AcceptsFeatures):
+        source = str(scenario.feature_model or MINI_FEATURES)
+        features = FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier())
         slam.start_on_features(session.camera, names, features)
     else:
         slam.start(session.camera, names)
@@ -173,12 +183,3 @@ def _check_frames(estimate: Estimate, given: Mapping[int, Given]) -> None:
     unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
     if unknown:
         raise SimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
-
-
-@contextmanager
-def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
-    start = time.perf_counter()
-    try:
-        yield
-    finally:
-        seconds[name] = seconds.get(name, 0.0) + time.perf_counter() - start

@@ -6,16 +6,16 @@ import shlex
 import signal
 import subprocess
 import tempfile
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, TypeVar
+from typing import BinaryIO
 
 import numpy as np
 
 from lexis.errors import one_line
+from lexis.timing import StageTimer
 from sim.errors import SimError
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
@@ -30,7 +30,6 @@ TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 DATASET, OUT = "{dataset}", "{out}"
 """What stands for the folders of the recording and of the claims in a command."""
 _KEPT_BYTES = 1_000_000
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -72,8 +71,11 @@ def run_command(
     check_format(format)
     if scenario.fidelity != "render":
         raise SimError(f"command: a program needs images, but the fidelity is {scenario.fidelity!r}; valid: 'render'")
-    take, house_s = _timed(lambda: prepare(scenario, with_truth=False))
-    session, scene_s = _timed(lambda: _session(take))
+    timed = StageTimer()
+    with timed("house_s"):
+        take = prepare(scenario, with_truth=False)
+    with timed("scene_s"):
+        session = _session(take)
     frames: list[_Frame] = []
     with tempfile.TemporaryDirectory(prefix="lexis-sim-") as name:
         work = Path(name)
@@ -84,10 +86,12 @@ def run_command(
         def note(frame: RecordedFrame) -> None:
             frames.append(_Frame.of(frame))
 
-        _, render_s = _timed(lambda: write_take(folders[DATASET], take, format, progress=progress, note=note))
+        with timed("render_s"):
+            write_take(folders[DATASET], take, format, progress=progress, note=note)
         for placeholder, folder in folders.items():
             words = [word.replace(placeholder, str(folder)) for word in words]
-        printed, slam_s = _timed(lambda: _execute(words, work, timeout_s, memory_mb))
+        with timed("slam_s"):
+            printed = _execute(words, work, timeout_s, memory_mb)
         estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
     walked = frames[take.rest_frames :]
     return Run(
@@ -98,7 +102,7 @@ def run_command(
         CommandSlam(command, *printed),
         estimate,
         given={frame.index: frame.given for frame in reversed(walked)},  # the first of duplicates counts
-        seconds={"house_s": house_s, "scene_s": scene_s, "render_s": render_s, "slam_s": slam_s},
+        seconds=timed.seconds,
         delivered=tuple(frame.truth for frame in walked),
     )
 
@@ -185,9 +189,3 @@ def _end_of(path: Path) -> bytes:
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - _KEPT_BYTES))
         return file.read()
-
-
-def _timed(work: Callable[[], _T]) -> tuple[_T, float]:
-    """The result of a function, and the wall time that it took [s]."""
-    start = time.perf_counter()
-    return work(), time.perf_counter() - start
