@@ -7,7 +7,7 @@ exact geometry; equal specs give equal geometry. Specs come from `presets` (fami
 which boundaries are open, `walkable` finds paths, `validation` proves that the house can stand and be walked. The
 subpackages build the parts:
 
-- `floor_plans`: rooms from a list of labels to rectangles on storeys.
+- `floor_plans`: layouts of storeys, made from lists of room labels.
 - `openings`: doors, arches, half walls and windows, and the openness of a house.
 - `stairs`: flights between storeys.
 - `furniture`: the catalogue, and the placement of pieces in rooms.
@@ -18,10 +18,10 @@ Glossary:
 
 - room: a room instance with a label. Stairs are one room through all the storeys that they join.
 - opening: any gap in a wall between two rooms; a leaf is the part of a door that swings.
-- openness: the share of the inner walls' area that is gap, in [0, 1].
-- bay: a piece of a storey as wide as its rooms need; a run is bays that stay side by side, a band is a row of bays along a
-  corridor, and a wing is a corridor with its bands.
-- clutter: factor for the number of small things that lie around.
+- openness: the share of the inner walls' area that is permanently open, in [0, 1].
+- bay: a slice of a storey with one main room and up to two small ones. A run is a group of bays that stay side by side, a
+  band is a row of bays along a corridor, and a wing is a corridor with its bands.
+- clutter: factor for the amount of furniture that is filled in; 0: none, 1: as in a usual home.
 - piece: one piece of furniture in its place.
 """
 

@@ -15,7 +15,7 @@ def arch_rise(width_m: float) -> float:
 
 
 def arch_drop(width_m: float, offset_m: float) -> float:
-    """Height difference between the crown and the point at a horizontal distance from the middle [m]."""
+    """Height difference between the crown of an arch and its curve `offset_m` [m] beside the middle [m]."""
     return arch_rise(width_m) * (1.0 - math.sqrt(max(0.0, 1.0 - (2.0 * offset_m / width_m) ** 2)))
 
 

@@ -16,9 +16,9 @@ from worlds.house import House
 from worlds.labels import STAIRS
 
 BODY_LOW_M = 0.05
-"""Height above the walked surface from which on a body collides with obstacles [m]; rugs are lower."""
+"""Height above the walked surface up to which obstacles do not stop a body [m]; rugs are lower."""
 BODY_HIGH_M = 1.9
-"""Height above the walked surface up to which a body collides with obstacles [m]; lintels are higher."""
+"""Height of the space that a body needs, from the walked surface up [m]; lintels are higher."""
 CLEARANCE_CAP_M = 1.0
 """Greatest distance that is computed; larger distances are cut to this value [m]."""
 _PADDING_M = 0.3
@@ -28,16 +28,16 @@ _TOLERANCE_M = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Obstacles:
-    """Upright boxes, each with a yaw."""
+    """The obstacles of a house: upright boxes, each with a yaw."""
 
     centre: Float64[np.ndarray, "n 2"]
-    """Centre in the plan, in W [m]."""
+    """Centre of each box in the plan, in W [m]."""
     size: Float64[np.ndarray, "n 2"]
-    """Width and depth, along the box's own axes [m]."""
+    """Width and depth of each box, along its own axes [m]."""
     yaw: Float64[np.ndarray, "n"]
-    """Rotation about z, counter-clockwise [rad]."""
+    """Rotation of each box about z, counter-clockwise [rad]."""
     span: Float64[np.ndarray, "n 2"]
-    """Heights of the lower and the upper end in W [m]."""
+    """Heights of each box's lower and upper end in W [m]."""
 
     @cached_property
     def footprints(self) -> STRtree:
@@ -48,7 +48,7 @@ class Obstacles:
         return STRtree(shapely.polygons(np.stack([x, y], axis=-1) + self.centre[:, None, :]))
 
     def at_height(self, surface_m: float) -> "Obstacles":
-        """The boxes that can collide with a body standing on a surface at height `surface_m` in W [m]."""
+        """Return the boxes that can collide with a body standing on a surface at height `surface_m` in W [m]."""
         meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 
@@ -106,9 +106,9 @@ class FreeSpace:
     """The free space of all storeys of a house, on the same grid of points."""
 
     x: Float64[np.ndarray, "nx"]
-    """Coordinates of the grid points in W [m]."""
+    """x coordinates of the grid points in W [m]."""
     y: Float64[np.ndarray, "ny"]
-    """Coordinates of the grid points in W [m]."""
+    """y coordinates of the grid points in W [m]."""
     floors: Float64[np.ndarray, "storeys"]
     """Heights of the floors in W [m]."""
     clearance: Float64[np.ndarray, "storeys nx ny"]

@@ -61,7 +61,7 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class Furniture(Placed):
-    """A piece of furniture in its place."""
+    """A piece of furniture with its position in the house."""
 
     id: str
     kind: str
@@ -83,13 +83,13 @@ class Furniture(Placed):
 
 @dataclass(frozen=True, eq=False)
 class House:
-    """A house with nothing left to decide. All coordinates are in W [m]."""
+    """A built house: the exact geometry of rooms, walls, openings, stairs and furniture. All coordinates are in W [m]."""
 
     spec: HouseSpec
     storeys: tuple[Storey, ...]
     rooms: tuple[Room, ...]
     boundaries: tuple[BoundaryPieces, ...]
-    """Per storey: every piece of room boundary and the opening in it."""
+    """Room boundaries of each storey, cut at the openings: every piece with the opening in this piece, or None."""
     walls: tuple[Wall, ...]
     stairs: tuple[Stairs, ...]
     furniture: tuple[Furniture, ...]
@@ -104,7 +104,7 @@ class House:
         return by_id | {cell: by_id[lowest] for cell, lowest in lowest_cells(self.spec).items()}
 
     def wall_height(self, level: int, boundary: Boundary) -> float:
-        """Height of a wall on a boundary of storeys[`level`] [m]: up to the ceiling, or a fence's around outdoor rooms."""
+        """Height of a wall on a boundary of storeys[`level`] [m]: up to the ceiling, or the height of a fence outdoors."""
         storey = self.storeys[level]
         return wall_height(boundary, storey.ceiling_m - storey.floor_m, self._indoors)
 

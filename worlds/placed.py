@@ -15,13 +15,13 @@ class Placed(ABC):
     id: str
     """Name of the object, unique in the house."""
     storey: int
-    """Index of the storey."""
+    """Index of the storey that the object is on."""
     position: Vector
-    """Centre of the underside in W [m]."""
+    """Centre of the object's underside in W [m]."""
     yaw: float
     """Rotation about z, counter-clockwise [rad]."""
     size: Vector
-    """Width, depth, height [m]."""
+    """Width, depth and height of the object along its own axes [m]."""
 
     @cached_property
     @abstractmethod

@@ -1,4 +1,4 @@
-"""Names of the presets and the ranges of what can be asked of them. This module loads nothing else."""
+"""Names of the presets, and the valid ranges of their arguments. This module imports no other module."""
 
 MAX_ROOMS_ASKED = 40
 MIN_ROOMS_ASKED = 2

@@ -14,8 +14,8 @@ _PURPOSES: dict[Purpose, int] = {"windows": 0, "furniture": 1, "finish": 2}
 def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Generator:
     """The generator for one purpose in one room.
 
-    It is seeded with the house's seed and the room's id, so that a change to one room changes no other room. A room with a
-    seed of its own uses that instead, so that rooms with the same seed (twins) get the same draws.
+    It is seeded with the house's seed and the room's id, so that a change to one room changes no other room. For a room with
+    a seed of its own, this seed replaces both, so that rooms with the same seed (twins) get the same draws.
     """
     own = [spec.seed, zlib.crc32(room.id.encode())] if room.seed is None else [room.seed]
     painted = _repaint(spec) if purpose == "finish" else []

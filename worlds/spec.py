@@ -27,7 +27,8 @@ MAX_ROOMS = 200
 MIN_WALL_M = 0.005
 """Least length of a side of a room's polygon [m]."""
 MAX_PLAN_M2 = 20_000.0
-"""Greatest area of the rectangle around all rooms, times the number of storeys [m²]; a grid of 10 cm must fit in memory."""
+"""Limit for the area of the rectangle around all rooms, multiplied by the number of storeys [m²], so that a grid of 10 cm
+fits in memory."""
 
 _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
 """Matches arrays of numbers, of points and of strings in indented JSON, which are written on one line instead."""
@@ -233,9 +234,12 @@ class HouseSpec(_Data):
 
     def to_json(self) -> str:
         """The spec as JSON; equal specs give equal texts."""
-        data = {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
         # Points, polygons and pairs of names are each put on one line, because people read these files too.
-        return _SHORT.sub(_on_one_line, json.dumps(data, indent=1)) + "\n"
+        return _SHORT.sub(_on_one_line, json.dumps(self.data(), indent=1)) + "\n"
+
+    def data(self) -> dict[str, Any]:
+        """The spec as plain data, which `to_json` writes."""
+        return {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
 
     @classmethod
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":

@@ -1,4 +1,4 @@
-"""`StoreyPlan`: what is known of a storey before its walls, windows, door leaves and furniture are made.
+"""`StoreyPlan`: a storey with its room boundaries, before walls, windows, door leaves and furniture are made.
 
 The room boundaries, cut at the openings, give the walls, and the door leaves in them. The pieces without an opening and with
 nothing behind them are the outer walls, which windows can be in. Furniture comes last, because it keeps clear of windows.
@@ -38,14 +38,14 @@ class StoreyPlan:
 
     house: HouseSpec
     level: int
-    """Index into the storeys of `house`."""
+    """Index of the storey in the house."""
     floor_m: float
     """Height of the floor in W [m]."""
     ceiling_m: float
     """Height of the ceiling in W [m]."""
     pieces: BoundaryPieces
     outer: Mapping[str, Sequence[Boundary]]
-    """Outer walls without an opening, by room id. Rooms without any outer wall of this sort are missing."""
+    """Outer walls without an opening, by room id; rooms that have none are missing."""
     windows: tuple[WindowSpec, ...]
     """Windows of the storey: the windows in the spec, or sampled windows if the spec lists none."""
 
@@ -59,7 +59,7 @@ class StoreyPlan:
         return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
 
     def standing_walls(self) -> Iterator[Wall]:
-        """The walls around the openings."""
+        """The walls of the storey, with the openings left out."""
         meeting, indoors = corners([boundary for boundary, _ in self.pieces]), indoor_rooms(self.house)
         for boundary, opening in self.pieces:
             height = wall_height(boundary, self.ceiling_m - self.floor_m, indoors)
@@ -77,7 +77,10 @@ class StoreyPlan:
                 yield Wall(self.level, boundary, a0, a1, floor + min(z0, z1), floor + top, spandrel=True)
 
     def hung_windows(self) -> Iterator[Window]:
-        """The windows in their walls. Raises `HouseError` for a window in no outer wall of its room, or upside down."""
+        """The windows in their walls.
+
+        Raises `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
+        """
         return hang_windows(self.house, self.level, self.windows, self.outer, self.floor_m)
 
     def hung_leaves(self) -> Iterator[DoorLeaf]:

@@ -72,7 +72,7 @@ class ObjectInstance:
     id: str
     kind: str
     room: str
-    """Id of the room in which it stands; for a leaf, the room that it swings into."""
+    """Id of the room in which the object stands; for a door leaf, the room that the leaf swings into."""
     centre: Point3
     """Centre of the box in W [m]."""
     yaw: float
@@ -85,7 +85,8 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
     """Index into `house.rooms` of the room that contains each point in W [m]; `NOWHERE` outside of all rooms.
 
     Rooms end at the centre lines of walls; a point exactly on a centre line belongs to the later of the two rooms. A room
-    extends from its floor up to the next floor, both lowered by `FLOOR_TOLERANCE_M`, so that a point on a floor is in it.
+    extends from its floor up to the next floor, both lowered by `FLOOR_TOLERANCE_M`, so that a point on the floor is in
+    the room.
     """
     owner = np.full(len(points), NOWHERE)
     heights = points[:, 2] + FLOOR_TOLERANCE_M
@@ -96,7 +97,7 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
 
 
 def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Index of the storey of each point in W [m]: that with the highest floor that is not above the point."""
+    """Index of the storey of each point in W [m]: the storey with the highest floor that is not above the point."""
     return storey_of(points[:, 2], [storey.floor_m for storey in house.storeys])
 
 
@@ -110,9 +111,9 @@ def ambiguity_at(
 ) -> Bool[np.ndarray, "n rooms"]:
     """Whether the label of each room counts as right at each point in W [m].
 
-    The label of the room that contains the point always does. Near an open boundary, one cannot tell by looking where a room
-    ends; so within `band_m` [m] of the opening, straight in front of it or behind it, the labels of both rooms count.
-    `is_ambiguous` says which openings are such boundaries.
+    The label of the room that contains the point always counts. Near an open boundary, one cannot tell by looking where a
+    room ends; so within `band_m` [m] of the opening, straight in front of it or behind it, the labels of both rooms count.
+    `is_ambiguous` says which openings make a boundary open in this sense.
     """
     owner, storey = room_at(house, points), floor_at(house, points)
     allowed = owner[:, None] == np.arange(len(house.rooms))

@@ -16,7 +16,7 @@ def truth_json(house: House) -> dict[str, Any]:
       heights of floor and ceiling, and whether the room is outdoors.
     - `boundaries`: straight stretches of room boundary, with the rooms on both sides (null: outside), the kind of opening
       (or "wall"), and whether the labels of both rooms count as right near it (see `worlds.truth.ambiguity_at`).
-    - `openness`: of the house, and of every pair of neighbouring rooms.
+    - `openness`: openness of the house, and of the boundary between every two neighbouring rooms.
     - `passages`: the edges of the room graph.
     - `stairs`: the walking line of every flight, upwards.
     - `objects`: furniture, doors and windows with their bounding boxes (centre, yaw about z, size).

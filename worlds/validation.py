@@ -51,7 +51,7 @@ def problems(house: House) -> Iterator[str]:
 def spec_problems(spec: HouseSpec) -> Iterator[str]:
     """A message for every rule that the house of a spec breaks.
 
-    Of a house that cannot be built, these are all pairs of rooms that overlap, or, if none do, the reason why it cannot.
+    For a house that cannot be built, the messages name all pairs of rooms that overlap or, if none do, the reason.
     """
     try:
         house = build_house(spec)

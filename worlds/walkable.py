@@ -1,7 +1,7 @@
 """`Walkable`: where an upright cylindrical body can walk in a house, and the shortest paths between two places.
 
-1. On every storey, the points of a grid are free where the body has space. The distance that they keep from obstacles is
-   larger than the body's radius by so much that the straight step between two neighbouring free points is free as well.
+1. On every storey, the points of a grid are free where the body has space. Besides the body's radius, they keep a margin
+   from obstacles, so that the straight step between two neighbouring free points is free as well.
 2. The walking line of every flight of stairs is divided into points. Its ends are joined to the free grid points near them.
 3. All these points are the nodes of one sparse graph, whose edges are the steps between neighbours. Dijkstra's algorithm
    finds the shortest path in it.
@@ -10,7 +10,7 @@
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
@@ -48,6 +48,7 @@ class Walkable:
     """Radius of the body [m]."""
     resolution_m: float = 0.1
     """Spacing of the grid [m]."""
+    _known_costs: "dict[float, csr_array[np.float64, tuple[int, int]]]" = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.radius_m <= CLEARANCE_CAP_M / 2:
@@ -67,7 +68,7 @@ class Walkable:
 
     @cached_property
     def wells(self) -> Obstacles:
-        """The stairwells."""
+        """The stairwells, as upright boxes in which a storey has no floor to walk on."""
         return stair_wells(self.house)
 
     @cached_property
@@ -94,7 +95,7 @@ class Walkable:
 
     @cached_property
     def node_room(self) -> Int[np.ndarray, "n"]:
-        """Index in `house.rooms` of every node."""
+        """Room of every node, as an index into `house.rooms`."""
         rooms = [self.free_space.room[self._free]]
         for stairs, line in zip(self.house.stairs, self._flights, strict=True):
             own, owner = self.house.rooms.index(self.house.room_by_id[stairs.room]), room_at(self.house, line)
@@ -175,7 +176,7 @@ class Walkable:
     def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
         """Length of the shortest path along the graph from a point in W or a node to every node [m].
 
-        It is infinite where no path exists, or none that is shorter than the limit.
+        It is infinite for nodes to which there is no path, and for nodes farther away than `limit_m` [m].
         """
         node = start if isinstance(start, int) else self.snap(start)
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
@@ -207,6 +208,11 @@ class Walkable:
         """The graph with its lengths multiplied by a factor that grows linearly with the clearance lacking at both ends."""
         if prefer_clearance_m <= 0.0:
             return self.graph
+        if prefer_clearance_m not in self._known_costs:
+            self._known_costs[prefer_clearance_m] = self._crowded(prefer_clearance_m)
+        return self._known_costs[prefer_clearance_m]
+
+    def _crowded(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
         lack = np.maximum(0.0, 1.0 - self.clearance / prefer_clearance_m)
         rows = np.repeat(np.arange(len(lack)), np.diff(self.graph.indptr))
         factor = 1.0 + _CROWDING * (lack[rows] + lack[self.graph.indices])

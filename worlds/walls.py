@@ -33,11 +33,11 @@ class Boundary:
     at: float
     """Coordinate across the boundary [m]."""
     low: float
-    """Lower end along the axis [m]."""
+    """Lower end of the boundary along its axis [m]."""
     high: float
-    """Upper end along the axis [m]."""
+    """Upper end of the boundary along its axis [m]."""
     rooms: tuple[str | None, str | None]
-    """Ids of the rooms at smaller and at larger coordinates across; None: outside."""
+    """Ids of the rooms on both sides, the one at smaller coordinates across the boundary first; None: outside."""
 
     @property
     def length(self) -> float:
@@ -57,13 +57,13 @@ class Wall:
     boundary: Boundary
     """The stretch of boundary on which the wall stands."""
     low: float
-    """Lower end along the boundary, including a corner that it fills [m]."""
+    """Lower end of the wall along the boundary, including a corner that the wall fills [m]."""
     high: float
-    """Upper end along the boundary, including a corner that it fills [m]."""
+    """Upper end of the wall along the boundary, including a corner that the wall fills [m]."""
     bottom_m: float
     top_m: float
     spandrel: bool = False
-    """Whether the box is a strip of wall above the curve of an arch, whose real underside slopes up from `bottom_m`."""
+    """Whether the box stands for a strip of wall above an arch; the strip's real underside slopes up from `bottom_m`."""
 
     @property
     def rooms(self) -> tuple[str | None, str | None]:
@@ -72,12 +72,12 @@ class Wall:
 
     @property
     def start(self) -> tuple[float, float]:
-        """One end of the centre line [m]."""
+        """Lower end of the wall's centre line, as (x, y) [m]."""
         return self.boundary.point(self.low)
 
     @property
     def end(self) -> tuple[float, float]:
-        """The other end [m]."""
+        """Upper end of the wall's centre line, as (x, y) [m]."""
         return self.boundary.point(self.high)
 
     @property
@@ -179,7 +179,7 @@ def corners(stretches: Sequence[Boundary]) -> set[tuple[float, float]]:
 def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[float, float]:
     """Lower and upper end of a wall along a piece of boundary [m].
 
-    The wall is half a thickness longer than the piece at each end that is one of the `corners` in `meeting`.
+    The wall is half a thickness longer than the piece at each end that lies in `meeting`, the result of `corners`.
     """
     half = WALL_THICKNESS_M / 2
     low = piece.low - half if piece.point(piece.low) in meeting else piece.low
@@ -189,7 +189,7 @@ def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[flo
 def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:
     """Lower and upper ends of the parts of a wall below and above an opening, in a wall that is `height_m` high [m].
 
-    Without an opening, it is the whole wall.
+    Without an opening, the only part is the whole wall.
     """
     if opening is None:
         return [(0.0, height_m)]

@@ -22,7 +22,7 @@ _AT_ONCE = 64
 
 
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """A message for every rule that a piece of furniture or a door leaf breaks; it names the piece or leaf."""
+    """Yield a message for every rule that a piece of furniture or a door leaf breaks; it names the piece or leaf."""
     pieces, leaves = house.furniture, house.leaves
     boxes = boxes_of([(*p.position, *p.size, p.yaw) for p in pieces])
     hung = boxes_of([(*leaf.position, *leaf.size, leaf.yaw) for leaf in leaves])

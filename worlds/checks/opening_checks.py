@@ -16,11 +16,11 @@ MIN_HEIGHT_M = 1.9
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]
-"""Axis of a segment (0: x, 1: y), its coordinate across, its lower and upper end [m]."""
+"""A segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis, its lower and upper end [m]."""
 
 
 def opening_problems(house: House) -> Iterator[str]:
-    """A message for every rule that an opening or window breaks; it names the place in the spec."""
+    """Yield a message for every rule that an opening or window breaks; it names the place in the spec."""
     for level, storey in enumerate(house.spec.storeys):
         windows = [window for window in house.windows if window.storey == level]
         spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]

@@ -11,12 +11,12 @@ from worlds.labels import OUTDOOR_LABELS, STAIRS
 MIN_APART_M = 0.3
 """Least distance between two rooms that do not touch [m]: nothing could be built in a narrower gap."""
 MIN_SUPPORT = 0.9
-"""Least share of the area of an indoor room on an upper storey that has indoor rooms below it."""
+"""Least share of the floor area of an indoor room on an upper storey that must lie above indoor rooms."""
 _TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
 
 
 def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """A message for every rule that a room breaks; it names the room."""
+    """Yield a message for every rule that a room breaks; it names the room."""
     yield from overlap_problems(grid)
     yield from _narrow_gaps(grid)
     yield from _unsupported(grid)
@@ -26,7 +26,7 @@ def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
 
 
 def overlap_problems(grid: PlanGrid) -> Iterator[str]:
-    """A message for every two rooms of a storey that overlap."""
+    """Yield a message for every two rooms of a storey that overlap."""
     for a, b, area in grid.clashes:
         if area > _TOLERANCE_M2:
             yield (

@@ -24,9 +24,9 @@ class PlanGrid:
     """
 
     x: Float64[np.ndarray, "columns"]
-    """The lines between cells, one more than there are cells along x [m]."""
+    """The x at which cells begin or end, ascending [m]; one more than there are cells along x."""
     y: Float64[np.ndarray, "rows"]
-    """The lines between cells, one more than there are cells along y [m]."""
+    """The y at which cells begin or end, ascending [m]; one more than there are cells along y."""
     rooms: tuple[RoomSpec, ...]
     level_of_room: tuple[int, ...]
     """Index of every room's storey."""
@@ -37,7 +37,7 @@ class PlanGrid:
 
     @staticmethod
     def of(spec: HouseSpec) -> "PlanGrid":
-        """The grid of a house, which may break any rule."""
+        """Build the grid of a house. The house need not be valid."""
         rooms = [(level, room) for level, storey in enumerate(spec.storeys) for room in storey.rooms]
         corners = [np.round(room.polygon_m, _DECIMALS) for _, room in rooms]
         x, y = (np.unique(np.concatenate([c[:, k] for c in corners])) for k in (0, 1))
@@ -59,7 +59,7 @@ class PlanGrid:
         return np.outer(np.diff(self.x), np.diff(self.y))
 
     def owner_at(self, level: Int[np.ndarray, "n"], points: Float64[np.ndarray, "n 2"]) -> Int[np.ndarray, "n"]:
-        """Number of the room at each point [m] of the storeys `level`, `NO_ROOM` outside of all rooms."""
+        """Number of the room at each point (x, y) [m] on the point's storey, `level`; `NO_ROOM` outside of all rooms."""
         return np.asarray(self._padded[level, self._index(self.x, points[:, 0]), self._index(self.y, points[:, 1])])
 
     def lattice(self, x: Float64[np.ndarray, "n"], y: Float64[np.ndarray, "m"]) -> Int[np.ndarray, "storeys n m"]:

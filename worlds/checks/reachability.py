@@ -18,14 +18,15 @@ joined to the end [m]."""
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
     """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the largest part of the house.
 
-    Doors count as opened: leaves are no obstacles. The result is that of `Walkable.reachable_rooms`, but it is computed
-    faster, without a graph:
+    Doors count as opened: leaves are no obstacles. The result equals `Walkable.reachable_rooms`, but is computed faster,
+    without a graph:
 
     1. On a grid of points, find those at which the body has space: inside a room, and far enough from obstacles and stairs
        that also the step to a diagonal neighbour is free.
     2. Number the connected parts of these points on every storey.
-    3. Give parts that stairs join the same number.
-    4. A room is reachable if the largest part has a point in it; the room of a staircase, if the staircase joins that part.
+    3. Renumber the parts, so that parts that are joined by stairs have the same number.
+    4. A room is reachable if the largest part has a point in it. The room of a staircase is reachable if the staircase leads
+       to or from the largest part.
     """
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house, leaves=False), stair_wells(house)

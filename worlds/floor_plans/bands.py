@@ -25,30 +25,32 @@ from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
 
 _SHORTEST_BELOW = 350
-"""Least length of a band on which an upper storey is built [cm]. Small rooms in a shorter band would grow with the rooms
-above them."""
+"""Least length of a band (a row of rooms along a corridor) on which an upper storey is built [cm]. Small rooms in a shorter
+band would grow with the rooms above them."""
 _WRAPPING_LABELS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
-"""Labels of rooms that may bend round the end of the spine."""
+"""Labels of rooms that may bend round the end of the spine (the corridor)."""
 _STRETCH = 1.5
-"""Greatest factor by which a band is stretched to the length of the shell; other bands end before the shell does."""
+"""Greatest factor by which a band (a row of rooms) is stretched to the building's length; bands that need more stay
+shorter."""
 
 
 @dataclass
 class BandedStorey:
-    """The runs of a storey, sorted into bands, and the lengths of the bands."""
+    """The runs (groups of rooms) of a storey, sorted into bands (rows of rooms along a corridor), and the bands' lengths."""
 
     bands: dict[Band, list[BayRun]]
     slot: BayRun | None = None
-    """The run of one bay that stands behind the stairs (see `Shell.slot`)."""
+    """The room behind the stairs, as a run of one bay; None if no room is there (see `Shell.slot`)."""
     lengths: dict[Band, int] = field(default_factory=dict)
-    """Length of every band; `measured` fills it in [cm]."""
+    """Length of every band [cm]; `measured` fills it in."""
     wrap: int = 0
-    """Length beyond the spine's end of the south band's last room, which bends round this end [cm]; 0: no bend."""
+    """Length of the part of the last southern room that lies beyond the end of the spine (the corridor), round which it
+    bends [cm]; 0: no room bends."""
     past_spine: frozenset[Band] = frozenset()
-    """Bands that continue past the spine's end, beside the stairs that stand there."""
+    """Bands that continue past the end of the spine (the corridor), beside the stairs at this end."""
 
     def bays(self, band: Band) -> list[Bay]:
-        """The bays of a band in their order along it."""
+        """Return the bays (rooms with the small rooms carved from them) of a band, in order along the band."""
         return [bay for run in self.bands.get(band, ()) for bay in run.bays]
 
 
@@ -60,7 +62,8 @@ def assign(
     For each storey, lowest first:
 
     1. A storey that repeats the storey below (the same `runs` object) gets a copy of its assignment: the floors stay equal.
-    2. A single room may go behind the stairs, where no band reaches; on upper storeys only if there is one below it.
+    2. A single room may go behind the stairs, where no band reaches; on an upper storey only if the storey below has a room
+       there, too.
     3. `distribute` shares the other runs among the bands. On the ground storey the bands have the lengths planned in `room`
        [cm]; above, they have the lengths of the storey below, on which they stand.
     4. The runs of each band are put in order; the comments in the code give the reason of each step.
@@ -104,9 +107,9 @@ def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
 def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Generator) -> None:
     """Let a large room at the end of the south band bend round the spine's end, on the ground storey and its repetitions.
 
-    The room must be plain (carved rooms would not fit the new shape) and no twin (its twins would not bend). About half of
-    its area goes beyond the spine's end. Nothing changes where that part would be narrower than 1.8 m, or where the spine is
-    wider than 2.8 m.
+    The room must have no small rooms carved from it, which would not fit the new shape, and no twins, which would not bend.
+    About half of its area goes beyond the spine's end. Nothing changes if that part would be narrower than 1.8 m, or if the
+    spine is wider than 2.8 m.
     """
     south = storeys[0].bands["south"]
     able = [run for run in south if run.bays[-1].form == "plain" and run.bays[-1].twin is None]
@@ -157,11 +160,11 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
     """The shell with the length of every band; also sets `lengths` of every storey.
 
     1. Each band of the shell gets the greatest length that the band has on any storey.
-    2. A storey whose south band is so short that it cannot be stretched to the spine's end loses its wrapped room. That
-       changes widths, so the shell is measured again.
+    2. On a storey whose south band is so short that it cannot be stretched to the spine's end, no room bends round that
+       end. This changes widths, so the shell is measured again.
     3. With stairs at the spine's end, find the bands that reach past that end, from the top storey downwards: where a band
-       passes the end on one storey, it does so on all storeys below, which bear it. Their last bays get wider, so the shell
-       is measured a third time.
+       passes the end on one storey, it does so on all storeys below, which bear it. The last bays of these bands get wider,
+       so the shell is measured a third time.
     4. `Shell.flush` removes small steps between the ends of bands.
     5. From the top storey downwards, a band is stretched to the shell's length if the factor is at most `_STRETCH`, and made
        at least as long as the band above, which stands on it.

@@ -18,14 +18,14 @@ from worlds.floor_plans.room_sizes import SIZES
 DOOR_FRONT = 140
 """Least width that the main room of a bay (a slice of a row of rooms) keeps along the corridor, enough for its door [cm]."""
 _ARM = 170
-"""Least depth of the part of a host that lies behind a carved room, so that this part can be used [cm]."""
+"""Least depth of the part of a main room behind a small room carved from it, so that this part can be used [cm]."""
 _SLENDER = {"toilet": 2.6, "storage room": 2.6, "pantry": 2.6, "laundry room": 2.4, "bathroom": 2.2, "print room": 2.2}
-"""Greatest depth of a bay over its width, by the label of its host; `_MOST_SLENDER` for other labels."""
+"""Greatest ratio of depth to width of a bay, by the label of its main room; `_MOST_SLENDER` for other labels."""
 _MOST_SLENDER = 1.75
 
 
 def bay_width(bay: Bay, depth: int) -> int:
-    """Preferred width of a bay in a band of this depth, rounded up to 5 cm [cm].
+    """Return the preferred width of a bay in a band of this depth, rounded up to 5 cm [cm].
 
     It is the largest of three widths: the width at which the rooms get the areas drawn for them; the least width at which
     the host is neither too narrow nor too slender; and the width at which the carved rooms fit beside the host's own front.
@@ -56,7 +56,7 @@ def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
 
 
 def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
-    """The rectangles of every room of a bay that stands along `edge` from `start` on, the host's first [cm].
+    """Return the rectangles of every room of a bay that stands along `edge` from `start` on, the main room's first [cm].
 
     Each form is written down in the bay's own frame: the first coordinate runs along the front, the second away from the
     corridor; `_placed` moves the rectangles to the plan.

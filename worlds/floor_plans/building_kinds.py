@@ -11,24 +11,26 @@ class BuildingKind:
     """A family of buildings, such as homes or schools."""
 
     rooms: tuple[int, int]
-    """Range of the number of rooms if the caller gives none; corridors, halls and stairs are not counted."""
+    """Range from which the number of rooms is drawn if the caller gives no number; corridors, halls and stairs are not
+    counted."""
     storeys: tuple[int, ...]
-    """Numbers of storeys to draw from if the caller gives none."""
+    """Numbers of storeys from which one is drawn if the caller gives no number."""
     first: tuple[str, ...]
-    """Labels of the rooms that every building gets, the most important first. A small building gets only the first
-    labels."""
+    """Labels of the rooms that a building gets before any others, the most important first. A building with few rooms gets
+    only the beginning of this list."""
     more: tuple[str, ...]
     """Labels from which further rooms are drawn."""
     style: PlanStyle
     habits: LayoutShares
     halls: tuple[str | None, ...] = (None,)
-    """Labels to draw from for an entrance hall at the start of the ground storey's corridor; None: no hall."""
+    """Labels from which one is drawn for the hall at the start of the ground storey's corridor; None: no hall."""
     upstairs: tuple[str, ...] = ()
     """Labels of rooms that belong on upper storeys."""
     repeats: float = 0.0
     """Share of buildings whose upper storeys are all equal."""
     flat: tuple[int, int] | None = None
-    """Range of the number of rooms per storey in buildings of several storeys, if the caller gives no number of rooms."""
+    """Range from which the number of rooms per storey is drawn in buildings of several storeys, if the caller gives no
+    number of rooms; None: `rooms` is used for these buildings, too."""
     shuffled: int = 0
     """Greatest number of places by which a room may move when the order of `first` is shuffled."""
 

@@ -31,22 +31,24 @@ class PlanStyle:
     """Dimensions of a kind of building; (low, high) pairs are ranges to draw from."""
 
     spine_m: tuple[float, float] = (1.4, 2.0)
-    """Width of the spine [m]."""
+    """Width of the spine (the corridor) [m]."""
     depth_m: tuple[float, float] = (3.7, 4.6)
-    """Depth of a band, across the spine [m]."""
+    """Depth of a band (a row of rooms along the spine), across the spine [m]."""
     heights_m: tuple[float, ...] = (2.6,)
     """Heights of the ceiling above the floor from which one is drawn [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """Kinds of stairs to draw from. None means U-shaped stairs at the spine's end; all others stand in the north band."""
+    """Kinds of stairs from which one is drawn. The kind None is U-shaped stairs at the end of the spine (the corridor);
+    stairs of all other kinds stand on the north side of the spine."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """Range from which a limit is drawn for the length of all rooms side by side; shorter rows stand on one side of the
-    spine (the corridor) only [m]."""
+    """Range from which a limit is drawn [m]. If each storey's rooms, put side by side, are shorter than this limit, all
+    rooms stand on one side of the spine (the corridor)."""
     winged_m: float = 26.0
-    """Least length of all rooms side by side in a plan with a second wing [m]."""
+    """Total length of a storey's rooms, put side by side, from which a plan may get a second wing [m]."""
     wings: float = 0.7
-    """Share of the plans of `winged_m` to 40 m that have a second wing; longer plans always have one."""
+    """Share of plans with a second wing if the rooms of the largest storey, put side by side, are `winged_m` to 40 m long;
+    if they are longer, the plan always has one."""
     spine_m2: float = 0.0
-    """Least area of the spine, for plans in which the spine is a living room [m²]."""
+    """Least area of the spine, for plans in which a living room takes the place of the corridor [m²]."""
     wrapped: float = 0.35
     """Share of plans in which the last room south of the spine (the corridor), if suitable, bends round the spine's end."""
 

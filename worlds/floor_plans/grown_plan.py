@@ -27,21 +27,22 @@ Start = Literal["beside", "row", "storey"]
 Shape = Literal["rectangle", "L", "T"]
 DoorState = Literal["no leaf", "open", "ajar", "closed"]
 MIN_SIZE_DM = 20
-"""Least width and depth of a room; also the width of the stairs' cell [dm]."""
+"""Least width and depth of a room, and the width of the stairs' room on each storey [dm]."""
 MIN_WIDTH_DM, MAX_DOOR_DM = 8, 10
 """Least width of any opening that one can walk through, and greatest width of a door or arch [dm]."""
 _MIN_CONTACT_DM = 7
-"""Least length of wall that two touching rooms share [dm]; without that wall, a body can walk through."""
+"""Least length of the wall between two rooms that touch [dm]; where a wall of this length is removed, a body can pass."""
 _MIN_GAP_DM = 4
 """Least difference between the depths of a row and of a room in the row [dm]; closer depths are made equal."""
 _MIN_STEM_DM = 12
 """Least length of a wall that has room for a door [dm]."""
 _ROW_DM, _STACK_DM = 240, 360
-"""Least width of a row that gets no more rooms, and least depth of a stack of rows that gets no more rows [dm]."""
+"""Width of a row from which the next room starts a new row, and depth of a storey from which requests for a new row are
+ignored [dm]."""
 _MARGIN_DM = 2
 """Distance of an opening from the ends of its wall [dm]."""
 _STAIRS_DM = 34
-"""Length of the stairs' cell [dm]."""
+"""Length of the stairs' room on each storey [dm]."""
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
 Box = tuple[int, int, int, int]
 """A rectangle of the plan: x0, y0, x1, y1 [dm]."""
@@ -67,7 +68,7 @@ class OpeningRequest:
 
 @dataclass(frozen=True)
 class RoomRequest:
-    """A request for a room."""
+    """A request for a room: its label, size, place and openings."""
 
     label: str
     width_dm: int = MIN_SIZE_DM
@@ -82,7 +83,7 @@ class RoomRequest:
     """Opening to an earlier room, in the west or in the row below; if nobody can walk through the opening, a door is added
     beside it."""
     other: OpeningRequest = OpeningRequest(None)
-    """Opening to the other of these two neighbours, if both exist."""
+    """Opening to the second neighbour, if rooms exist both in the west and in the row below; `way_in` leads to the first."""
     from_south: bool = False
     """Whether `way_in` leads to the row below and not to the room in the west, if both exist."""
 
@@ -127,7 +128,7 @@ class _Placed:
 
     @property
     def notch(self) -> tuple[int, int]:
-        """Width and depth of the notches, a third of the box each [dm]."""
+        """Width and depth of a notch: a third of the box's width and a third of its depth [dm]."""
         x0, y0, x1, y1 = self.box
         return (x1 - x0) // 3, (y1 - y0) // 3
 
@@ -168,7 +169,7 @@ class _Contact:
     """A stretch of wall between a room and a room that was placed before it, and the opening requested there."""
 
     rooms: tuple[_Placed, _Placed]
-    """The older room and the younger one."""
+    """The two rooms; the first one was requested earlier."""
     along_x: bool
     """Whether the wall runs along x; otherwise along y."""
     at: int
@@ -196,7 +197,7 @@ class _Plan:
 
     @staticmethod
     def of(requests: Sequence[RoomRequest], first_number: int, bears: tuple[int, int]) -> "_Plan":
-        """The plan of a storey below a storey of width and depth `bears` [dm]; (0, 0): this is the top storey.
+        """Plan a storey. `bears` is the width and depth of the storey above it [dm]; (0, 0): this is the top storey.
 
         Rooms are numbered from `first_number` on. The last room of each row and the last row are enlarged until they reach
         as far as the storey above.
@@ -225,10 +226,10 @@ class _Plan:
         return max(room.box[2] for room in self.rooms), max(room.box[3] for room in self.rooms)
 
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
-        """The storey as a spec; `more` are further fields of it.
+        """Return the storey as a spec; `more` are further fields of the spec.
 
-        With `min_openness`, the stretches are treated in order. Each may stay closed as long as the total closed length
-        allows it; then whole stretches are opened.
+        With `min_openness` > 0, the stretches of inner wall are treated in order. A stretch whose closed part would make the
+        total closed length too large is opened along its whole length; the others get the openings requested for them.
         """
         rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []

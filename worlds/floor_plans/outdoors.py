@@ -32,11 +32,11 @@ def add_outdoors(
 
     1. Collect the bays whose outer wall faces the outside. In a plan with a second wing these are the bays in the south and
        along that wing: the north bands lie in the corners between the wings.
-    2. The balcony goes behind the bay whose room suits best (a living room first), on the south side only if no garden
-       needs it. It is centred on the bay and at most 5 m wide.
-    3. The garden takes the whole south side. If the balcony is there too, it gets a part of the first bay's width, and the
-       garden starts where it ends.
-    4. The garden's link goes to a living room, dining room or kitchen if one is in the south, otherwise to any bay there.
+    2. The balcony goes behind the bay whose room suits best (a living room first); if there is a garden, bays in the south
+       come last. The balcony is centred on the bay and at most 5 m wide.
+    3. The garden takes the whole south side. If the balcony has to be there too, the balcony gets a part of the first bay's
+       width, and the garden starts where the balcony ends.
+    4. The garden's link goes to a living room, dining room or kitchen if one is in the south, otherwise to any room there.
     """
     depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
@@ -59,8 +59,8 @@ def add_outdoors(
         south = [(p, host) for p, host in backs if p.band == "south"]
         end = max(p.start + p.width + p.wrap for p, _ in south)
         garden = draft.add("garden", [edge.rect(first, depth, end, depth + int(rng.integers(360, 461)))])
-        south.sort(key=lambda pair: _balcony_rank(pair, False))
-        best = [host for p, host in south if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in south]
+        ranked = sorted(south, key=lambda pair: _balcony_rank(pair, False))
+        best = [host for p, host in ranked if p.bay.labels[0] in _LEADING_OUTSIDE[:3]] or [host for _, host in ranked]
         draft.link(_way_out(draft, garden, best[int(rng.integers(len(best)))]), garden, "cased")
 
 

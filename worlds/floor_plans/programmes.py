@@ -40,7 +40,7 @@ _SEEDS = 2**31
 _MOST_TWINS_IN_RUN = 4
 """Greatest number of twins (equal bays) that stand side by side."""
 _OTHER_SEED = 1009
-"""Number added to a seed to get another seed."""
+"""Number that is added to a seed to derive a different seed."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Bay:
     """A slice of a band: a host and the small rooms carved from it."""
 
     labels: tuple[str, ...]
-    """Labels of the rooms, the host's first."""
+    """Labels of the rooms in the bay: first the main room (the host), then the small rooms."""
     areas: tuple[float, ...]
     """Area drawn for each room [m²]."""
     form: Form = "plain"
@@ -56,19 +56,19 @@ class Bay:
     flipped: bool = False
     """Whether the form is mirrored along the band."""
     entry: OpeningKind = "door"
-    """Kind of the opening between the host and the spine."""
+    """Kind of the opening between the main room (the host) and the spine (the corridor)."""
     twin: int | None = None
     """Bays with the same twin number get exactly the same shape; None: the bay has no twin."""
     seed: int | None = None
-    """Seed of the host's furniture and finishes; the small rooms have the next numbers. None: the house's seed decides."""
+    """Seed of the host's furniture and finishes; the small rooms use the next numbers. None: the house's seed decides."""
 
     def apart(self, steps: int) -> "Bay":
-        """The same bay with other seed and twin numbers, so that it is no twin of this one; itself for 0 steps."""
+        """Return the bay with another seed and twin number, so that it is no twin of this bay; 0 `steps` change nothing."""
         twin, seed = (None if value is None else value + _OTHER_SEED * steps for value in (self.twin, self.seed))
         return replace(self, twin=twin, seed=seed)
 
     def with_front(self) -> "Bay":
-        """The bay with the whole front left to the host: small rooms are carved from its back instead."""
+        """Return the bay with its small rooms carved from the back, so that the main room (the host) has the whole front."""
         return self if self.form == "plain" else replace(self, form="inner", flipped=True)
 
 
@@ -93,7 +93,7 @@ class StoreyProgramme:
     garden: bool = False
     balcony: bool = False
     seed: int | None = None
-    """Seed of the spine, so that it looks the same on all storeys that repeat; None: the house's seed decides."""
+    """Seed of the spine's furniture and finishes; storeys with equal plans share it. None: the house's seed decides."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class LayoutShares:
     open_plan: float = 0.0
     """Share of storeys whose kitchen, dining room and living room have no walls between them."""
     twins: float = 0.0
-    """Share of the rooms with the same label that get the same shape."""
+    """Share of rooms that get exactly the same shape as the first room with their label."""
 
 
 def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayRun, ...]:
@@ -112,8 +112,8 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
     1. A kitchen, a dining room and a living room become one run, because people build them side by side.
     2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own; some of
        those with the same label become twins.
-    3. Every small room is carved from a host that is large enough, since on their own they would be deep and narrow slices
-       of a band.
+    3. Every small room is carved from a host that is large enough, since on its own it would be a deep and narrow slice of
+       a band.
     4. Twins are put into runs, because only in one band do they get the same shape. All other bays are runs of one.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
@@ -131,7 +131,7 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
 
 
 def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """The same runs with a seed for every bay: storeys that share these runs have equal rooms, furniture included."""
+    """Return the runs with a seed for every bay, so that storeys with the same runs have equal rooms, furniture included."""
     return tuple(
         replace(run, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in run.bays))
         for run in runs

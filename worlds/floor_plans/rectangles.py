@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 Rect = tuple[int, int, int, int]
-"""x0, y0, x1, y1 [cm]"""
+"""A rectangle of the plan, as x0, y0, x1, y1 [cm]."""
 Corner = tuple[int, int]
 
 
@@ -27,12 +27,12 @@ class Edge:
     """Unit vector of v in the plan."""
 
     def rect(self, u0: int, v0: int, u1: int, v1: int) -> Rect:
-        """A rectangle with opposite corners (u0, v0) and (u1, v1) [cm], in the plan's coordinates."""
+        """Convert the rectangle with opposite corners (u0, v0) and (u1, v1) [cm] to the plan's coordinates."""
         (ax, ay), (bx, by) = self.point(u0, v0), self.point(u1, v1)
         return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
     def point(self, u: int, v: int) -> Corner:
-        """The point (u, v) [cm], in the plan's coordinates."""
+        """Convert the point (u, v) [cm] to the plan's coordinates."""
         return self.x + u * self.along[0] + v * self.out[0], self.y + u * self.along[1] + v * self.out[1]
 
 
@@ -45,18 +45,18 @@ class SquareSymmetry:
     flip_y: bool
 
     def point(self, p: Corner) -> Corner:
-        """The image of a point."""
+        """Apply the symmetry to a point."""
         x, y = (p[1], p[0]) if self.swap else p
         return (-x if self.flip_x else x), (-y if self.flip_y else y)
 
     def rect(self, r: Rect) -> Rect:
-        """The image of a rectangle."""
+        """Apply the symmetry to a rectangle."""
         (xa, ya), (xb, yb) = self.point(r[:2]), self.point(r[2:])
         return min(xa, xb), min(ya, yb), max(xa, xb), max(ya, yb)
 
 
 def metres(p: Corner) -> tuple[float, float]:
-    """A point of the centimetre grid, in metres."""
+    """Convert a point from centimetres to metres."""
     return p[0] / 100, p[1] / 100
 
 

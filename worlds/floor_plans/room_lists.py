@@ -57,9 +57,10 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
 
     `labels` has at least as many indoor rooms as there are storeys, and at most as many balconies.
 
-    1. Rooms in `_BELOW` go to the ground storey. Every other room goes to the storey with the least area so far; the ground
-       storey counts as 10 m² smaller than it is, because it has to bear the others. Rooms in `upstairs` go above it. Small
-       rooms come late, to even out the areas.
+    1. Labels in `_BELOW` go to the ground storey, labels in `upstairs` to the upper storey that has the least area so far,
+       and all others to the storey with the least area, be it the ground storey or another. In this comparison the ground
+       storey counts as 10 m² smaller than it is, because it has to bear the others. Small rooms come late, to even out the
+       areas.
     2. Empty storeys take a room from the storey with most rooms.
     3. The storeys are sorted by area, since every storey stands on the one below. `_settle` then makes sure that no upper
        storey is much larger than the ground storey.

@@ -1,4 +1,4 @@
-"""Room sizes by label, and from which rooms small ones are carved."""
+"""Sizes of rooms by label, and the rooms from which small rooms are preferably carved."""
 
 from dataclasses import dataclass
 

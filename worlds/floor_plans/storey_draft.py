@@ -28,18 +28,19 @@ _LEAST_SHARED_WALL = 100
 
 @dataclass(frozen=True)
 class PlacedBay:
-    """A bay (a host and the rooms carved from it) with its position in a band."""
+    """A bay (a main room and the small rooms carved from it) with its position in a band (a row of rooms)."""
 
     band: Band
     bay: Bay
     start: int
-    """Distance from the start of the band [cm]."""
+    """Distance between the start of the band (the row of rooms) and the bay [cm]."""
     width: int
-    """Length along the band [cm]."""
+    """Length of the bay along the band (the row of rooms) [cm]."""
     joint: BayRun | None
-    """The run that this bay shares with the bay before it; None: this bay starts a run."""
+    """The run (group of bays side by side) that this bay and the bay before it belong to; None: this bay starts a run."""
     wrap: int = 0
-    """Length beyond the spine's end of the bay's host, which bends round this end [cm]; 0: no bend."""
+    """Length of the part of the main room that lies beyond the end of the spine (the corridor), where the room bends round
+    that end [cm]; 0: the room does not bend."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,13 @@ class StoreyDraft:
         return len(self.rooms) - 1
 
     def link(self, a: int, b: int, kind: OpeningKind = "door", seed: int | None = None) -> None:
-        """Ask for an opening between two rooms."""
+        """Request an opening between two rooms, which are given by their numbers."""
         self.links.append((a, b, kind, seed))
 
     def nearest(self, room: int, others: Sequence[int]) -> int:
         """The room among `others` that shares the longest piece of wall with `room`.
 
-        Raises `WorldsError` if that is too short for a door.
+        Raises `WorldsError` if even this piece is too short for a door.
         """
         shared = [contact(self.rooms[room].rects, self.rooms[k].rects) for k in others]
         if max(shared, default=0) < _LEAST_SHARED_WALL:
@@ -108,7 +109,7 @@ def draft_storey(
 ) -> tuple[StoreyDraft, list[int]]:
     """Draw up all indoor rooms of a storey; also returns the number of every bay's host, in the order of `placed`.
 
-    1. The spine (corridor) comes first, because everything else gets its door there. It may be up to three rooms: an
+    1. The spine (corridor) comes first, because everything else gets its door there. It consists of up to three rooms: an
        entrance hall, the corridor, and the corridor of the second wing (a room of its own if `cross_apart`).
     2. The stairs follow, with openings to the spine at fixed positions: a flight must begin and end there on every storey.
     3. Each bay is cut into rooms. Its host is linked to the spine, its carved rooms to the host or the spine, and hosts of

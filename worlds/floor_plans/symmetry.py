@@ -10,7 +10,7 @@ from jaxtyping import Float
 from worlds.spec import FurnitureSpec, HouseSpec, OpeningSpec, Point, RoomSpec, StoreySpec, WindowSpec
 
 _DIGITS = 9
-"""Coordinates are rounded to the nanometre, so that a symmetry and its inverse lead back to the same numbers."""
+"""Decimal places to which coordinates in metres are rounded, so that a symmetry and its inverse restore the same numbers."""
 _TURNS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 _QUARTER = math.pi / 2
 _Gap = TypeVar("_Gap", OpeningSpec, WindowSpec)
@@ -25,7 +25,7 @@ class Symmetry:
     shift_m: Point = (0.0, 0.0)
 
     def point(self, point: Point) -> Point:
-        """The image of a point of the plan [m]."""
+        """Apply the symmetry to a point of the plan [m]."""
         x, y = (-point[0] if self.mirror else point[0]), point[1]
         cos, sin = _TURNS[self.quarter_turns % 4]
         # Adding zero turns -0.0 into 0.0, which is what files should contain.
@@ -35,7 +35,7 @@ class Symmetry:
         )
 
     def points(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """The images of points in W; heights stay [m]."""
+        """Apply the symmetry to points in W [m]; heights stay."""
         cos, sin = _TURNS[self.quarter_turns % 4]
         x, y = points[:, 0] * (-1.0 if self.mirror else 1.0), points[:, 1]
         return np.stack([cos * x - sin * y + self.shift_m[0], sin * x + cos * y + self.shift_m[1], points[:, 2]], axis=-1)

@@ -1,9 +1,10 @@
 """Wings: the corridors of a building, the bands of rooms along them, and the stairs; the same on all storeys.
 
 A wing is a corridor, called its spine, with rows of rooms along it, called bands. The spine of the main wing runs east from
-the origin. That of a second wing, if there is one, leaves it northwards; the passage is the part of it that goes through the
-north band. Stairs stand in the north band, which they interrupt, or at the east end of the main spine. What all storeys
-share is called the shell; all lengths are in whole centimetres. The drawing has x to the right (east) and y up (north):
+the origin. The spine of a second wing, if there is one, leaves the main spine northwards; the passage is its part inside
+the north band. Stairs stand in the north band, which they interrupt, or at the east end of the main spine. The parts that
+all storeys share are called the shell; all lengths are in whole centimetres. The drawing has x to the right (east) and y up
+(north):
 
                        west  |  |  east
     +---------+--------+-----+  +----+---------+
@@ -75,7 +76,7 @@ class StairsBay:
 
     @property
     def front(self) -> int:
-        """Length of the band that the stairs take, with their arms [cm]."""
+        """Length that the stairs, with their arms, take up along the band [cm]."""
         if self.kind == "straight":
             return self.length + 2 * _ARM
         return self.width + (_ARM if self.kind == "L" else 0)
@@ -128,7 +129,7 @@ class StairsBay:
 
 
 def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, flipped: bool = False) -> StairsBay:
-    """Comfortable stairs of a kind that rise `rise_m` from floor to floor [m].
+    """Compute the space that comfortable stairs of a kind take if they rise `rise_m` from floor to floor [m].
 
     `width_m` is the width of the cell [m]; only U-shaped stairs use it.
     """
@@ -158,7 +159,7 @@ class Shell:
 
     @property
     def passage_start(self) -> int:
-        """The x at which the passage begins, in which the second wing's spine goes through the north band [cm]."""
+        """The x at which the passage of the second wing's spine through the north band begins [cm]."""
         in_band = self.stairs.front if self.stairs and not self.at_end else 0
         return self.stairs_start + in_band + self.lengths["north 1"]
 
@@ -166,7 +167,8 @@ class Shell:
     def length(self) -> int:
         """Length of the main spine, without stairs at its end [cm].
 
-        It is as long as the bands along it. Stairs at its end take their length from it, but never the passage.
+        The spine is as long as the bands along it. If stairs stand at its end, their length is subtracted, but the spine
+        keeps at least the length `_SHORTEST` and the whole passage.
         """
         passage_end = self.passage_start + self.depths.cross
         total = max(self.lengths["south"], passage_end + self.lengths["north 2"])
@@ -177,7 +179,7 @@ class Shell:
     def flush(self) -> "Shell":
         """The shell without small steps in its outline.
 
-        Where two bands on both sides of a spine end less than `_LEAST_STEP` apart, the shorter one becomes as long.
+        Where the bands on both sides of a spine end less than `_LEAST_STEP` apart, the shorter one is lengthened to match.
         """
         n = dict(self.lengths)
         step = n["south"] - (self.passage_start + self.depths.cross + n["north 2"])
@@ -191,7 +193,7 @@ class Shell:
         return replace(self, lengths=n)
 
     def reach(self, band: Band, length: int) -> int:
-        """The x of the east end of a band with that length [cm]; 0 for the bands along the second wing."""
+        """The x of the east end of a band if its length is `length` [cm]; 0 for the bands along the second wing."""
         if band in ("west", "east"):
             return 0
         return self.edge(band).x + length
@@ -235,13 +237,14 @@ class Shell:
 def distribute(
     runs: Sequence[BayRun], room: dict[Band, int], depths: Depths, kept: dict[int, Band]
 ) -> dict[Band, list[BayRun]]:
-    """Choose a band for every run.
+    """Choose a band (a row of rooms along a corridor) for every run (a group of bays that stay side by side).
 
-    `room` has the planned length of every band [cm]; `kept` gives the band of some runs, by their index.
+    `room` has the planned length of every band [cm]; `kept` gives the bands that are already decided, by the index of
+    the run.
 
-    The longest runs come first, because they are the hardest to fit. Each goes to the band with most length left. For this
-    comparison, a band's length left is reduced by twice the length that the run lacks there, and by twice the run's
-    `_misfit` in that band: a band that is too deep or too shallow for its rooms.
+    The longest runs come first, because they are the hardest to fit. Each run goes to the band with most length left
+    after two deductions: twice the length that is missing if the run is too long for the band, and twice the run's
+    `_misfit`, which is large if the band is too deep or too shallow for the run's rooms.
     """
     left = dict(room)
     bands: dict[Band, list[BayRun]] = {band: [] for band in room}

@@ -12,8 +12,8 @@ To add a kind, write one function in the module of its theme (or a new module, n
             ball(about(0.0, 0.28), (s.front - 0.02, s.front), about(s.height - 0.25, 0.28), WHITE),
         )
 
-`rooms` says how many: 0.2 is an expected number, (1, 2) what the room always has, `PerClutter(0.5)` what only clutter
-brings. The rest (placement, truth, rendering, tests) follows from the catalogue.
+`rooms` says how many pieces a room has: 0.2 is an expected number, (1, 2) is a range for rooms that always have some, and
+`PerClutter(0.5)` is for pieces that only cluttered rooms have. Placement, truth, rendering and tests use the catalogue.
 """
 
 import lazy_loader

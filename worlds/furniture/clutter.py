@@ -1,4 +1,4 @@
-"""Things that pile up in cluttered rooms. They appear only at a `clutter` above 1, the value of a usual home."""
+"""Things that pile up in cluttered rooms. They appear only if `clutter` is above 1, its value in a usual home."""
 
 from numpy.random import Generator
 

@@ -11,29 +11,29 @@ from worlds.labels import ROOM_LABELS
 from worlds.parts import Part
 
 Range = tuple[float, float]
-"""Lowest and highest value of a range."""
+"""A range of values, from the lowest to the highest."""
 Parts = tuple[Part, ...]
 
 
 @dataclass(frozen=True)
 class PerClutter:
-    """A count for pieces that only cluttered rooms have."""
+    """The number of pieces of a kind that only cluttered rooms have."""
 
     per_clutter: float
     """Expected number of pieces per unit of clutter above 1.
 
-    For pieces on the floor it applies to a room of 12 m² and grows with the area. For pieces on top of a host it applies to
-    each host.
+    For pieces on the floor, this is the number in a room of 12 m²; it grows with the area of the room. For pieces on top of
+    another piece (the host), it is the number on each host.
     """
 
 
 Count = float | tuple[int, int] | PerClutter
-"""Number of pieces in a room: an expected number, an inclusive range that the room always has, or a number that grows with
-clutter."""
+"""Number of pieces in a room, declared as an expected number, as an inclusive range (least, most) that always holds, or as
+a number that grows with the clutter."""
 
 
 class Size(NamedTuple):
-    """The extents of a piece [m], and the intervals that they span in its frame.
+    """The extents of a piece [m], and the intervals that they span in the piece's frame.
 
     The origin of the frame is the centre of the footprint on the underside; x points along the width, y to the front, z up.
     """
@@ -83,7 +83,7 @@ class AgainstWall:
     """Placement of a piece on the floor, with its back to a wall."""
 
     beside: tuple[str, ...] = ()
-    """Kinds next to which the piece is preferably placed."""
+    """Kinds of furniture that the piece is preferably placed next to."""
     corner: bool = False
     """Whether the piece is preferably placed at the end of a wall."""
 
@@ -97,7 +97,7 @@ class OnFloor:
 
 @dataclass(frozen=True)
 class Around:
-    """Placement of a piece on the floor, facing a piece of one of the kinds in `hosts`; the count is per host."""
+    """Placement on the floor, facing another piece (the host) of a kind in `hosts`. `Kind.rooms` is the number per host."""
 
     hosts: tuple[str, ...]
     side: Literal["all", "front"] = "all"
@@ -108,7 +108,7 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placement of an object on top of a piece of one of the kinds in `hosts`; the count is per host."""
+    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` is the number per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
@@ -120,7 +120,7 @@ class OnWall:
 
     height_m: Range = (1.25, 1.6)
     above: tuple[str, ...] = ()
-    """Kinds above which the piece hangs, one per host; if empty, it hangs on a free stretch of wall."""
+    """Kinds of furniture (the hosts) that the piece hangs above; if empty, the piece hangs on a free stretch of wall."""
 
 
 @dataclass(frozen=True)

@@ -59,9 +59,10 @@ def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = 
 def fronts(
     x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood"
 ) -> Parts:
-    """A grid of doors or drawers on a face that looks towards +y at y = `at`; each is 2 cm thick and has a handle.
+    """A grid of fronts, 2 cm thick with a handle, on a face that looks towards +y at y = `at`.
 
-    Tall ones get an upright handle at their right edge (doors), wide ones a level handle at the top (drawers).
+    Fronts that are higher than wide are doors, with an upright handle at the right edge. All others are drawers, with a
+    level handle at the top.
     """
     parts: list[Part] = []
     for span in split(inset(x, 0.01), columns, 0.012):

@@ -1,17 +1,17 @@
 """Choice of how door leaves hang: at which end of the opening, and into which room they swing.
 
 A leaf must swing freely: its swing area, the rectangle around the sector that it sweeps, overlaps no wall, obstacle or other
-leaf's swing area. As it stands, open, it must not block another opening. `hang_leaf` tries the four possible ways.
+leaf's swing area. At the angle at which it stands, the leaf must not block another opening. `hang_leaf` tries the four
+possible ways to hang it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
 from worlds.labels import OUTDOOR_LABELS, STAIRS
-from worlds.openings.opening_draft import LeafDraft, OpeningDraft, Rectangle
+from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft, Rectangle
 from worlds.spec import RoomSpec
 
-LEAF_THICKNESS_M = 0.04
 _WALL_M = 0.051
 """Distance from a wall's centre line to just outside its face: half the thickness and 1 mm [m]."""
 _FRONT_M = 0.6
@@ -34,10 +34,11 @@ def hang_leaf(
 ) -> LeafDraft | None:
     """Choose the leaf of a doorway; None where a leaf cannot swing freely.
 
-    The four ways to hang it are tried, and the first in which it swings freely is taken:
+    There are four ways to hang a leaf. The first in which it swings freely is taken; they are tried in this order:
 
-    1. First into the room that is no corridor, so that the leaf does not stand in people's way (never into stairs).
-    2. For each room, first with the hinge at the end nearer to a corner, so that the open leaf stands against a wall.
+    1. The leaf may swing into either room, but never into stairs. A corridor is tried after another indoor room, so that the
+       leaf does not stand in people's way.
+    2. For either room, the hinge is tried first at the end nearer to a corner, so that the open leaf stands against a wall.
 
     A quarter of the leaves stand ajar; the others are open to a right angle or further, as far as the wall behind them
     allows. `gaps` are all openings of the storey, with the leaves that were hung before. `draws` are two numbers in [0, 1)
@@ -100,8 +101,8 @@ def _largest_angle(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
 def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
     """The swing area: the rectangle around the sector that the leaf sweeps from closed to its angle [m].
 
-    Leaves that are less far open are treated as open to a right angle, because people open them further. The rectangle
-    begins outside the face of the door's own wall.
+    A leaf that stands less than a right angle open is treated as open to a right angle, because people open it further. The
+    rectangle begins outside the face of the door's own wall.
     """
     behind = max(0.0, -math.cos(leaf.angle)) * door.width + LEAF_THICKNESS_M / 2
     return _box(door, leaf, -behind, door.width, door.width)
@@ -124,8 +125,8 @@ def _box(door: OpeningDraft, leaf: LeafDraft, start: float, stop: float, depth: 
 def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool:
     """Whether the door's leaf is in the way of another opening.
 
-    If both have leaves that swing into the same room, that is so if their swing areas overlap; otherwise, if the leaf stands
-    within `depth_m` [m] in front of the opening.
+    If the other opening has a leaf that swings into the same room, the door's leaf is in the way if the two swing areas
+    overlap; otherwise, if it stands within `depth_m` [m] in front of the other opening.
     """
     if door.leaf is None or door.leaf.into not in other.rooms or other is door:
         return False

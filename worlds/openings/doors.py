@@ -8,16 +8,16 @@ from functools import cached_property
 import numpy as np
 from shapely.geometry import Polygon
 
+from worlds.openings.opening_draft import LEAF_THICKNESS_M
 from worlds.parts import Colour, Part, Vector
 from worlds.placed import Placed
 from worlds.spec import LeafSpec, OpeningSpec
 from worlds.walls import Boundary
 
-LEAF_THICKNESS_M = 0.04
 _GAP_M = 0.01
 """Gap between the leaf and the lintel above it [m]."""
 _ARC_STEPS = 8
-"""Straight pieces that stand for the arc of a leaf's tip."""
+"""Number of straight pieces that approximate the arc of a leaf's tip."""
 _STEEL: Colour = (0.72, 0.72, 0.74)
 _PAINTS: tuple[tuple[Colour, str], ...] = (
     ((0.93, 0.92, 0.89), "plain"),
@@ -35,7 +35,7 @@ class DoorLeaf(Placed):
     id: str
     storey: int
     opening: int
-    """Index among the storey's openings."""
+    """Index of the door's opening in the list of the storey's openings."""
     into: str
     """Id of the room that the leaf swings into."""
     hinge: tuple[float, float]

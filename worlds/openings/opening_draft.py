@@ -12,7 +12,9 @@ from worlds.spec import LeafSpec, OpeningKind, OpeningSpec, RoomSpec
 from worlds.walls import Boundary, opening_span
 
 Rectangle = tuple[float, float, float, float]
-"""x0, y0, x1, y1 [m]."""
+"""A rectangle of the plan, as x0, y0, x1, y1 [m]."""
+LEAF_THICKNESS_M = 0.04
+"""Thickness of door leaves [m]."""
 _TOLERANCE_M = 1e-6
 
 
@@ -43,9 +45,9 @@ class OpeningDraft:
     at: float
     """Coordinate of the wall's centre line across the axis [m]."""
     low: float
-    """Lower end along the axis [m]."""
+    """Lower end of the opening along the wall's axis [m]."""
     high: float
-    """Upper end along the axis [m]."""
+    """Upper end of the opening along the wall's axis [m]."""
     height: float = 2.05
     """Height of the upper end above the floor [m]."""
     sill: float = 1.0
@@ -54,7 +56,7 @@ class OpeningDraft:
 
     @property
     def width(self) -> float:
-        """Clear width [m]."""
+        """Clear width of the opening [m]."""
         return self.high - self.low
 
     @property

@@ -1,7 +1,8 @@
 """Forms in which a partition (the wall between two rooms) can be opened by a given area.
 
-A form takes a task, a partition and an area to open, and returns openings: a part of the wall removed, an arch, a half wall,
-or a hatch (an opening above a sill) beside the door. Each form covers only some range of areas, so `open_by` tries several.
+A form is a function that takes a `Task` (a partition and the area to open) and returns openings: a removed part of the wall,
+an arch, a half wall, or a hatch (an opening above a sill) beside the door. Each form covers only some range of areas, so
+`open_by` tries several.
 """
 
 import math
@@ -24,7 +25,7 @@ _MAX_FRAMED_M = 2.6
 _HATCH_CORNER_M = 0.05
 """Distance of a hatch from the ends of its wall [m]."""
 _DOOR_CORNER_M = 0.1
-"""Distance of a door from a corner to which it is moved to make space for a hatch [m]; its leaf clears the wall there."""
+"""Distance between a corner and a door that is moved there to make space for a hatch [m]; the leaf then clears the wall."""
 _LOW_SILL_M = 0.3
 """Height of the sill of a low hatch [m], which opens more of the wall than a usual hatch."""
 _EXACT_M2 = 0.03
@@ -86,10 +87,10 @@ def fully_open(task: Task) -> Gaps:
 
 
 def closed(task: Task) -> Gaps:
-    """Close the partition: keep a door if one could walk through before, so that rooms stay connected; else no opening.
+    """Close the partition, but leave a door if one could walk through before, so that the rooms stay connected.
 
-    Existing doors stay. Otherwise a door is placed in the longest free span, if possible not where furniture stands; if no
-    span is long enough, the door takes the place of the widest opening.
+    Existing doors stay. If there are none, a door is placed in the longest free span, if possible not where furniture
+    stands; if no span is long enough, the door takes the place of the widest opening that one could walk through.
     """
     doors = tuple(gap for gap in task.old if gap.kind == "door")
     ways = [gap for gap in task.old if gap.kind in PASSABLE]
@@ -202,6 +203,7 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
     "narrow": _hatch("counter", 1.0, narrow_door=True),
     "narrow and low": _hatch("half wall", _LOW_SILL_M, narrow_door=True),
 }
-"""All forms by name, what people build most often first."""
+"""All forms of opening a partition, by name; the forms that people build most often come first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Forms from which a partition's style is drawn, each with the usual range of the share of the partition's area it opens."""
+"""Forms from which the style of a partition is drawn, each with the range (low, high) of the share of the partition's area
+that it usually opens."""

@@ -31,11 +31,11 @@ Labels that are not named are in tier 2.
 TOLERANCE = 0.05
 """Greatest difference between the openness that is reached and the target."""
 _NEAR = 0.004
-"""Greatest difference from the target at which no opening is adjusted any further."""
+"""Openings are not adjusted any further once the openness differs from the target by at most this value."""
 _FRONT_M = 0.6
 """Depth of the area in front of a wall in which furniture counts as standing at the wall [m]."""
 _NARROW_M = 1.3
-"""Width of an opening below which no leaf may stand in front of it [m]."""
+"""Width of an opening [m]; no leaf may stand in front of openings narrower than this."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class _PartPlan:
 
     part: Partition
     gaps: Gaps
-    """The openings as planned now."""
+    """The openings in the partition as planned so far."""
     old: Gaps
-    """The openings that the house has."""
+    """The openings in the partition before any change."""
     order: tuple[int, float]
     """Sort key: the tier (see `_TIERS`) of the more private of the two rooms, then a random number."""
     style: str
@@ -54,7 +54,7 @@ class _PartPlan:
     share: float
     """Share of the partition's area that its style opens."""
     draws: tuple[float, float, float]
-    """Numbers in [0, 1): position of openings, whether a leaf is ajar, angle of the leaf."""
+    """Numbers in [0, 1) that decide the position of openings, whether a leaf stands ajar, and the angle of the leaf."""
     blocked: Gaps
     """Stretches of wall with furniture in front of them."""
 
@@ -99,8 +99,8 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
     3. Openings cannot have just any area, so a difference may be left. `_correct` lets other partitions make up for it.
     4. The storeys whose openings changed are rebuilt, with leaves in the new doors.
 
-    Raises `WorldsError` for a target outside of [0, 1], and if the inner walls are too short (less than 1.5 m in total) to
-    reach it.
+    Raises `WorldsError` for a target outside of [0, 1], and for a target that cannot be reached because the inner walls are
+    too short (less than 1.5 m in total).
     """
     if not 0.0 <= target <= 1.0:
         raise WorldsError(f"openness is {target}; valid: 0 (all rooms behind doors) to 1 (no inner walls)")

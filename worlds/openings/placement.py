@@ -39,8 +39,8 @@ Span = tuple[Boundary, float, float]
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
     """All openings of a storey: first the openings given by the layout, then the openings of its links, in order.
 
-    1. Every link gets its own random numbers, all drawn first, so that how many of them one link uses does not change the
-       others. The links of twin rooms draw them from a seed that they share.
+    1. Each link gets `_DRAWS` random numbers, all drawn in advance, so that no link changes the numbers of another. Links of
+       twin rooms share a seed, so they get the same numbers.
     2. Openings that one can walk through are placed first, because they must fit; half walls and counters take what is left.
        Openings lie on the centimetre grid, clear of corners and of each other. A wall too short for the requested kind gets
        a door.
@@ -139,7 +139,7 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
 def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
     """An opening from `low` to `high` along the wall of a span [m], with the usual height of its kind.
 
-    It stays at least 5 cm below the ceiling, which is `storey_m` above the floor [m].
+    Its upper end stays at least 5 cm below the ceiling, which is `storey_m` above the floor [m].
     """
     wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)

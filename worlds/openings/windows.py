@@ -38,9 +38,9 @@ class _WindowStyle:
     count: Range
     """Range from which the expected number of windows is drawn."""
     width: Range
-    """Range of the width [m]."""
+    """Range from which the width of a window is drawn [m]."""
     sill: Range
-    """Range of the sill's height above the floor [m]."""
+    """Range from which the sill's height above the floor is drawn [m]."""
     height: Range
     """Range of the height from the sill to the upper edge [m]."""
 
@@ -75,7 +75,7 @@ class Window(Placed):
     start: tuple[float, float]
     """One end of the window on the wall's centre line [m]."""
     end: tuple[float, float]
-    """The other end [m]."""
+    """Other end of the window on the wall's centre line [m]."""
     position: Vector
     yaw: float
     size: Vector

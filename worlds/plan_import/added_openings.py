@@ -1,6 +1,7 @@
 """Adds the openings that an imported plan lacks.
 
-1. A flight of stairs without any drawn passage gets an opening at its foot and one at its head on every storey it joins.
+1. Stairs without any drawn passage get openings on every storey that they join: at the foot of the flight that begins
+   there, and at the head of the flight that ends there.
 2. Rooms that the drawn openings and the stairs do not connect get doors, until every room can be reached on foot.
 """
 
@@ -23,7 +24,7 @@ _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room"
 _SIDE_M = 0.05
 _FLIGHT_M = 0.9
 Side = tuple[int, bool]
-"""A side of a rectangle: the axis that it runs along, and whether it is the side with the larger cross coordinate."""
+"""A side of a rectangle: the axis that it runs along, and whether it has the larger coordinate on the other axis."""
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 

@@ -13,7 +13,7 @@ from worlds.walls import Boundary, boundaries, opening_span
 NEAR_M = 0.3
 """Largest distance from a stroke to the wall that it belongs to [m]."""
 _DOOR_M = 0.9
-"""Width of an opening whose stroke gives only its middle, or runs across its wall [m]."""
+"""Width of an opening if its stroke is only a point, or runs across the wall instead of along it [m]."""
 _OVERLAP_M = 0.1
 """Largest overlap of two openings that is taken for an imprecise drawing and removed [m]."""
 
@@ -23,9 +23,9 @@ def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec,
 
     Args:
         stroke: the stroke as drawn.
-        points: its points after the plan was turned and moved [m].
-        storey: the storey that it lies on.
-        ids: the ids of the rooms by their drawn names.
+        points: the points of the stroke after the plan was turned and moved [m].
+        storey: the storey that the stroke lies on.
+        ids: the ids of the rooms by the names in the drawing.
 
     Raises:
         SpecError: if no wall is near, or the wall is shorter than the stroke.
@@ -88,7 +88,7 @@ def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dic
 
 
 def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
-    """The same openings, but two that overlap by at most 0.1 m are shortened to meet in the middle of the overlap."""
+    """The openings, but two that overlap by at most 0.1 m are both cut, so that they meet in the middle of the overlap."""
     placed = list(openings)
     for i, j in combinations(range(len(placed)), 2):
         (axis, at, low, high), (*line, start, stop) = opening_span(placed[i]), opening_span(placed[j])

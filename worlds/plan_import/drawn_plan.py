@@ -18,7 +18,7 @@ from worlds.valid_names import did_you_mean
 MAX_STROKES = 3200
 MAX_STOREYS = 8
 _SURE = 0.8
-"""Least similarity at which a note suggests a known word. At a lower value, `half wall` would be suggested for `wall`."""
+"""Least similarity between a word and the known word that a note suggests. A lower value takes `wall` for `half wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
 _Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -45,7 +45,7 @@ class DrawnRoom:
     label: str
     storey: int
     corners: tuple[Point, ...]
-    """Corners in either order of rotation; the first is not repeated at the end [m]."""
+    """Corners, clockwise or counter-clockwise; the first corner is not repeated at the end [m]."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Stroke:
     points: tuple[Point, ...]
     """Both ends of the opening, or its middle alone [m]."""
     details: tuple[tuple[str, Any], ...] = ()
-    """Further fields of `OpeningSpec`. In `leaf`, rooms have their drawn names."""
+    """Further fields of `OpeningSpec`. The field `leaf` refers to rooms by their names in the drawing."""
 
 
 @dataclass(frozen=True)
@@ -75,13 +75,13 @@ class DrawnPlan:
 
     @property
     def doubt(self) -> str:
-        """The first note, as the end of an error message: something that was ignored may be what is missing."""
+        """The first note, to end an error message with: what was ignored may be what is missing. Empty without notes."""
         return f" (note: {self.notes[0]})" if self.notes else ""
 
 
 @lru_cache(maxsize=256)
 def normalised_name(text: str) -> str:
-    """A name in lower case, without underscores and the number at its end: "Office_2" becomes "office"."""
+    """A name in lower case, with spaces for underscores and without a number at its end: "Office_2" becomes "office"."""
     return re.sub(r"\s+", " ", re.sub(r"[ _.#-]*\d+$", "", text.strip().lower().replace("_", " "))).strip()
 
 
@@ -113,9 +113,9 @@ def kind_of(where: str, text: str) -> OpeningKind:
 
 
 def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str]) -> tuple[str, ...]:
-    """Notes on unknown words that resemble a `meaningful` one.
+    """Notes on unknown words in a file that resemble a word in `meaningful`.
 
-    `spoken` are pairs (place in the file, word); a word is reported once, at its first place.
+    `spoken` lists the unknown words as pairs (place in the file, word). Each word is reported once, at its first place.
     """
     places: dict[str, str] = {}
     for where, word in spoken:
@@ -127,12 +127,12 @@ def spelling_notes(spoken: Iterable[tuple[str, str]], meaningful: Iterable[str])
 
 
 def listed_some(things: Sequence[_Thing], shown: Callable[[_Thing], str] = str, most: int = 8) -> str:
-    """The first `most` things on one line, and how many more there are."""
+    """One line that lists the first `most` of the things and says how many more there are."""
     return "; ".join(map(shown, things[:most])) + (f"; and {len(things) - most} more" if len(things) > most else "")
 
 
 def storey_of(where: str, value: object) -> int:
-    """The number of a storey, 0 for the ground floor. Raises `SpecError` if `value` is not one."""
+    """The number of a storey, 0 for the ground floor. Raises `SpecError` if `value` is no such number."""
     text = str(value)
     if isinstance(value, bool) or not re.fullmatch(r"\d(\.0)?", text) or int(text[0]) >= MAX_STOREYS:
         raise SpecError(f"{where}: storey {text[:40]!r}; valid: 0 (the lowest) to {MAX_STOREYS - 1}")
@@ -140,7 +140,7 @@ def storey_of(where: str, value: object) -> int:
 
 
 def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
-    """A validated part of a spec. Raises `SpecError` with the place in the file and all mistakes."""
+    """Build a part of a spec from its fields. Raises `SpecError`, which names the place `where` and lists all mistakes."""
     try:
         return model.model_validate(fields, strict=True)
     except ValidationError as error:
@@ -151,7 +151,7 @@ def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:
-    """A drawing with a bounded number of rooms and openings. Raises `SpecError` if it has none or too many."""
+    """The plan with these rooms and strokes. Raises `SpecError` if there is no room, or too many rooms or strokes."""
     drawing = DrawnPlan(tuple(rooms), tuple(strokes), **more)
     if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
         raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}{drawing.doubt}")

@@ -8,8 +8,9 @@ Rooms are Polygons with a `label`. Openings are LineStrings (both ends) or Point
       {"type": "Feature", "properties": {"kind": "door"},
        "geometry": {"type": "LineString", "coordinates": [[4, 1], [4, 1.9]]}}]}
 
-A feature without `storey` is on the ground floor. Features with neither `label` nor `kind` are ignored, and so are other
-properties.
+An opening can also have the fields `height_m`, `sill_m`, `leaf` and `leads` of `OpeningSpec`. A list `storey_heights_m`
+beside `features` gives the heights of the storeys. A feature without `storey` is on the ground floor. Features with neither
+`label` nor `kind` are ignored, and so are all other properties.
 """
 
 import json
@@ -36,7 +37,7 @@ _PROPERTIES = ("label", "name", "storey", "kind", *_DETAILS)
 
 
 def read_geojson(text: str, metres_per_unit: float) -> DrawnPlan:
-    """The plan in a FeatureCollection. Raises `SpecError` where the text is not one, or a feature is invalid."""
+    """The plan in a FeatureCollection. Raises `SpecError` if `text` is no FeatureCollection, or if a feature is invalid."""
     try:
         return _drawing(json.loads(text), metres_per_unit)
     except RecursionError:  # raised by the JSON reader, or by a message that shows a deeply nested value
@@ -84,7 +85,7 @@ def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
 
 
 def to_geojson(spec: HouseSpec) -> str:
-    """The rooms and openings of a house as GeoJSON, for `read_geojson` with 1 metre per unit."""
+    """The rooms and openings of a house as GeoJSON in metres; to read it back, call `read_geojson` with 1 metre per unit."""
     features = []
     for level, storey in enumerate(spec.storeys):
         for room in storey.rooms:

@@ -35,7 +35,7 @@ _FAR_M = 900.0
 _WIDER_SNAPS_M = (0.1, 0.15, 0.2, 0.25, 0.3)
 """Values of `snap_m` that are tried for an invalid plan, to suggest a value with which it would be valid [m]."""
 _EXACT_M = 0.001
-"""Value of `snap_m` that is tried first [m]; a plan that is valid with corners moved by so little is kept as drawn."""
+"""Value of `snap_m` that is tried first [m]. A plan that is valid with this value is kept as drawn."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +56,18 @@ def import_plan(
     name: str | None = None,
     seed: int = 0,
 ) -> ImportedPlan:
-    """The house in a floor plan; `build_house` fills in windows and furniture later.
+    """The house that a floor plan shows, without windows and furniture: `build_house` adds these later.
 
     Rooms that the drawn openings do not reach get doors. Stairs without an opening get an opening at the foot and another at
     the head.
 
     Args:
         path: a file of at most 16 MB that ends in .svg, .geojson or .json.
-        metres_per_unit: scale of the drawing. None means 1 for GeoJSON, and the scale stated in its root for SVG.
-        snap_m: largest distance between corners that are moved to one line, but only if the plan is invalid as drawn [m]. If
+        metres_per_unit: scale of the drawing. None: 1 for GeoJSON; for SVG, the scale that its root element states.
+        snap_m: if the plan is invalid as drawn, corners that are at most this far off are moved to common lines [m]. If
             rooms are drawn with gaps for the walls between them, give the thickness of the walls.
-        only_drawn: add no openings to the drawn ones.
-        name: name of the house; None: the file's name.
+        only_drawn: whether to add no openings to the drawn ones.
+        name: name of the house. None: the name of the file without its ending.
         seed: seed of the house.
 
     Raises:

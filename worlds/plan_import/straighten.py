@@ -16,7 +16,7 @@ from worlds.plan_import.drawn_plan import DrawnRoom
 from worlds.spec import Point
 
 _SLOPE = 0.02
-"""Greatest slope of a wall that is taken to run along x or y [m/m], in addition to the tolerance of its corners."""
+"""Greatest slope of a wall that is taken to run along x or y [m/m]. In addition, each end may be off by `snap_m`."""
 _AGREE_RAD = math.radians(3.0)
 """Largest angle between walls that count as having the same direction [rad]."""
 _ROUNDING_M = 1e-6
@@ -28,9 +28,9 @@ Lines = Callable[[float], float]
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
-    """The angle of the walls against the x and y axes, in [-pi/4, pi/4] [rad].
+    """The angle by which the walls are turned against the x and y axes, counter-clockwise, in [-pi/4, pi/4] [rad].
 
-    It is 0 if walls with less than half of the total length agree on a direction.
+    The angle is 0 if the walls that agree on a direction make up less than half of the total length of all walls.
     """
     edges = [edge for room in rooms for edge in _edges(room.corners)]
     length = np.array([math.dist(a, b) for a, b in edges])
@@ -58,8 +58,8 @@ def turned(points: Sequence[Point], angle: float) -> tuple[Point, ...]:
 def straighten(outlines: Sequence[tuple[DrawnRoom, tuple[Point, ...]]], snap_m: float) -> list[tuple[Point, ...]]:
     """Rectilinear, counter-clockwise polygons for outlines that have been turned to the axes.
 
-    Raises `SpecError`, which names the room and the corner, for a wall that runs along neither x nor y, and for a room of
-    which nothing is left.
+    Raises `SpecError`, which names the room, if a wall runs along neither x nor y, if a room has too few corners, and if
+    nothing is left of a room once its corners have moved to common lines.
     """
     walls = [list(_walls(room, corners, snap_m)) for room, corners in outlines]
     x, y = (_common_lines([at for room in walls for axis, at in room if axis == across], snap_m) for across in (1, 0))

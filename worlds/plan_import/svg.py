@@ -2,9 +2,9 @@
 
 - A room is a `rect`, `polygon`, `polyline` or `path` that names a room label ("kitchen", "Office_2"): in its `data-label`,
   its `class`, its Inkscape label or its `id`.
-- An opening is a `line`, `polyline` or `path` that names a kind of opening ("door"), with `data-kind` in place of
-  `data-label`.
-- A shape that names neither inherits the meaning of the innermost group around it that has one: every stroke in a layer
+- An opening is a `line`, `polyline` or `path` that names a kind of opening ("door"): in its `data-kind`, its `class`, its
+  Inkscape label or its `id`.
+- A shape that names neither takes the name from the innermost group around it that names one: every stroke in a layer
   "Doors" is a door, and the only shape in a group "kitchen" is the kitchen.
 - `data-name`, or else the Inkscape label, is the name of a room.
 - `data-storey` on an element or on a group around it gives the storey. So does the name of a group or layer such as
@@ -47,14 +47,15 @@ _SMALLEST_PLAN_M = 2.0
 _FAR_M = 1e8
 _MAX_CHARACTERS = 1_000_000
 _Meaning: TypeAlias = tuple[SvgShape, str | None, OpeningKind | None]
-"""A shape with the label of the room, or the kind of the opening, that it stands for (the other is None)."""
+"""A shape, the label if it is a room, and the kind if it is an opening. Either the label or the kind is None."""
 _PAGE = re.compile(r"\s*[\d.]+\s*(?:mm|cm|in|pt|pc)\s*")
 
 
 def read_svg(text: str, metres_per_unit: float | None) -> DrawnPlan:
-    """The plan in an SVG. Raises `SpecError` where the text is not SVG, or a room or opening is invalid.
+    """The plan in an SVG. Raises `SpecError` if the text is not SVG, or if a room or an opening is invalid.
 
-    Without `metres_per_unit` the root has to state the scale, by `data-metres-per-unit` or a page width with a unit (mm).
+    If `metres_per_unit` is None, the root element has to state the scale: by `data-metres-per-unit`, or by a page width with
+    a unit such as mm.
     """
     root = read_tree(text)
     scale = _scale(root) if metres_per_unit is None else metres_per_unit

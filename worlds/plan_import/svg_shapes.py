@@ -28,15 +28,15 @@ class Outline:
     """The corners of a shape in the units of the drawing, with x to the right and y down."""
 
     corners: Complex[np.ndarray, "n"]
-    """Corners as x + iy; the first is not repeated at the end."""
+    """Corners as complex numbers x + iy; the first corner is not repeated at the end."""
     closed: bool
 
 
 def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Float64[np.ndarray, "3 3"]) -> Outline:
     """The corners of a shape made of straight lines, in the units of the drawing.
 
-    `where` is the place of the shape in the file, for messages. Raises `SpecError` for curves, more than one part, and
-    coordinates that cannot be read.
+    `where` is the place of the shape in the file, for messages. Raises `SpecError` if the shape has curves or more than one
+    part, and if its coordinates cannot be read.
     """
     text = _path_data(where, tag, attributes).strip()
     if len(re.findall("[Mm]", text)) > 1:
@@ -78,7 +78,7 @@ def is_curved(attributes: Mapping[str, str]) -> bool:
 
 
 def length_px(where: str, name: str, text: str) -> float:
-    """A length in CSS pixels, which are the units of a drawing without a viewBox. Raises `SpecError` for other texts."""
+    """A length in CSS pixels, the units of a drawing without a viewBox. Raises `SpecError` if `text` is not a length."""
     match = _LENGTH.fullmatch(text.strip())
     if match is None or match[2] not in PX_PER_UNIT:
         units = ", ".join(filter(None, PX_PER_UNIT))

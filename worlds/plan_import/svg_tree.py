@@ -41,14 +41,14 @@ class Named:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All texts that may name its meaning: its classes together and one by one, its Inkscape label and its id."""
+        """All texts that may say what the element is: its classes together and one by one, its Inkscape label and its id."""
         classes = self.attributes.get("class", "")
         return (classes, *classes.split(), self.attributes.get(LABEL, ""), self.attributes.get("id", ""))
 
 
 @dataclass(frozen=True, eq=False)
 class SvgShape(Named):
-    """A visible shape."""
+    """A visible shape of an SVG, with its storey and the groups around it."""
 
     T_svg_shape: Float64[np.ndarray, "3 3"]
     """Transform from the shape's coordinates to the drawing's coordinates."""
@@ -64,7 +64,7 @@ def outline_of(shape: SvgShape) -> Outline:
 
 
 def read_tree(text: str) -> Element:
-    """The root element of an SVG. Raises `SpecError` for other files, and if it is too large or has a document type."""
+    """The root element of an SVG. Raises `SpecError` if `text` is not SVG, is too large or has a document type."""
     builder, parser, depth, elements = TreeBuilder(), expat.ParserCreate(), 0, 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
@@ -122,7 +122,10 @@ class _Walk:
                 yield from self.at(child, child.attrib, around)
 
     def at(self, element: Element, attributes: Mapping[str, str], around: _Inherited) -> Iterator[SvgShape]:
-        """The visible shapes of an element; `attributes` are its own, overridden by the names on a `<use>` of it."""
+        """The visible shapes of an element.
+
+        `attributes` are the element's own. If a `<use>` shows the element, the names on the `<use>` replace the own names.
+        """
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
             raise SpecError(_TOO_MUCH)

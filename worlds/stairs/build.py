@@ -2,17 +2,17 @@
 
 The rooms of a staircase, called its cells, cover the same rectangle of the plan on consecutive storeys. A flight joins each
 storey to the next. On the lower storey an opening of the cell leads to the foot of the flight, on the upper storey another
-one leads to its head. The sides of the rectangle that these two openings are in decide the kind of stairs: U-shaped for the
-same side, straight for opposite sides, L-shaped for adjacent sides.
+opening leads to the head of the flight. The kind of stairs depends on the sides of the rectangle that these two openings lie
+in: U-shaped stairs for the same side, straight stairs for opposite sides, L-shaped stairs for adjacent sides.
 
 For every flight, `build_stairs`
 
-1. finds the two openings, and from them the kind and the coordinate frame of the cell (`worlds.stairs.cells`),
+1. finds the two openings, and from them the kind of stairs and the coordinate frame of the cell (`worlds.stairs.cells`),
 2. fits steps, landings and railings into the cell (`worlds.stairs.flights`), and checks their size,
 3. checks that the openings are wide, high and near enough for a person to reach the flight,
 4. turns everything into boxes in W (`worlds.stairs.geometry`).
 
-The head room between flights is checked last, when all are known.
+The head room between flights is checked last, when all flights are known.
 """
 
 import math
@@ -34,7 +34,7 @@ APPROACH_M = 0.4
 MIN_HEAD_ROOM_M = 1.95
 """Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
 BODY_HALF_M = 0.3
-"""Half the width of a body, and least reach of an opening to a flight on either side of the flight's middle line [m]."""
+"""Half the width of a body [m]. Openings to a flight reach at least as far to either side of the flight's middle line."""
 _TOLERANCE_M = 1e-6
 
 
@@ -50,16 +50,16 @@ class Stairs:
     treads: tuple[Part, ...]
     """Steps and landings, from the lowest to the highest."""
     floors: tuple[Part, ...]
-    """Floor inside the cell that is level with a storey: after the last riser and, unless the lower storey has solid ground
-    there, before the first."""
+    """Level floors inside the stairs' room: one after the last riser and, unless these are the lowest stairs of their
+    staircase, one before the first riser."""
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
     """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
-    upper storey. The path is straight along every flight, and above the middle of each tread it is at the tread's height."""
+    upper storey. The path is straight along every flight, and passes the middle of each tread at the tread's height."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """All visible boxes."""
+        """All visible boxes of the stairs."""
         return self.treads + self.floors + self.railing
 
 
@@ -83,7 +83,7 @@ class _Site:
     heights_m: tuple[float, float]
     """Heights of the lower and the upper storey from floor to ceiling [m]."""
     floor_m: float
-    """Height of the lower floor in W [m]."""
+    """Height of the floor at the flight's foot in W [m]."""
     rise_m: float
     """Height from the lower floor to the upper floor [m]."""
     is_lowest: bool
@@ -91,12 +91,12 @@ class _Site:
     foot: OpeningSpec
     """The opening on the lower storey that leads to the flight."""
     head: OpeningSpec
-    """The opening on the upper storey."""
+    """The opening on the upper storey that leads to the flight."""
     frame: CellFrame
 
     @staticmethod
     def of(spec: HouseSpec, floors_m: Sequence[float], level: int, place: int) -> "_Site":
-        """The place for the flight up from storeys[`level`], in the room with the index `place` there."""
+        """The place for the flight that leads up from storeys[`level`], in that storey's room with the index `place`."""
         lower, upper, room = spec.storeys[level], spec.storeys[level + 1], spec.storeys[level].rooms[place]
         above = next(other for other in upper.rooms if is_same_cell(room, other))
         foot, head = opening_that_leads(spec, level, room, "up"), opening_that_leads(spec, level + 1, above, "down")

@@ -16,7 +16,7 @@ Leads = Literal["up", "down"]
 Bounds = tuple[float, float, float, float]
 _TOLERANCE_M = 1e-6
 _SAME_HALF_M = 0.2
-"""Least distance between the openings of U-shaped stairs, middle to middle, that tells which flight has which half [m]."""
+"""Least distance between the middles of the two openings of U-shaped stairs [m]; closer ones count as in the same half."""
 _INWARD = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Unit vectors into the cell from its sides of low x, high x, low y and high y."""
 
@@ -78,9 +78,10 @@ def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
 
 
 def opening_that_leads(spec: HouseSpec, level: int, room: RoomSpec, leads: Leads) -> OpeningSpec:
-    """The opening of stairs on storeys[`level`] that leads to the flight up, or to the flight down.
+    """The opening of `room` (stairs on storeys[`level`]) that leads to the flight up or to the flight down, as `leads` says.
 
-    Raises `HouseError` unless there is exactly one, and where an opening does not say which of two flights it leads to.
+    Raises `HouseError` unless exactly one opening leads to that flight. Also raises it if flights go up and down from the
+    room, but an opening does not say to which of them it leads.
     """
     openings = _openings_of(spec.storeys[level], room)
     found = [opening for place, opening in openings if _leads(spec, level, room, place) == leads]
@@ -119,10 +120,9 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
 
 @dataclass(frozen=True)
 class CellFrame:
-    """A cell's own coordinates for one flight: u points inwards from the side that the flight begins in, v across.
+    """A cell's own coordinates for one flight: u points into the cell from the side where the flight begins, v across it.
 
-    The origin is a corner of the cell. The foot of an L- or U-shaped flight is on the side of low v, and v points from
-    there to the head.
+    The origin is a corner of the cell. The foot of L- and U-shaped stairs is at low v, and their head is at high v.
     """
 
     kind: StairsKind
@@ -135,12 +135,12 @@ class CellFrame:
     """Extent of the cell along v, between wall centre lines [m]."""
 
     def world(self, u: float, v: float) -> tuple[float, float]:
-        """The coordinates (x, y) in W of a point of the cell [m]."""
+        """The coordinates (x, y) in W of the point (u, v) of the cell [m]."""
         (ux, uy), (vx, vy), (x, y) = self.u_axis, self.v_axis, self.origin
         return x + u * ux + v * vx, y + u * uy + v * vy
 
     def plan(self, x: float, y: float) -> tuple[float, float]:
-        """The coordinates (u, v) in the cell of a point in W [m]."""
+        """The coordinates (u, v) in the cell of the point (x, y) in W [m]."""
         dx, dy = x - self.origin[0], y - self.origin[1]
         return dx * self.u_axis[0] + dy * self.u_axis[1], dx * self.v_axis[0] + dy * self.v_axis[1]
 

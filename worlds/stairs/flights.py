@@ -30,7 +30,7 @@ MIN_WIDTH_M = 0.8
 MAX_FLIGHT_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
-"""Greatest drop at an open side of a slab without a railing [m]."""
+"""Greatest drop beside a slab at which its open side needs no railing [m]."""
 INSET_M = WALL_THICKNESS_M / 2
 """Distance from a wall's centre line to its face [m]."""
 _USUAL_TREAD_M = 0.3
@@ -38,7 +38,7 @@ _USUAL_TREAD_M = 0.3
 _USUAL_L_WIDTHS_M = (1.0, 0.9)
 """Widths that are tried for the flights of an L-shape, in this order [m]; `MIN_WIDTH_M` is the last resort."""
 _USUAL_L_TREAD_M = 0.26
-"""Least depth of the treads at which a width of `_USUAL_L_WIDTHS_M` is taken [m]."""
+"""Least depth of the treads at a usual width [m]. If the treads would be less deep, the next smaller width is tried."""
 _TOLERANCE_M = 1e-6
 
 Point = tuple[float, float, float]
@@ -110,12 +110,12 @@ class StairsLayout:
     """Floor in the cell (the room of the stairs) after the last riser, level with the upper storey."""
     line: tuple[Point, ...]
     """Walking line from the side of the cell where the climb begins to the side where it ends. The line runs straight along
-    every flight, and above the middle of each tread it is at the tread's height."""
+    every flight, and passes the middle of each tread at the tread's height."""
     rails: tuple[Rail, ...]
 
     @property
     def is_walkable(self) -> bool:
-        """Whether treads are deep enough and flights wide enough; risers and landings always fit the rules."""
+        """Whether treads are deep enough and flights wide enough to walk on. Risers and landings always keep the rules."""
         return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_WIDTH_M - _TOLERANCE_M
 
 
@@ -123,7 +123,7 @@ def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above
     """Fit stairs of a kind into a cell of `length` (along u) by `width` (along v) for a `rise` from floor to floor [m].
 
     Treads are as deep as the cell allows, up to 0.3 m. Where the cell is too small, the stairs are not walkable.
-    `above_void` says that the lower storey has no floor beside the stairs, so that L-shaped ones need railings all along.
+    With `above_void`, the lower storey has no floor beside the stairs, so that L-shaped stairs get railings all along.
     """
     match kind:
         case "straight":
@@ -143,7 +143,7 @@ class _Flight:
     along: tuple[int, int]
     """Direction of the climb in (u, v)."""
     risers: int
-    """Number of risers."""
+    """Number of risers of the flight."""
     riser: float
     """Height of each riser [m]."""
     tread: float
@@ -154,7 +154,7 @@ class _Flight:
         return [self.slab((i - 1) * self.tread, i * self.tread, i * self.riser) for i in range(1, self.risers)]
 
     def slab(self, begin: float, end: float, rise: float) -> Slab:
-        """A slab as wide as the flight, between two distances from the first riser, `rise` above the flight's start."""
+        """A slab as wide as the flight, `begin` to `end` behind the first riser and `rise` above the flight's start [m]."""
         (u, v, z), (du, dv), half = self.start, self.along, self.width / 2
         us, vs = (u + du * begin, u + du * end), (v + dv * begin, v + dv * end)
         across_u, across_v = half * abs(dv), half * abs(du)
@@ -167,7 +167,7 @@ class _Flight:
     def line(self) -> list[Point]:
         """The ends of the walking line: half a tread before the first riser, and half a tread after the last.
 
-        The straight line between these is at the height of each tread above the tread's middle.
+        The straight line between the ends passes the middle of each tread at the tread's height.
         """
         return [self.at(-self.tread / 2, 0.0), self.at((self.risers - 0.5) * self.tread, self.risers * self.riser)]
 

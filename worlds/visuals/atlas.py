@@ -13,12 +13,12 @@ from worlds.spec import HouseSpec
 from worlds.visuals.materials import texture
 
 Paint = tuple[str, Colour, int | None]
-"""Material, colour, and the seed of the piece if the material is in `SHOWN_WHOLE` (else None, so that pieces share it)."""
+"""Material, colour and seed: the piece's seed if the material is in `SHOWN_WHOLE`, else None (pieces share the paint)."""
 
 SHOWN_WHOLE = frozenset({"picture", "screen", "scribble"})
 """Materials with a motif: every piece has a patch of its own, and each face shows the whole patch.
 
-A face of any other material shows a metric cut-out of a shared patch.
+A face of any other material shows a cut-out of a shared patch, true to scale.
 """
 
 _PATCH_PX = 128
@@ -41,7 +41,7 @@ class Atlas:
 
     @staticmethod
     def of(paints: Iterable[Paint], spec: HouseSpec) -> "Atlas":
-        """The atlas of all `paints`. Paints for which there is no room left share the patches of earlier ones."""
+        """The atlas of all `paints`. Once the atlas is full, further paints share the patches of earlier ones."""
         distinct = list(dict.fromkeys(paints))
         rows = -(-min(max(len(distinct), 1), _MAX_PATCHES) // _COLUMNS)
         image = np.zeros((rows * _PATCH_PX, _COLUMNS * _PATCH_PX, 3), np.uint8)
@@ -59,8 +59,9 @@ class Atlas:
     ) -> Float64[np.ndarray, "q 4 2"]:
         """Texture coordinates of quads in the atlas image, v upwards.
 
-        A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of its true size (scaled down if it is
-        larger than the patch), at the relative position `cut` in [0, 1] within the patch. `uv_m` is in metres, from (0, 0).
+        A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of the quad's true size (scaled down if
+        larger than the patch), at the relative position `cut` in [0, 1] within the patch. `uv_m` are the corners of each
+        quad in its own plane [m], from (0, 0).
         """
         room = 1.0 - 2 * _MARGIN
         extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)

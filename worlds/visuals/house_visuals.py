@@ -16,7 +16,7 @@ from worlds.visuals.surfaces import surfaces
 
 STAIRS_OBJECT = "stairs"
 ATLAS = "(atlas)"
-"""Name of the atlas image that all objects share. No room id contains brackets, so it cannot clash with one."""
+"""Name of the atlas image that all objects share. No room id contains brackets, so no image of a room has this name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Visual:
     image: str
     """Key of the image in `Visuals.images`."""
     corners: Float64[np.ndarray, "q 4 3"]
-    """Corners in the world frame W [m]."""
+    """Corners of every quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
     """Texture coordinates as fractions of the image's width and height, v upwards; the image repeats beyond 1."""
     normals: Float64[np.ndarray, "q 3"]
@@ -41,7 +41,7 @@ class Visuals:
     """The textured quads of a whole house, with their images."""
 
     images: Mapping[str, UInt8[np.ndarray, "h w 3"]]
-    """RGB images by name."""
+    """RGB images of the textures, by name."""
     parts: tuple[Visual, ...]
 
 
@@ -54,7 +54,7 @@ class _Object:
 
 
 def visuals(house: House) -> Visuals:
-    """All visuals of a house: the shell room by room, then furniture, flights of stairs, door leaves and windows."""
+    """All visuals of a house: walls, floors and ceilings by room, then furniture, stairs, door leaves and windows."""
     images, parts = {}, []
     for sheet in surface_textures(house, surfaces(house)):
         name = f"{sheet.room}/{sheet.kind}"

@@ -14,7 +14,7 @@ from worlds.parts import Part, Vector
 
 _SIDES = 10
 _GROWTH_M = 2e-5
-"""Length by which each part of a solid is larger than the part before [m].
+"""Length by which each part of a solid is enlarged more than the part before it [m].
 
 Where faces of two parts lie in one plane, the face of the later part is therefore the visible one.
 """
@@ -37,7 +37,7 @@ class SolidsMesh:
     """The faces of many solids as planar quads, visible from the side on which their corners run counter-clockwise."""
 
     corners: Float64[np.ndarray, "q 4 3"]
-    """Corners in the world frame W [m]."""
+    """Corners of every quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
     """In-plane coordinates of the corners of each quad [m]; the smallest are (0, 0)."""
     solid: Int[np.ndarray, "q"]

@@ -1,4 +1,4 @@
-"""`ShellGrid`: an irregular grid of cells that says which parts of a house are solid (walls, slabs, roof).
+"""`ShellGrid`: an irregular grid of cells that marks the solid parts of a house (walls, slabs, roof).
 
 The planes of the grid are the faces of walls, floors and ceilings, so every cell is entirely solid or entirely free. A face
 of the shell lies wherever a solid cell touches a free one, so the shell is closed by construction.
@@ -42,12 +42,12 @@ class ShellGrid:
     slab: Bool[np.ndarray, "nz"]
     """Whether a layer of cells lies between two storeys, below the ground floor or in the roof."""
     arch: Int[np.ndarray, "nx ny nz"]
-    """1 + the axis that the wall runs along, where the curve of an arch passes through the cell; else 0."""
+    """0 for most cells. For a cell in which an arch has its curve: 1 + the axis along which the wall with the arch runs."""
     owner: Int[np.ndarray, "nx ny nz"]
-    """Index into `house.rooms` of the room of a free cell; `len(house.rooms)` outside, `NOTHING` underground."""
+    """Index into `house.rooms` of the room that a free cell is in; `len(house.rooms)` outside, `NOTHING` underground."""
     reveal: Int[np.ndarray, "nx ny nz"]
-    """Like `owner`, but all cells of an opening belong to one room, so that its reveals (the faces of the wall's thickness)
-    get one texture."""
+    """Like `owner`, but all cells of an opening belong to one room, so that the reveals of the opening (the faces of the
+    wall's thickness) get one texture."""
 
 
 def shell_grid(house: House) -> ShellGrid:
@@ -81,7 +81,7 @@ class _Gap:
     room: int
     box: _Box
     curve: _Box
-    """The upper part of `box`, through which the curve of an arch passes; it has no height for other kinds."""
+    """For an arch, the upper part of `box`, which contains the curve. For other kinds of openings, a part of zero height."""
 
 
 def _gaps(house: House) -> Iterator[_Gap]:

@@ -21,7 +21,7 @@ _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _PX_PER_M: Mapping[SurfaceKind, float] = {"wall": 90.0, "floor": 80.0, "ceiling": 40.0}
 _MAX_PX = 4096
 PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
-"""Period of repeating textures, along both axes [m].
+"""Period of repeating textures for each kind of surface, the same along both axes [m].
 
 Each period divides one metre, so that the view of a room is the same from a viewpoint one metre further on.
 """
@@ -37,13 +37,13 @@ class SurfaceTexture:
     covering: Covering
     image: UInt8[np.ndarray, "h w 3"]
     corners: Float64[np.ndarray, "q 4 3"]
-    """Corners in the world frame W [m]."""
+    """Corners of every quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
     """Texture coordinates as fractions of the image's width and height, v upwards; the image repeats beyond 1."""
 
 
 def finishes(house: House) -> dict[str, Finish]:
-    """Finish of each room by its id, and of the outside under `OUTSIDE`. A finish depends only on the room's seed."""
+    """Finish of each room by its id, and of the outside under `OUTSIDE`. Each depends only on label and seed."""
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 

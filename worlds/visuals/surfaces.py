@@ -39,9 +39,9 @@ class Surface:
     """Id of the room that the face bounds, or `OUTSIDE`."""
     kind: SurfaceKind
     corners: Float64[np.ndarray, "4 3"]
-    """Corners in the world frame W [m]."""
+    """Corners of the quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "4 2"]
-    """Position on the unrolled sheet of this room and kind [m]; faces on a sheet do not overlap."""
+    """Positions of the corners on the sheet of this room and kind [m]; faces on a sheet do not overlap."""
 
 
 def surfaces(house: House) -> list[Surface]:
@@ -73,7 +73,7 @@ class _Unrolling:
         self._cursor = [0.0] * len(self._names)
 
     def panels(self, plane: _Plane, outlines: Sequence[_Outline]) -> Iterator[Surface]:
-        """Faces in one upright plane. Faces that touch keep their relative positions on the sheet."""
+        """The faces in one upright plane, placed on the sheet of their room. Faces that touch still touch on the sheet."""
         room, axis, facing, at = plane
         to_right = (facing > 0) == (axis == 0)
         for low, high, group in _runs(outlines):

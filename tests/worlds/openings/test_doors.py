@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from worlds.free_space import solid_obstacles
 from worlds.house import build_house
+from worlds.openings.door_swings import resting_box
+from worlds.openings.opening_draft import OpeningDraft
 from worlds.spec import HouseSpec, LeafSpec, OpeningSpec, RoomSpec, StoreySpec
 
 
@@ -51,6 +53,21 @@ def test_a_leaf_hangs_at_its_hinge_and_swings_into_its_room(axis, backwards, hin
     assert room.buffer(leaf.size[1]).covers(leaf.footprint)
     area = 0.5 * door.width_m**2 * max(angle, math.pi / 2)
     assert leaf.swing.area == pytest.approx(area, rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6, math.pi / 2, 1.9])
+@pytest.mark.parametrize("hinge", ["start", "end"])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_leaf_is_built_in_the_place_that_was_planned_for_it(axis, hinge, angle):
+    """Along the wall, the planned rectangle holds the built leaf, and at a right angle no more than the leaf."""
+    house = one_door(axis, False, LeafSpec(hinge=hinge, into="b", angle_rad=angle))
+    (leaf,), storey = house.leaves, house.spec.storeys[0]
+    door = OpeningDraft.of(storey.openings[0], {room.id: room for room in storey.rooms})
+    planned, built = np.array(resting_box(door, door.leaf)), np.array(leaf.footprint.bounds)
+    low, high = (planned - built)[[axis, axis + 2]]
+    assert low <= 1e-9 and high >= -1e-9
+    if angle == math.pi / 2:
+        assert (low, high) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 def test_leaves_stand_in_the_way_unless_they_are_left_out():

@@ -13,7 +13,7 @@ from worlds.furniture.placing.piece import Piece, Pose
 from worlds.furniture.placing.room_plan import RoomPlan
 
 WALL_GAP_M = 0.006
-"""Gap between a wall and a piece with its back to it [m]."""
+"""Gap between a wall and a piece with its back to the wall [m]."""
 _ABUT_M = 0.002
 """Gap between pieces that stand side by side [m]."""
 _FLOOR_TRIES = 14
@@ -26,7 +26,7 @@ _UNDER_M = 0.02
 def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
     """Poses for a piece of `kind` and `size`, best first, all at the same height.
 
-    `host` is the piece that it stands at or on, or hangs above; None if its place needs none.
+    `host` is the piece that the new piece stands at or on, or hangs above; None if its kind of place needs no host.
     """
     return _BY_PLACE[type(kind.place)](plan, kind.place, size, host, draws)
 

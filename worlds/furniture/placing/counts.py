@@ -1,6 +1,6 @@
-"""Numbers of pieces: for each piece of a kind, the value of `clutter` from which on it is present.
+"""How many pieces of a kind a room has: each piece is present if `clutter` is at least the piece's own threshold.
 
-A piece that is present at some clutter is therefore present at any higher one.
+A piece that is present at some clutter is therefore present at any higher clutter.
 """
 
 from collections.abc import Iterator
@@ -10,17 +10,18 @@ from worlds.furniture.kinds import AgainstWall, Kind, OnFloor, OnTop, PerClutter
 from worlds.furniture.placing.draws import Draws
 
 USUAL = 1.0
-"""Value of `clutter` of a usual home."""
+"""Value of `clutter` in a usual home."""
 _LOOSE_M2 = 0.4
-"""Area below which a piece on the floor counts as loose [m²]. Cluttered rooms have more loose pieces than usual ones."""
+"""Footprint below which a piece on the floor counts as loose [m²]. Above the usual clutter, rooms get more loose pieces."""
 _ROOM_M2 = 12.0
-"""Area of the room that `PerClutter.per_clutter` applies to [m²]."""
+"""Area of a room for which `PerClutter.per_clutter` gives the number of pieces on the floor [m²]."""
 
 
 def appearances(kind: Kind, label: str, area_m2: float, draws: Draws) -> Iterator[tuple[float, int]]:
-    """For each piece of a kind in a room with `label`: (clutter from which on it is present, its number, counted from 1).
+    """Pairs (least clutter at which a piece is present, number of the piece), for a kind in a room with `label`.
 
-    The sequence is infinite for `PerClutter` and loose kinds; for the others it ends at the clutter of a usual home.
+    Pieces are numbered from 1. The sequence is infinite for `PerClutter` and for loose kinds (small ones, and those on top
+    of other pieces). For all other kinds it ends at the clutter of a usual home.
     """
     expected, luck, more = kind.rooms[label], draws.random(), draws.random()
     if isinstance(expected, PerClutter):

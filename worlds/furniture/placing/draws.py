@@ -16,7 +16,7 @@ def pool(rng: Generator) -> tuple[float, ...]:
 
 
 def stream_key(name: str, number: int, parent: int = 0) -> int:
-    """A key for the `number`-th thing called `name` that belongs to the thing with key `parent`."""
+    """The key of the random stream of a piece: the `number`-th `name` at, on or above the piece with the key `parent`."""
     return crc32(_text(name, number), parent)
 
 
@@ -26,16 +26,16 @@ def _text(name: str, number: int) -> bytes:
 
 
 class Draws:
-    """A stream of uniform numbers from a room's pool, read from a start and with a stride that follow from the key.
+    """A stream of uniform numbers. It steps through the pool of a room; the key gives the start and the stride.
 
     The stride is odd and the length of the pool is a power of two, so a stream visits the whole pool before it repeats.
-    This is much faster than a generator per piece, and the draws do not depend on the order of the pieces.
+    A stream costs much less than a generator, and the draws for a piece do not depend on the order of the pieces.
     """
 
     __slots__ = ("_at", "_pool", "_stride")
 
     def __init__(self, numbers: Sequence[float], key: int) -> None:
-        """`numbers` is the room's `pool`, `key` a `stream_key`."""
+        """`numbers` is the `pool` of the room; `key` comes from `stream_key`."""
         self._pool, self._at, self._stride = numbers, key & _MASK, key >> 11 | 1
 
     def random(self) -> float:

@@ -12,8 +12,8 @@ from worlds.furniture.placing.room_shape import Point, Rectangle, RoomShape, gro
 BODY_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].
 
-It is larger than the 0.25 m of the walker, because the walker's grid has 10 cm cells at arbitrary offsets: the margin makes
-sure that a path on this grid exists on that one as well.
+The radius is larger than the walker's radius of 0.25 m, because the walker's grid has 10 cm cells at arbitrary offsets: with
+this margin, a path on the grid of `FreeFloor` also exists on the walker's grid.
 """
 CELL_M = 0.1
 HALF_WALL_M = 0.05
@@ -44,7 +44,7 @@ class FreeFloor:
     def block(self, place: Rectangle, share: float) -> bool:
         """Block `place` if all passages stay connected and a body still covers `share` of the room's area.
 
-        Returns whether that holds; otherwise the floor is unchanged.
+        Returns True if both hold. If not, returns False and leaves the floor unchanged.
         """
         rows, columns = window = self._cells(grown(place, BODY_RADIUS_M))
         if not self._free[window].any():

@@ -1,12 +1,12 @@
 """`furnish`: fills the rooms of a storey with furniture from the catalogue and keeps every room walkable.
 
-For each room, the pieces of a usual home come first, whatever the clutter, and then the additional ones:
+Each room is furnished in this order. Steps 1 and 2 place everything that a usual home has, whatever the clutter:
 
 1. Pieces that stand by themselves, the required and the large ones first, each followed by its required seats.
-2. Details: other seats, things on top of pieces, on walls and under the ceiling.
-3. Pieces above the usual clutter, in the order of the clutter from which on they are present.
+2. Details: other seats, and things on top of pieces, on walls and under the ceiling.
+3. Pieces that need more than the usual clutter, in the order of the least clutter at which they are present.
 
-This order makes rooms comparable: a piece that is present at some clutter is present, in the same place, at any higher one.
+This order makes rooms comparable: a piece that is present at some clutter is in the same place at any higher clutter.
 """
 
 import heapq
@@ -30,9 +30,9 @@ from worlds.labels import STAIRS
 from worlds.spec import FurnitureSpec, RoomSpec, StoreySpec, WindowSpec
 
 WALKABLE_SHARE = 0.4
-"""Share of a room's area that a body can still cover in a usual home."""
+"""Least share of a room's area that a walking body can still cover in a usual home."""
 _SHARE_PER_CLUTTER = 0.04
-"""Decrease of that share per unit of clutter above the usual."""
+"""Decrease of `WALKABLE_SHARE` per unit of clutter above the usual."""
 _HEAD_ROOM_M = 0.05
 _SMALLEST = (0.0, 0.0, 0.0)
 _YAWS = (0.0, math.pi / 2, math.pi, -math.pi / 2)
@@ -45,11 +45,11 @@ def furnish(
     prefix: str = "0",
     windows: Sequence[WindowSpec] = (),
 ) -> tuple[FurnitureSpec, ...]:
-    """Furniture for all rooms of a storey. Stairs stay empty.
+    """Furniture for all rooms of a storey. Rooms of stairs stay empty.
 
     Args:
         storey: the storey to furnish.
-        rng_of: gives the generator of each room. Equal rooms with equal generators are furnished equally.
+        rng_of: returns the random generator of a room. Equal rooms with equal generators are furnished equally.
         clutter: 0 for no furniture, 1 for the furniture of a usual home, more for additional loose things. A piece that is
             present at some clutter is present at any higher one, under the same id.
         prefix: start of the ids of the furniture.
@@ -85,7 +85,10 @@ class _Furnisher:
         self._more: list[_Queued] = []
 
     def furnished(self) -> list[Piece]:
-        """The pieces in the order of placing. All pieces of a usual home are included even if the clutter is lower."""
+        """Place the pieces and return them in the order of placing.
+
+        All pieces of a usual home are included, even at a lower clutter.
+        """
         for kind in self._kinds.standing:
             for piece in self._usual(kind, None):
                 for seat in self._kinds.seats.get(kind.name, ()):
@@ -175,12 +178,12 @@ class RoomKinds:
     """The kinds that belong in rooms with one label, in the order of placing."""
 
     standing: tuple[Kind, ...]
-    """Kinds that stand by themselves."""
+    """Kinds of furniture that stand by themselves on the floor."""
     seats: Mapping[str, tuple[Kind, ...]]
     """Kinds of required seats around another piece (the host), by the name of the host's kind. Seats are placed right after
     their host."""
     details: tuple[Kind, ...]
-    """Kinds that are placed last."""
+    """Kinds that are placed last: seats that are not required, and things on pieces, on walls and on the ceiling."""
     guests: Mapping[str, tuple[Kind, ...]]
     """All kinds that stand at or on another piece (the host), or hang above it, by the name of the host's kind."""
 

@@ -12,11 +12,11 @@ from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, W
 OPENING_DEPTH_M = 0.9
 """Depth of the floor that stays free in front of a passage [m]."""
 OPENING_MARGIN_M = 0.15
-"""Margin on each side of a passage that stays free as well [m]."""
+"""Width of the floor that stays free as well on each side of a passage [m]."""
 PASSAGE_M = 1.3
-"""Largest width of an opening that is kept free [m]. A wider one is kept free at the end nearer to another passage."""
+"""Greatest width that stays free at an opening [m]. A wider opening stays free at the end nearer to another passage."""
 SIGHT_DEPTH_M = 0.35
-"""Distance that furniture higher than the sill keeps from a window, half wall or counter [m]."""
+"""Distance from a window, half wall or counter that furniture higher than the sill keeps [m]."""
 _SWING_MARGIN_M = 0.06
 _LEAF_HALF_M = 0.02
 _STANDS_OPEN_RAD = 1.2
@@ -27,11 +27,11 @@ class Space(NamedTuple):
     """A box that is occupied or has to stay free."""
 
     rectangle: Rectangle
-    """Extent in plan [m]."""
+    """Extent of the box in the plan [m]."""
     low: float
-    """Height of its underside above the floor [m]."""
+    """Height of the underside of the box above the floor [m]."""
     high: float
-    """Height of its top above the floor [m]."""
+    """Height of the top of the box above the floor [m]."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ class KeptFree:
     zones: tuple[Rectangle, ...]
     """Floor that stays free of solid pieces: in front of passages and in the swing area of door leaves."""
     spaces: tuple[Space, ...]
-    """Boxes that stay empty: swing areas of leaves, and in front of windows, half walls and counters above their sills."""
+    """Boxes that stay empty: swing areas of leaves, and above the sill in front of each window, half wall and counter."""
     entries: tuple[Point, ...]
     """A point in front of every passage [m]."""
     leaves: tuple[Rectangle, ...]
-    """Footprints of door leaves that stand open."""
+    """Footprints of door leaves that stand open [m]."""
 
 
 def kept_free_of(shape: RoomShape, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec]) -> KeptFree:

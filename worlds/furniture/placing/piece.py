@@ -47,6 +47,6 @@ class Piece:
     key: int
     """Key of the piece's random stream; the keys of the pieces at, on or above this piece are derived from it."""
     seed: int
-    """Seed of its colours and variants."""
+    """Seed of the piece's colours and variants."""
     since: float
     """Least clutter at which the piece is present."""

@@ -13,17 +13,17 @@ from worlds.spec import RoomSpec, StoreySpec, WindowSpec
 FLAT_M = 0.03
 """Greatest height of a flat piece, such as a rug or mat [m]; flat pieces may lie under other furniture."""
 _TRIES = 5
-"""Greatest number of candidate poses per piece for which the walkable floor is checked, the costly part of placing."""
+"""Greatest number of poses per piece for which the walkable floor is checked; this check is the costly part of placing."""
 
 
 class RoomPlan:
     """The free floor, walls and space of a room.
 
-    Solid pieces must not overlap each other in plan. Other pieces must not overlap anything in space.
+    Two solid pieces must not overlap in plan. Any other two pieces may overlap in plan, but not in space.
     """
 
     def __init__(self, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec] = ()) -> None:
-        """`room` is one of `storey`; `windows` are the storey's."""
+        """Begin the plan of a room of `storey`, as yet without furniture; `windows` are all windows of the storey."""
         self.label, self.height_m = room.label, storey.height_m
         self.shape = RoomShape.of(room)
         ways = kept_free_of(self.shape, room, storey, windows)
@@ -41,8 +41,8 @@ class RoomPlan:
     def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
         """The first of `poses` at which a piece fits; None if it fits nowhere. All poses have the same height.
 
-        A solid piece must leave all passages connected and `share` of the room's area walkable. Its floor is marked as
-        occupied at once; `add` has to follow.
+        A solid piece must leave all passages connected and `share` of the room's area walkable. If it fits, this method
+        already marks its floor as occupied, so the caller has to `add` the piece.
         """
         obstacles: list[Rectangle] | None = None
         tries = _TRIES
@@ -63,7 +63,7 @@ class RoomPlan:
         return None
 
     def add(self, piece: Piece) -> None:
-        """Mark the space of a piece as occupied. The clearance in front of it stays free, except for its guests (chairs)."""
+        """Mark the space of a piece as occupied. Only its guests (chairs) may stand in the clearance in front of it."""
         kind, size, pose = piece.kind, piece.size, piece.pose
         place = pose.covers(size)
         if pose.z + size.height <= FLAT_M:

@@ -23,7 +23,7 @@ class Side:
     """A side of a room: a directed line with the room on its left."""
 
     start: Point
-    """First corner [m]."""
+    """First corner of the side [m]."""
     turn: int
     """Direction of the side, `AXES[turn]`; a piece with its back to the wall has the same rotation."""
     length: float

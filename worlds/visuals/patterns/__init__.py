@@ -1,7 +1,7 @@
-"""Patterns of materials: functions of an area and a random generator that return a grey shade for every pixel.
+"""Patterns of materials: functions that take an area and a random generator, and return a shade for every pixel.
 
-`worlds.visuals.materials` colours them. `texture_area` is the area with its size in metres, and the random fields that
-patterns are mixed from; `building` holds floors and walls, `objects` furniture and things.
+`worlds.visuals.materials` colours them. `texture_area` defines an area with its size in metres, and draws the random fields
+that patterns are mixed from; `building` has patterns for floors and walls, `objects` for furniture and things.
 """
 
 import lazy_loader

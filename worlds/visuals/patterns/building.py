@@ -1,4 +1,4 @@
-"""Patterns for floors, walls and ceilings, and the outdoor ones: brick, paving, grass."""
+"""Patterns for floors, walls and ceilings, and for outdoor surfaces (brick, paving, grass)."""
 
 import cv2
 import numpy as np

@@ -232,8 +232,8 @@ def _text(window: Planes, rng: Generator) -> None:
 
 
 _LIDS = ((0.0, 0.0), (0.1, 0.85), (0.32, 0.7))
-"""For packets, jars and bottles: inset of the lid on each side and height at which it begins, as shares of the width and the
-height. Packets have no lid."""
+"""Lids of packets, jars and bottles, in this order. The first number is the inset of the lid on each side, as a share of the
+width; the second is the height at which the lid begins, as a share of the whole height. Packets have no lid."""
 
 
 def _packet(

@@ -9,9 +9,9 @@ from jaxtyping import Bool, Float32, Int64
 from numpy.random import Generator
 
 Shade = Float32[np.ndarray, "height width"]
-"""Factors about 1 by which the colour of a surface is multiplied."""
+"""Factors near 1, one per pixel, by which the colour of a surface is multiplied."""
 Planes = Float32[np.ndarray, "3 height width"]
-"""A shade for each of red, green and blue."""
+"""A shade (factor on the colour) for each of red, green and blue."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class TextureArea:
         """Value noise of zero mean and about unit variance, drawn anew so that no two surfaces share a detail.
 
         The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width). Each further octave has cells half
-        as wide and `gain` times the amplitude; octaves with cells below two pixels are left out. The sum so far is enlarged
-        to the grid of the next octave, so that the whole costs little more than the finest octave alone.
+        as wide and `gain` times the amplitude; octaves with cells below two pixels are left out. Before each octave is
+        added, the sum so far is enlarged to the grid of that octave, so that all octaves cost little more than the finest.
         """
         columns, rows = self.width_m / (cell_m * stretch), self.height_m / cell_m
         field: Shade = np.zeros((2, 2), np.float32)
@@ -80,7 +80,7 @@ class Courses:
     """Upper bound on the number of pieces in a row."""
 
     def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
-        """Draw the shade of each piece; joints get the shade `joint`.
+        """Draw the shade of each piece; joints get shades about `joint`.
 
         `light` and `tint` are the standard deviations of a piece's brightness and hue.
         """
@@ -98,7 +98,7 @@ class Courses:
 def courses(
     rng: Generator, surface: TextureArea, course_m: float, piece_m: float, vary: float, aligned: bool = False
 ) -> Courses:
-    """Rows of height `course_m` [m] with pieces about `piece_m` [m] long, whose lengths vary by up to the share `vary`.
+    """Rows of height `course_m` [m]. The lengths of the pieces differ from `piece_m` [m] by up to the share `vary`.
 
     With `aligned`, the joints of all rows lie one above the other, as between tiles.
     """
