@@ -4,14 +4,14 @@ The package needs neither the simulator nor generated houses; it runs unchanged 
 first: it names the stages in the order of the paper. Then read one file a stage: `keyframes`, `keyframe_window` (waits for
 the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and `floors`,
 `place_recognition`, `verification`, `pose_graph` and `graph_optimisation`, and `planner`. `types.py` defines the data that
-passes between them, `config.py` their settings. The subpackages hold what surrounds the stages:
+passes between the stages, `config.py` the settings of the stages. The subpackages support the stages:
 
 - `encoder`: the vision-language model that turns images and room names into vectors.
 - `datasets`: recorded runs as input.
 - `map`: a finished map as files, pictures, directions and summaries.
 - `query`: questions to a map in free words.
 - `evaluation`: figures that compare a run with the truth.
-- `files`: reading and writing of untrusted and precious files.
+- `files`: safe reading of untrusted files, and writing that never leaves a file half written.
 - `maths`: rigid motions and other small mathematics.
 
 Glossary:
@@ -19,7 +19,9 @@ Glossary:
 - percept: what LEXIS extracts from one image, that is an embedding and AKAZE features.
 - features: AKAZE key points with their binary descriptors, and nothing else.
 - label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
-- candidate: a keyframe that place recognition proposes as a revisit; verification turns it into a loop edge, or rejects it.
+- query: the new keyframe, for which earlier keyframes of the same place are sought.
+- candidate: an earlier keyframe that place recognition proposes for a query. Verification turns it into a loop edge, or
+  rejects it.
 """
 
 import lazy_loader

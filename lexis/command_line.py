@@ -25,13 +25,17 @@ MAX_LINE = 400
 """Longest message on stderr, in characters; a value quoted from a file or a command line may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
-"""Exit statuses as shells define them: 128 plus the number of the signal."""
+"""Exit statuses after a broken pipe and after an interruption, as shells define them: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """Errors that mean that an output cannot be written, for example to a full disk."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that reports bad arguments in one line."""
+    """An argument parser that reports bad arguments in one line, and takes no abbreviations of options."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        """Create a parser as `argparse.ArgumentParser` does."""
+        super().__init__(*args, **kwargs | {"allow_abbrev": False})
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments in the command's own parser, so that the message points to the command's own help.
@@ -73,8 +77,8 @@ def add_completion(commands: Commands, root: Parser) -> None:
 def run_command(parser: Parser, argv: Sequence[str] | None, expected: tuple[type[Exception], ...]) -> int:
     """Parse the arguments, run the command and return the exit status.
 
-    Errors of the `expected` classes count as bad input: they are reported in one line, plus one line for each note.
-    A standard output that cannot be written, for example to a full disk, counts as bad input too.
+    Errors of the `expected` classes count as bad input: they are reported in one line, plus one line for each note that
+    is attached to the error. A standard output that cannot be written, for example to a full disk, counts as bad input too.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # file names need not be valid in any encoding
@@ -135,14 +139,14 @@ def warn_of_replacement(out: Path, marker: str) -> None:
 
 
 def positive(text: str) -> int:
-    """Parse an argument that is a whole number from 1."""
+    """Parse an argument that is a whole number of at least 1."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 1")
     return int(text)
 
 
 def seed(text: str) -> int:
-    """Parse an argument that seeds random generators."""
+    """Parse an argument that seeds random generators, a whole number from 0 to 2**63 - 1."""
     if not text.isdecimal() or int(text) >= 2**63:
         raise argparse.ArgumentTypeError(f"{text!r}; valid: a whole number from 0 to 2**63 - 1")
     return int(text)

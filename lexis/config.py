@@ -19,7 +19,7 @@ _FILE = FileKind("settings as JSON; 'lexis config' prints the defaults", 1_000_0
 
 @dataclass(frozen=True)
 class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
-    """Selection of the observations that become keyframes of the graph (paper, Sec. III-A)."""
+    """Settings for selecting the observations that become keyframes of the graph (paper, Sec. III-A)."""
 
     spacing_m: Annotated[float, Gt(0)] = 0.5
     """Length of the odometry path between keyframes [m]."""
@@ -29,17 +29,17 @@ class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
     support_spacing_m: Annotated[float, Gt(0)] = 0.25
     """Length of the odometry path between support frames, which only serve to triangulate landmarks [m]."""
     supports: Annotated[int, Ge(1)] = 2
-    """Support frames used on either side of a keyframe."""
+    """Number of support frames that are used on either side of a keyframe."""
 
 
 @dataclass(frozen=True)
 class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
-    """AKAZE features, and the 3-D points triangulated from them by RGB and odometry."""
+    """Settings for extracting AKAZE features and triangulating 3-D points from them."""
 
     akaze_threshold: Annotated[float, Gt(0)] = 3e-4
-    """Least detector response of a key point; OpenCV's default of 1e-3 leaves too few on plain walls."""
+    """Least detector response of a key point; OpenCV's default of 1e-3 finds too few key points on plain walls."""
     max_features: Annotated[int, Ge(8)] = 600
-    """Strongest key points kept per image."""
+    """Largest number of key points per image; the strongest are kept."""
     epipolar_px: Annotated[float, Gt(0)] = 2.5
     """Largest distance of a match from its epipolar line [px]."""
     ratio: Annotated[float, Interval(gt=0, le=1)] = 0.8
@@ -49,17 +49,18 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
     min_views: Annotated[int, Ge(2)] = 3
     """Fewest images, the keyframe included, that must agree on a landmark."""
     min_parallax_rad: Annotated[float, Interval(gt=0, lt=1)] = 0.026
-    """Smallest angle between the outermost rays of a landmark, 1.5 degrees [rad]."""
+    """Smallest parallax of a landmark, the largest angle between two of its viewing rays [rad]; by default 1.5 degrees."""
     max_reprojection_px: Annotated[float, Gt(0)] = 1.5
-    """Largest reprojection error in any view [px]."""
+    """Largest reprojection error of a landmark in any view [px]."""
 
 
 @dataclass(frozen=True)
 class LabelConfig(Settings, place="labels", error=ConfigError):
-    """Label refinement and stairs (paper, Sec. III-B)."""
+    """Settings for refining the room labels of keyframes and finding stairs (paper, Sec. III-B)."""
 
     refine: bool = True
-    """Whether neighbours vote and height finds the stairs. If False, every keyframe keeps the label of its own image."""
+    """Whether labels are refined by a vote among neighbouring keyframes, and stairs are found by their change of height. If
+    False, every keyframe keeps the label of its own image."""
     neighbours: Annotated[int, Ge(1)] = 5
     """C: number of nearest keyframes that vote on a label (paper: 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
@@ -75,23 +76,23 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
 
 @dataclass(frozen=True)
 class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
-    """Clusters of keyframes and floors (paper, Sec. III-C)."""
+    """Settings for clustering keyframes into rooms and floors (paper, Sec. III-C)."""
 
     distance_m: Annotated[float, Gt(0)] = 3.0
-    """Largest distance between a keyframe and the mean position of the cluster of its label that it joins [m]."""
+    """A keyframe joins a cluster of its label only if the cluster's mean position is within this distance [m]."""
     adjacency_m: Annotated[float, Gt(0)] = 1.5
-    """Largest distance between keyframes of two clusters of one label that are merged, if no other room lies between them
-    [m]. Clusters of consecutive keyframes merge at any distance."""
+    """Two clusters of the same label merge if a keyframe of one is within this distance of a keyframe of the other and no
+    other room lies between the two keyframes [m]. Clusters that contain consecutive keyframes merge at any distance."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The label of stairs; keyframes with this label separate floors."""
 
 
 @dataclass(frozen=True)
 class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigError):
-    """Loop candidates from the query's room (paper, Sec. III-D)."""
+    """Settings for proposing loop candidates (paper, Sec. III-D)."""
 
     candidates: Annotated[int, Ge(0)] = 5
-    """Largest number of keyframes per query that are proposed to verification."""
+    """Largest number of loop candidates that are proposed for one query, which is a new keyframe."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
     """Least age of a loop candidate: time between the candidate and the query [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
@@ -100,10 +101,10 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
 
 @dataclass(frozen=True)
 class VerificationConfig(Settings, place="verification", error=ConfigError):
-    """Geometric verification by PnP (paper, Sec. III-D)."""
+    """Settings for verifying loop candidates by PnP (paper, Sec. III-D)."""
 
     pool: Annotated[int, Ge(0)] = 2
-    """Neighbours on either side of the candidate whose landmarks join its own."""
+    """Number of keyframes on either side of a loop candidate whose landmarks are added to the candidate's own."""
     ratio: Annotated[float, Interval(gt=0, le=1)] = 0.8
     """Largest ratio of the best to the second-best Hamming distance of an accepted match (Lowe's ratio test)."""
     max_reprojection_px: Annotated[float, Gt(0)] = 3.0
@@ -113,29 +114,33 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     min_cells: Annotated[int, Interval(ge=1, le=36)] = 5
     """Least number of cells of a 6 x 6 grid on the image that must contain an inlier."""
     gate_m: Annotated[float, Ge(0)] = 0.5
-    """Largest distance between a loop's relative pose and the current estimate, constant part [m]."""
+    """A loop edge is rejected if its translation is farther than this limit from the currently estimated one [m]. The
+    limit grows with the path by `gate_share`."""
     gate_share: Annotated[float, Ge(0)] = 0.03
-    """Growth of `gate_m` with the length of the path between the candidate and the query [m/m]."""
+    """Distance that is added to `gate_m` for every metre of path between the candidate and the query [m/m]."""
     gate_rad: Annotated[float, Ge(0)] = 0.1
-    """Largest angle between a loop's relative pose and the current estimate, constant part [rad]."""
+    """A loop edge is rejected if the angle between its rotation and the currently estimated one exceeds this limit [rad].
+    The limit grows with the path by `gate_rad_m`."""
     gate_rad_m: Annotated[float, Ge(0)] = 0.005
-    """Growth of `gate_rad` with the length of the path between the candidate and the query [rad/m]."""
+    """Angle that is added to `gate_rad` for every metre of path between the candidate and the query [rad/m]."""
     max_edges: Annotated[int, Ge(1)] = 3
-    """Loop edges kept per query, best first."""
+    """Largest number of loop edges per query; the edges with most inliers are kept."""
     pixel_sigma: Annotated[float, Gt(0)] = 1.5
     """Standard deviation of an inlier's reprojection error, landmark noise included [px]."""
     rotation_sigma_rad: Annotated[float, Gt(0)] = 0.005
-    """Common error of the landmarks, added in quadrature to the standard deviation of a loop edge's rotation [rad]."""
+    """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
+    rotation [rad]."""
     translation_sigma_m: Annotated[float, Gt(0)] = 0.03
-    """Common error of the landmarks, added in quadrature to the standard deviation of a loop edge's translation [m]."""
+    """Error that all landmarks of a loop edge share; it is added in quadrature to the standard deviation of the edge's
+    translation [m]."""
     max_sigma_m: Annotated[float, Gt(0)] = 0.06
-    """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Loop edges with a larger one are
+    """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Edges with a larger deviation are
     rejected: their landmarks are too few or too distant, and the edge would follow the landmarks' errors."""
     seed: Annotated[int, Ge(0)] = 0
     """Seed of the random samples that RANSAC draws."""
 
     def __post_init__(self) -> None:
-        """Raise ConfigError where a value cannot work."""
+        """Raise ConfigError for a value that is not valid."""
         super().__post_init__()
         if self.max_sigma_m <= self.translation_sigma_m:
             self.refuse("max_sigma_m", f"> translation_sigma_m = {self.translation_sigma_m:g} m")
@@ -143,24 +148,26 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
 
 @dataclass(frozen=True)
 class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
-    """The optimisation (paper, Eq. 2)."""
+    """Settings for optimising the pose graph (paper, Eq. 2)."""
 
     dcs: Annotated[float, Gt(0)] = 12.6
-    """Squared whitened residual above which dynamic covariance scaling (DCS) down-weights a loop edge: the 0.95 quantile of
-    chi² with 6 degrees of freedom."""
+    """Squared whitened residual above which dynamic covariance scaling (DCS) down-weights a loop edge. The default is the
+    0.95 quantile of chi² with 6 degrees of freedom."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
-    """Error added in quadrature to the standard deviation of an odometry step's rotation [rad]; it may be reported as 0."""
+    """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
+    may state a deviation of 0 [rad]."""
     min_translation_sigma_m: Annotated[float, Gt(0)] = 1e-4
-    """Error added in quadrature to the standard deviation of an odometry step's translation [m]; it may be reported as 0."""
+    """Error that is added in quadrature to the standard deviation of an odometry step's translation, because the odometry
+    may state a deviation of 0 [m]."""
     max_iterations: Annotated[int, Ge(1)] = 50
-    """Most iterations of Levenberg-Marquardt in one optimisation."""
+    """Largest number of Levenberg-Marquardt iterations in one optimisation."""
 
 
 @dataclass(frozen=True)
 class PlannerConfig(Settings, place="planner", error=ConfigError):
-    """Paths between rooms over the graph (paper, Sec. IV)."""
+    """Settings for planning paths between rooms over the pose graph (paper, Sec. IV)."""
 
     shortcut_m: Annotated[float, Ge(0)] = 0.6
     """Largest distance between keyframes that are connected although the camera did not walk between them [m]. Keep it below
@@ -182,7 +189,7 @@ class Config(Settings, place="lexis", error=ConfigError):
     planner: PlannerConfig = field(default_factory=PlannerConfig)
 
     def __post_init__(self) -> None:
-        """Raise ConfigError where two stages contradict each other."""
+        """Raise ConfigError if the settings of two stages contradict each other."""
         views = 2 * self.keyframes.supports + 1
         if self.landmarks.min_views > views:
             self.landmarks.refuse(
@@ -195,5 +202,5 @@ class Config(Settings, place="lexis", error=ConfigError):
 
 
 def read_config(path: Path) -> Config:
-    """The settings in a JSON file; those that the file leaves out keep their defaults. Raises ConfigError."""
+    """Read settings from a JSON file; settings that the file leaves out keep their defaults. Raises ConfigError."""
     return settings_of(Config, read_json(path, _FILE), str(path))

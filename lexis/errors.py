@@ -8,7 +8,7 @@ class LexisError(ValueError):
 
 
 class ConfigError(LexisError):
-    """A setting is outside its valid range."""
+    """A setting of LEXIS is outside its valid range."""
 
 
 class ObservationError(LexisError):

@@ -32,10 +32,13 @@ def mutual_matches(
     allowed: Bool[np.ndarray, "n m"] | None = None,
     max_distance: int = 488,
 ) -> Int[np.ndarray, "k 2"]:
-    """Pairs of rows that are mutual nearest neighbours by Hamming distance and pass Lowe's ratio test for the first row.
+    """Match two arrays of descriptors; return pairs of a row of `first` and a row of `second`.
 
-    With `allowed`, the nearest and the second-nearest neighbour are searched among the allowed pairs only. A wrong pair may
-    then have no second-nearest neighbour and pass the ratio test, so bound its distance by `max_distance` [bits].
+    The two rows are nearest neighbours of each other by Hamming distance. The row of `first` must also pass Lowe's ratio
+    test: its distance to the nearest row is at most `ratio` times its distance to the second-nearest.
+
+    With `allowed`, only allowed pairs are neighbours. A wrong pair may then have no second-nearest neighbour and pass the
+    ratio test, so bound the distance of pairs by `max_distance` [bits].
     """
     if len(first) == 0 or len(second) == 0:
         return np.zeros((0, 2), np.intp)

@@ -21,7 +21,8 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
     1. Divide the walk into level stretches between stairs.
     2. Give every stretch a height by summing the height differences over the stairs before it. Height changes within a
        stretch are left out, because floors are level and such changes are drift.
-    3. Group these heights wherever a gap exceeds `STOREY_GAP_M`. Short stretches form no group; they get the nearest floor.
+    3. Divide these heights into groups, the floors, wherever a gap exceeds `STOREY_GAP_M`. A stretch of fewer than
+       `MIN_KEYFRAMES` forms no group and gets the nearest floor; if all are that short, the longest form the groups.
     """
     floors = np.full(len(stairs), NO_FLOOR)
     stretches = [run for run in stretches_of(stairs) if not stairs[run.start]]

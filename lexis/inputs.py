@@ -97,7 +97,7 @@ def check_observation(
 def with_copied_poses(observation: Observation) -> Observation:
     """The observation with copies of its pose and covariance, because the caller may reuse the original arrays.
 
-    The image is not copied: LEXIS only keeps what it computes from the image while the observation is processed.
+    The image is not copied, because LEXIS keeps no image after the observation is processed.
     """
     return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
 

@@ -16,7 +16,7 @@ from lexis.types import Covariance, Observation, Pose
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """An observation that was selected."""
+    """An observation that was selected as a keyframe or as a support frame."""
 
     observation: Observation
     is_keyframe: bool

@@ -29,9 +29,9 @@ _MIN_BASELINE_M = 0.01
 """Smallest distance between two cameras to match: with less, noise dominates the epipolar lines and the parallax [m]."""
 _ITERATIONS = 4
 _DAMPING = 1e-12
-"""Damping of a Hessian, as a share of its trace."""
+"""Damping that is added to a Hessian in Gauss-Newton, as a share of the Hessian's trace."""
 _FIRST_FIT_TOLERANCE = 3.0
-"""Factor on the allowed reprojection error after the first fit, which one wrong view can spoil for all other views."""
+"""Factor by which the allowed reprojection error is larger after the first fit, which one wrong view can spoil."""
 
 Thetas = Float64[np.ndarray, "n 3"]
 
@@ -50,7 +50,7 @@ class _Tracks:
 
     pixels: Float64[np.ndarray, "n views 2"]
     seen: Bool[np.ndarray, "n views"]
-    """Whether a key point has a match in a view."""
+    """Whether each key point has a match in each view."""
     T_V_R: Float64[np.ndarray, "views 4 4"]
     """Transforms from the reference camera to the camera of every view."""
     intrinsics: Intrinsics
@@ -72,7 +72,7 @@ class _Tracks:
 
 
 def triangulate(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> Landmarks:
-    """Triangulate the reference's key points that at least `min_views` images agree on; there may be none."""
+    """Triangulate the reference's key points that at least `min_views` images agree on; the result may be empty."""
     if not len(reference.features.keypoints):
         return Landmarks(np.zeros((0, 3)), np.zeros(0, int))
     tracks = _match(reference, supports, camera, config)

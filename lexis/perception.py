@@ -43,13 +43,13 @@ class TextEncoder(Encoder, Protocol):
 
 
 def embedding_of(observation: Observation, encoder: Encoder) -> Float32[np.ndarray, "d"]:
-    """f_CLIP of an observation, copied because a sensor or an encoder may reuse its own array."""
+    """CLIP embedding of an observation (f_CLIP in the paper), copied because sensors and encoders may reuse their arrays."""
     seen = observation.image
     return (seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()
 
 
 def features_of(observation: Observation, extractor: FeatureExtractor) -> Features:
-    """f_AKAZE of an observation, copied because a sensor may reuse its own arrays."""
+    """AKAZE features of an observation (f_AKAZE in the paper), copied because sensors may reuse their arrays."""
     seen = observation.image
     if isinstance(seen, Percept):
         return Features(seen.features.keypoints.copy(), seen.features.descriptors.copy())

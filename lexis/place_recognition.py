@@ -1,6 +1,7 @@
 """Place recognition: loop candidates from the room that the query's image shows (paper, Sec. III-D)."""
 
 from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -11,13 +12,25 @@ from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 
 
+@runtime_checkable
+class PlaceRecogniser(Protocol):
+    """The interface of place recognition: `propose`, or a replacement of it."""
+
+    def __call__(
+        self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig, /
+    ) -> tuple[int, ...]:
+        """Return the ids of the candidates; `propose` documents arguments and result."""
+        ...
+
+
 def propose(
     query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
 ) -> tuple[int, ...]:
     """Propose keyframes for verification; return their ids, most similar first.
 
-    1. Take the rooms that have the query's label and at least one keyframe old enough to close a loop with. Other rooms must
-       not compete: a room that the robot has just re-entered may still be a new cluster of its own, closer than the old one.
+    1. Take the rooms that have the query's label and at least one keyframe old enough to close a loop with. Rooms with
+       recent keyframes only are left out: when the robot re-enters a room, its new keyframes may at first form a cluster of
+       their own, which would be closer than the old cluster of the room.
     2. Choose the room whose mean is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
@@ -30,8 +43,7 @@ def propose(
         graph: the current poses and embeddings.
         config: how many keyframes to propose, and how old they must be.
     """
-    stamps = np.array([keyframe.stamp for keyframe in graph.keyframes])
-    old = old_enough(query.id, stamps, graph.path_m, config)
+    old = old_enough(query.id, graph.stamps, graph.path_m, config)
     members = {room.id: [i for i in room.keyframes if old[i]] for room in rooms if room.label == label}
     eligible = [room for room in rooms if members.get(room.id)]
     if not eligible:
@@ -40,7 +52,7 @@ def propose(
     distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
     ids = np.array(members[closest.id])
-    similarity = graph.embeddings[ids].astype(np.float64) @ query.embedding
+    similarity = np.array([graph.keyframes[i].embedding for i in ids.tolist()], np.float64) @ query.embedding
     best = np.argsort(-rounded(similarity), kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 
@@ -56,7 +68,7 @@ def old_enough(
         query: id of a keyframe.
         stamps: stamps of all keyframes [s].
         path_m: odometry path from the first keyframe to each keyframe [m].
-        config: the two gaps.
+        config: its `min_gap_s` and `min_gap_m` are used.
     """
     seconds, metres = stamps[query] - stamps, path_m[query] - path_m
     # Recorded stamps are rounded, and the decision on a gap at the limit must not depend on that.

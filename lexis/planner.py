@@ -2,7 +2,7 @@
 
 1. Choose the keyframe of each room where a path may begin or end (`path_end`), well away from the room's boundary.
 2. Connect keyframes that a robot can travel between (`adjacency`): consecutive keyframes, keyframes of the same room, and
-   loops.
+   the two keyframes of a loop edge.
 3. Find the shortest path over this graph by Dijkstra's algorithm (`plan`).
 """
 
@@ -27,18 +27,20 @@ MAX_STEP_M = 3.0
 MIN_LOOP_WEIGHT = 0.5
 """Smallest weight, by the robust kernel, of a loop edge that connects keyframes."""
 DOUBTFUL = 0.55
-"""Least evidence of a room that is not doubtful, as a share of the evidence of the clearest room of its label."""
+"""A room is doubtful if its evidence (see `path_end`) is less than this share of the evidence of the clearest room with the
+same label."""
 GRID_M = 2.0**-20
 """Unit of path lengths [m]: a power of two, about a micrometre, so that sums are exact and equally long paths tie."""
 LOOK_AHEAD_M = 1.5
 """Distance from a camera to the place that its image shows [m]; the image describes that place, not the camera's own."""
 REACH_M = 2.0
-"""Largest distance between a place and a place shown by an image that counts as evidence for it [m]. It must exceed
-`LOOK_AHEAD_M`, so that at least its own image counts for the position of every keyframe."""
+"""An image counts as evidence for a place if what the image shows is within this distance of the place [m]. The distance
+must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe at least the keyframe's own image counts."""
 WEAK = 0.4
-"""Least evidence inside a room, as a share of its maximum there; with less evidence, a place counts as outside the room."""
+"""A place counts as outside a room if its evidence is less than this share of the largest evidence in the room."""
 MARGIN_M = 1.5
-"""Distance from the room's boundary beyond which the end of a path is no better [m]; it covers the errors of a robot."""
+"""Ends of a path that are at least this far from the room's boundary are equally good [m]. The distance allows for a
+robot's errors."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +61,14 @@ class PathEnd(NamedTuple):
     room: RoomInstance
     keyframe: int
     evidence: float
-    """Similarity to the room minus the largest similarity to another room name, for the images of the keyframe's place."""
+    """Similarity of the keyframe's place to the room's name, minus the largest similarity to another room name. The
+    similarity of a place is the weighted mean over the images that show the place."""
 
 
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
     """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
-    A label stands for all its instances, and the path connects the start and goal that are the shortest path apart. Doubtful
+    A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Doubtful
     instances are ignored unless the label has no other: most of them are a few mislabelled keyframes in a room of another
     label. The path begins and ends well inside the rooms (`path_end`).
 
@@ -85,11 +88,11 @@ def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = No
 def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
     """The keyframe where a path to a room ends. It has clear evidence of the room and is far from the room's boundary.
 
-    1. Take as candidates the room's own keyframes and those at the places that the room's images show. The latter are needed
-       because a small room may only be recognised by keyframes in front of it.
-    2. Compute the evidence at each candidate: how much the images of its place resemble this room more than any other.
-    3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal ones, the
-       first. If no candidate has positive evidence, choose the candidate with the most.
+    1. Take as candidates the room's own keyframes and the keyframes near the places that the room's images show. The latter
+       are needed because a small room may only be recognised by keyframes in front of it.
+    2. Compute the evidence at each candidate: how much more the images of its place resemble this room than any other.
+    3. Choose the candidate with the largest product of evidence and distance from the room's boundary; of equal
+       products, the first. If no candidate has positive evidence, choose the candidate with the most evidence.
     """
     candidates = _candidates(map, room)
     evidence = _evidence(map, room, candidates)

@@ -7,18 +7,19 @@ from jaxtyping import Float32, Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.graph_optimisation import loop_weights, optimise
+from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
-from lexis.types import Keyframe, LoopEdge, Pose, Poses
+from lexis.types import Keyframe, LoopEdge, Poses
 
 
 class PoseGraph:
-    """Keyframes, loop edges and the current pose estimate. Frame W is chosen so that the first T_W_B equals its T_O_B."""
+    """Keyframes, loop edges and the current pose estimate. In frame W, the first keyframe starts at its T_O_B."""
 
     def __init__(self, config: PoseGraphConfig) -> None:
         """Create an empty graph."""
         self._config = config
-        self._poses: list[Pose] = []
-        self._path_m: list[float] = []
+        self._T_W_B = GrowingArray((4, 4))
+        self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
         self._unused_loops = False
         self._last_optimised = 0
         self.keyframes: list[Keyframe] = []
@@ -27,17 +28,22 @@ class PoseGraph:
     @property
     def T_W_B(self) -> Poses:
         """The current estimate: optimised poses, continued by odometry since the last optimisation."""
-        return np.stack(self._poses)
+        return self._T_W_B.rows
 
     @property
     def embeddings(self) -> Float32[np.ndarray, "n d"]:
-        """f_CLIP of all keyframes."""
+        """CLIP embeddings of all keyframes (f_CLIP in the paper)."""
         return np.stack([keyframe.embedding for keyframe in self.keyframes])
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
         """Odometry path from the first keyframe to each keyframe [m]."""
-        return np.array(self._path_m)
+        return self._path_m.rows
+
+    @property
+    def stamps(self) -> Float64[np.ndarray, "n"]:
+        """Stamps of the keyframes [s]."""
+        return self._stamps.rows
 
     @property
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
@@ -47,11 +53,13 @@ class PoseGraph:
     def add_keyframe(self, keyframe: Keyframe) -> None:
         """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose."""
         if not self.keyframes:
-            self._poses, self._path_m = [keyframe.T_O_B], [0.0]
+            self._T_W_B.append(keyframe.T_O_B)
+            self._path_m.append(0.0)
         else:
             step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
-            self._poses.append(self._poses[-1] @ step)
-            self._path_m.append(self._path_m[-1] + float(np.linalg.norm(step[:3, 3])))
+            self._T_W_B.append(self.T_W_B[-1] @ step)
+            self._path_m.append(self.path_m[-1] + np.linalg.norm(step[:3, 3]))
+        self._stamps.append(keyframe.stamp)
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
@@ -69,6 +77,6 @@ class PoseGraph:
             return False
         T_O_B = np.stack([keyframe.T_O_B for keyframe in self.keyframes])
         covariances = np.stack([keyframe.step_covariance for keyframe in self.keyframes[1:]])
-        self._poses = list(optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config))
+        self._T_W_B.replace(optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config))
         self._unused_loops, self._last_optimised = False, len(self.keyframes)
         return True

@@ -26,10 +26,10 @@ Similarities = Float64[np.ndarray, "n rooms"]
 
 @dataclass(frozen=True, eq=False)
 class RoomLabels:
-    """One index into the room names for every keyframe."""
+    """Room labels of all keyframes, as indices into the room names."""
 
     baseline: Labels
-    """The prompt that is most similar to the image."""
+    """Labels before refinement: for each keyframe, the room name whose prompt is most similar to the image."""
     refined: Labels
     """Labels after propagation between neighbours and detection of stairs by height."""
 

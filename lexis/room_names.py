@@ -12,7 +12,7 @@ def instance_names(rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
 
 
 def numbered(labels: Sequence[str]) -> tuple[str, ...]:
-    """One unique name per label, in their order; equal labels are numbered from 1."""
+    """One unique name for each entry of `labels`, in the same order; equal labels are numbered from 1."""
     total = Counter(labels)
     seen: Counter[str] = Counter()
     names = []
@@ -29,7 +29,10 @@ def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[s
 
 
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
-    """The room of this name, else all rooms of this label; empty if no room matches. Ignores case and outer blanks."""
+    """The room with this name or, if there is none, all rooms with this label; there may be none.
+
+    Case and outer blanks are ignored.
+    """
     wanted = name.strip().lower()
     exact = tuple(room for room, own in zip(rooms, instance_names(rooms), strict=True) if own.lower() == wanted)
     return exact or tuple(room for room in rooms if room.label.lower() == wanted)

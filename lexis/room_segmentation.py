@@ -1,6 +1,8 @@
 """Room instances and floors, found by clustering labelled keyframes (paper, Sec. III-C)."""
 
-from dataclasses import dataclass, field
+import math
+from collections import defaultdict
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -10,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SegmentationConfig
 from lexis.floors import NO_FLOOR, floor_levels
-from lexis.maths.ties import rounded
+from lexis.maths.ties import DECIMALS
 from lexis.types import RoomInstance
 
 Positions = Float64[np.ndarray, "n 3"]
@@ -22,9 +24,9 @@ class Segmentation:
     """The partition of the keyframes into rooms and floors."""
 
     rooms: tuple[RoomInstance, ...]
-    """Ordered by their first keyframe; `rooms[i].id == i`."""
+    """Room instances, ordered by their first keyframe; `rooms[i].id == i`."""
     floors: PerKeyframe
-    """Number of the floor, 0 for the lowest; -1 on stairs."""
+    """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
 
 
 def segment(
@@ -57,34 +59,37 @@ def segment(
 
 
 @dataclass
-class _Clusters:
-    """The clusters found so far for one pair of label and floor: running means and counts."""
+class _Cluster:
+    """A cluster that has been found so far: its id, its running mean [m], and the number of its keyframes."""
 
-    ids: list[int] = field(default_factory=list)
-    means: list[Float64[np.ndarray, "3"]] = field(default_factory=list)
-    counts: list[int] = field(default_factory=list)
+    id: int
+    mean: tuple[float, ...]
+    count: int = 1
 
-    def join(self, position: Float64[np.ndarray, "3"], distance_m: float, new_id: int) -> int:
-        """Add a keyframe to the nearest cluster within `distance_m`, or start cluster `new_id`; return the cluster's id."""
-        distances = rounded(np.linalg.norm(np.array(self.means).reshape(-1, 3) - position, axis=1))
-        nearest = int(distances.argmin()) if len(distances) else -1
-        if nearest < 0 or distances[nearest] > distance_m:
-            self.ids.append(new_id)
-            self.means.append(position)
-            self.counts.append(1)
-            return new_id
-        self.counts[nearest] += 1
-        self.means[nearest] = self.means[nearest] + (position - self.means[nearest]) / self.counts[nearest]
-        return self.ids[nearest]
+    def add(self, position: tuple[float, ...]) -> None:
+        """Add a keyframe to the cluster and update the mean position."""
+        self.count += 1
+        self.mean = tuple(mean + (value - mean) / self.count for mean, value in zip(self.mean, position, strict=True))
 
 
 def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> PerKeyframe:
-    """Id of the cluster of every keyframe, found in one pass over the walk."""
-    growing: dict[int, _Clusters] = {}
-    clusters = np.empty(len(kinds), int)
-    for i, (kind, position) in enumerate(zip(kinds.tolist(), positions, strict=True)):
-        clusters[i] = growing.setdefault(kind, _Clusters()).join(position, distance_m, new_id=i)
-    return clusters
+    """Id of the cluster of every keyframe, found in one pass over the walk.
+
+    A kind has few clusters, so plain numbers are several times faster than arrays here.
+    """
+    growing: defaultdict[int, list[_Cluster]] = defaultdict(list)
+    ids = []
+    for i, (kind, position) in enumerate(zip(kinds.tolist(), map(tuple, positions.tolist()), strict=True)):
+        distances = [round(math.dist(cluster.mean, position), DECIMALS) for cluster in growing[kind]]
+        nearest = min(distances, default=math.inf)
+        if nearest <= distance_m:
+            joined = growing[kind][distances.index(nearest)]
+            joined.add(position)
+        else:
+            joined = _Cluster(i, position)
+            growing[kind].append(joined)
+        ids.append(joined.id)
+    return np.array(ids, int)
 
 
 def _merge(clusters: PerKeyframe, kinds: PerKeyframe, positions: Positions, adjacency_m: float) -> PerKeyframe:

@@ -1,17 +1,31 @@
 """Labels, rooms and floors as a function of the current graph.
 
-They are recomputed from scratch each time instead of being updated, so that they always agree with the current poses.
+All three are recomputed from scratch each time instead of being updated, so that they always agree with the current poses.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int
 
 from lexis.config import Config
-from lexis.room_labels import label_keyframes, similarities
+from lexis.room_labels import Labels, label_keyframes, similarities
 from lexis.room_segmentation import segment
-from lexis.types import Poses, RoomInstance
+from lexis.types import Keyframe, Poses, RoomInstance
+
+
+@runtime_checkable
+class Labeller(Protocol):
+    """The interface of a function that gives the labels of keyframes, such as the true labels.
+
+    They take the place of the labels that are found from images and refined.
+    """
+
+    def __call__(self, keyframes: Sequence[Keyframe], /) -> Labels:
+        """Return the label of every keyframe, as an index into the room names."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,18 +45,21 @@ def derive(
     text: Float32[np.ndarray, "rooms d"],
     room_names: tuple[str, ...],
     config: Config,
+    given: Labels | None = None,
 ) -> Semantics:
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
     Args:
-        embeddings: f_CLIP of every keyframe, unit norm.
+        embeddings: CLIP embedding of every keyframe (f_CLIP in the paper), unit norm.
         T_W_B: current poses.
-        text: f_TEXT of every room name, unit norm.
+        text: text embedding of every room name (f_TEXT in the paper), unit norm.
         room_names: the vocabulary.
-        config: its settings of labels and segmentation are used.
+        config: all settings, of which only those of labels and segmentation are used.
+        given: labels to cluster in place of the refined labels; None: the refined labels.
     """
     positions = T_W_B[:, :3, 3]
     cosines = similarities(embeddings, text)
     labels = label_keyframes(cosines, positions, room_names, config.labels)
-    segmentation = segment(labels.refined, positions, room_names, config.segmentation)
-    return Semantics(cosines, labels.baseline, labels.refined, segmentation.floors, segmentation.rooms)
+    refined = labels.refined if given is None else given
+    segmentation = segment(refined, positions, room_names, config.segmentation)
+    return Semantics(cosines, labels.baseline, refined, segmentation.floors, segmentation.rooms)

@@ -14,18 +14,18 @@ _UNITS = {
     "m_s2": "m/s²", "m_s": "m/s", "rad_s": "rad/s", "rad_m": "rad/m",
     "m": "m", "s": "s", "rad": "rad", "deg": "degrees", "px": "px", "hz": "Hz",
 }  # fmt: skip
-"""Units by the end of a field's name; the first end that fits decides."""
+"""Unit for each ending of a field's name; the first ending that fits decides."""
 _KINDS = {int: "a whole number", float: "a finite number", bool: "true or false", str: "a text that is not empty"}
 _SIGNS = {Gt: ("gt", ">"), Ge: ("ge", ">="), Lt: ("lt", "<"), Le: ("le", "<=")}
 _Settings = TypeVar("_Settings", bound="Settings")
 
 
 class Settings:
-    """Base class of frozen dataclasses whose annotations declare what is valid.
+    """Base class of frozen dataclasses whose annotations declare the valid values.
 
     `Annotated[float, Gt(0)]` and its relatives bound a number, `Annotated[str, MinLen(1)]` excludes an empty text, and
-    `Literal["a", "b"]` lists the choices. Numbers have to be finite, and neither texts nor booleans. A subclass gives its
-    `place`, which error messages begin with, and the `error` to raise:
+    `Literal["a", "b"]` lists the choices. Numbers must be finite; texts and booleans do not count as numbers. A subclass
+    gives its `place`, which error messages begin with, and the `error` to raise:
 
         @dataclass(frozen=True)
         class WalkConfig(Settings, place="walk", error=SimError):
@@ -38,7 +38,7 @@ class Settings:
     error: ClassVar[type[Exception]]
 
     def __init_subclass__(cls, *, place: str = "", error: type[Exception] = ValueError) -> None:
-        """Keep what the class's error messages begin with, and their type; a subclass of a subclass inherits both."""
+        """Store how the class's error messages begin, and the type of its errors; a subclass of a subclass inherits both."""
         if place:
             cls.place, cls.error = place, error
 
@@ -59,7 +59,7 @@ def settings_data(settings: Settings) -> dict[str, Any]:
 
 
 def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settings:
-    """Settings from nested plain data; what `data` leaves out keeps its default.
+    """Build settings from nested plain data; fields that `data` leaves out keep their defaults.
 
     `place` is where the data came from, for error messages. Raises the class's error for unknown names, for data that is no
     mapping, and for values that are not valid.

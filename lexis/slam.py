@@ -26,10 +26,10 @@ from lexis.inputs import check_camera, check_observation, check_room_names, with
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.perception import Encoder, embedding_of, features_of
-from lexis.place_recognition import propose
+from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.pose_graph import PoseGraph
 from lexis.room_labels import image_label
-from lexis.semantics import Semantics, derive
+from lexis.semantics import Labeller, Semantics, derive
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance
 from lexis.verification import Verifier, verify
@@ -53,8 +53,13 @@ class Slam:
         room_names: Sequence[str],
         config: Config | None = None,
         verifier: Verifier = verify,
+        place_recogniser: PlaceRecogniser = propose,
+        labeller: Labeller | None = None,
     ) -> None:
-        """Set up all stages and encode the room prompts; `verifier` decides which loop candidates become edges.
+        """Set up all stages and encode the room prompts.
+
+        Each of the last three arguments replaces a stage: verification, place recognition, or the labelling before
+        keyframes are clustered into rooms. A test can thus put the truth in the place of one stage.
 
         Raises:
             LexisError: the camera or the room names are unusable.
@@ -65,7 +70,7 @@ class Slam:
         self._encoder = encoder
         self._room_names = tuple(room_names)
         self._config = config or Config()
-        self._verify = verifier
+        self._verify, self._propose, self._labeller = verifier, place_recogniser, labeller
         self._text = encoder.encode_rooms(self._room_names)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
@@ -128,13 +133,14 @@ class Slam:
     def _derive_semantics(self) -> Semantics:
         """Labels, rooms and floors of all keyframes at their current poses."""
         with self._timed("rooms"):
-            return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config)
+            given = self._labeller(self._graph.keyframes) if self._labeller else None
+            return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
         """Propose loop candidates in the room that the image shows, verify them by PnP, and add the loop edges."""
         with self._timed("propose"):
             label = self._room_names[image_label(query.embedding, self._text)]
-            candidates = propose(query, label, self._rooms, self._graph, self._config.place_recognition)
+            candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             loops = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))

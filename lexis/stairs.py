@@ -11,7 +11,7 @@ LANDING_M = 2.5
 FLOOR_PATH_M = 4.0
 """Shortest path of a level stretch that is certainly a floor and not a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
-"""Smallest height difference between a half landing and every floor [m]."""
+"""Smallest height difference between a half landing and the nearest floor [m]."""
 
 PerKeyframe = Float64[np.ndarray, "n"]
 

@@ -73,7 +73,7 @@ class Observation:
     T_O_B: Pose
     """Pose of the body as estimated by the odometry, which drifts."""
     increment_covariance: Covariance
-    """Covariance, as stated by the odometry, of its motion estimate since the previous observation [rad², m²]."""
+    """Covariance of the odometry's motion estimate since the previous observation, as stated by the odometry [rad², m²]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,12 +117,12 @@ class LoopEdge:
     covariance: Covariance
     """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
-    """Number of the query's key points that see a landmark where the pose predicts it."""
+    """Number of key points in the query's image that lie where `T_match_query` predicts their landmark."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoopArrays:
-    """The fields of loop edges, each stacked in the order of the edges. Without edges, the arrays keep their other axes."""
+    """The fields of loop edges, each stacked in the order of the edges. Without edges, the first axis has length 0."""
 
     query: Int[np.ndarray, "m"]
     match: Int[np.ndarray, "m"]
@@ -162,7 +162,7 @@ class RoomInstance:
     mean: Float64[np.ndarray, "3"]
     """Mean position of the keyframes in W [m]."""
     floor: int | None
-    """Number of the floor, 0 for the lowest; None for stairs."""
+    """Floor number: 0 for the lowest floor, None for stairs."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class LexisMap:
     labels: Int[np.ndarray, "n"]
     """Labels of the keyframes after refinement, as indices into `room_names`."""
     floors: Int[np.ndarray, "n"]
-    """Number of the floor, 0 for the lowest; -1 on stairs."""
+    """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
     rooms: tuple[RoomInstance, ...]
     loops: tuple[LoopEdge, ...]
     loop_weights: Float64[np.ndarray, "loops"]

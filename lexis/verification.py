@@ -30,7 +30,7 @@ from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
 _GRID = 6
 """Number of cells along each side of the image, for measuring the spread of inliers."""
 _RANSAC = {"min_iterations": 100, "max_iterations": 5000}
-"""Bounds of the time spent on a hopeless candidate; 5000 samples still find a pose if one match in eight is right."""
+"""Limits of RANSAC, which bound the time for a hopeless candidate. 5000 samples suffice if one match in eight is right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class _Correspondences:
     """Matches between key points of the query and landmarks; a key point may occur several times."""
 
     feature_ids: Int[np.ndarray, "k"]
-    """Rows in the query's features."""
+    """Row of every matched key point in the query's features."""
     points: Float64[np.ndarray, "k 3"]
     """Positions of the landmarks in the candidate's body frame [m]."""
 
@@ -72,7 +72,7 @@ def verify(
 
 
 def plausible_edges(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """The edges of a query that agree with the current estimate, most inliers first, at most `max_edges` of them."""
+    """Keep the edges of one query that agree with the current estimate: at most `max_edges`, most inliers first."""
     T_W_B, path_m = graph.T_W_B, graph.path_m
     plausible = [
         edge

@@ -25,7 +25,7 @@ _MAX_COEFFICIENT = 1e4
 
 @dataclass(frozen=True)
 class DatasetConfig:
-    """Choices among the contents of a dataset, and assumptions about what it does not state."""
+    """Settings for reading a dataset: which contents to use, and assumptions where the dataset states nothing."""
 
     odometry: str | None = None
     """The odometry: a file (TUM), a sensor's folder (EuRoC) or a topic (ROS 2). None: the default name."""
@@ -34,9 +34,9 @@ class DatasetConfig:
     max_odometry_gap_s: float = 0.5
     """Longest gap between odometry poses that is interpolated [s]."""
     rotation_sigma: float = 0.003
-    """Assumed drift of the orientation if there are no covariances, per square root of path [rad/√m]."""
+    """Drift of the orientation to assume if the dataset has no covariances, per square root of the path length [rad/√m]."""
     translation_sigma: float = 0.015
-    """Assumed drift of the position if there are no covariances, per square root of path [m/√m]."""
+    """Drift of the position to assume if the dataset has no covariances, per square root of the path length [m/√m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: f
 
 
 def check_poses(track: OdometryTrack) -> None:
-    """Raise DatasetError unless all coordinates of an odometry are at most `MAX_POSITION_M`."""
+    """Raise DatasetError unless all position coordinates of the odometry are within +-`MAX_POSITION_M`."""
     far = ~(np.abs(track.T_O_B[:, :3, 3]) <= MAX_POSITION_M).all(axis=1)
     if far.any():
         k = int(np.argmax(far))
@@ -113,7 +113,7 @@ def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
 
 
 def image_file(folder: Path, where: str, name: str) -> Path:
-    """The path of an image that a list names relative to `folder`. Raises DatasetError unless it is a file inside."""
+    """The path of an image that a list names relative to `folder`. Raises DatasetError unless `folder` contains it."""
     relative = PurePosixPath(name)
     if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
         raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")

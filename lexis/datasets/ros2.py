@@ -62,7 +62,10 @@ def is_bag(directory: Path) -> bool:
 
 
 def read_bag(directory: Path, config: DatasetConfig) -> Recorded:
-    """Read a bag with the topics parents. Raises LexisError, with the topic, if it is incomplete or inconsistent."""
+    """Read a bag that has the topics listed at the top of this module, under the names that `config` gives.
+
+    Raises LexisError, which names the topic, if the bag is incomplete or inconsistent.
+    """
     bag = _Bag(directory if (directory / METADATA).is_file() else directory / "bag")
     name = f"/{(config.camera or CAMERA).strip('/')}"
     raw, compressed = f"{name}/image_raw", f"{name}/image_raw/compressed"

@@ -1,8 +1,8 @@
 """The vision-language model: images and room names become unit vectors in one space (paper, Sec. III-A).
 
-`open_clip_encoder` is the encoder; `options` says how it computes. `model_source` and `hub` find the weights,
-`model_loading` loads them, `preprocessing` prepares images, `prompts` turns room names into sentences, and `image_cache`
-keeps embeddings on disk.
+`open_clip_encoder` is the encoder; `options` holds the settings of its computation. `model_source` and `hub` find the
+weights, `model_loading` loads them, `preprocessing` prepares images, `prompts` turns room names into sentences, and
+`image_cache` keeps embeddings on disk.
 """
 
 import lazy_loader

@@ -11,10 +11,10 @@ from lexis.errors import EncoderError, one_line
 
 
 def fetch(repo: str, names: Sequence[str]) -> Path:
-    """The local path of the first of these files that the repository has; cached files are used without network access.
+    """Return the local path of the first of the files `names` in the repository; cached files need no network access.
 
-    Raises EncoderError. If the hub does not answer, this happens at once, whereas the hub's own client would retry for most
-    of a minute.
+    Raises EncoderError. If the hub does not answer, the error comes at once; the hub's own client would retry for most of a
+    minute.
     """
     try:
         for name in names:

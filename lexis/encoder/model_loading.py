@@ -23,7 +23,7 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.posit
 
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
-    """Load a network with its tokenizer and preprocessing. `model` names it in messages. Raises EncoderError."""
+    """Load a network with its tokenizer and preprocessing. `model` is its name in messages. Raises EncoderError."""
     with open_clip_quiet():
         try:
             weights = source.weights()
@@ -90,7 +90,7 @@ def _pair(size: Any) -> tuple[int, int]:
 
 @contextmanager
 def open_clip_quiet() -> Iterator[None]:
-    """Suppress the log lines of open_clip and the hub (retries, fallbacks); errors contain what matters of them."""
+    """Suppress the log lines of open_clip and the hub (retries, fallbacks); raised errors contain the important lines."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

@@ -22,7 +22,7 @@ from lexis.files.reading import FileKind, read_json
 MINI = "mini"
 """Name of the model that ships with the package."""
 MINI_CONFIG = Path(__file__).parents[1] / "models" / "lexis-mini.json"
-"""Architecture of that model; its weights are in the same folder."""
+"""File with the architecture of the model `mini`; the weights are in the same folder."""
 
 CONFIG_FILE = "open_clip_config.json"
 """Name of the file that open_clip writes beside weights."""
@@ -37,7 +37,7 @@ _CONFIG_FILE = FileKind("the file that open_clip writes", 1_000_000, EncoderErro
 
 @dataclass(frozen=True)
 class ModelSource:
-    """The source of a model: what open_clip needs to create and load it."""
+    """The source of a model: the names, files and settings with which open_clip creates and loads the model."""
 
     architecture: str
     kind: str
@@ -53,10 +53,13 @@ class ModelSource:
     published: bool = False
     """Whether open_clip itself lists these weights for this architecture."""
     quick_gelu: bool = False
-    """Whether these weights were trained with OpenAI's activation; open_clip would only warn of a mismatch."""
+    """Whether these weights were trained with OpenAI's activation function; open_clip would only warn of a mismatch."""
 
     def weights(self) -> Path | None:
-        """The checkpoint, downloaded if necessary; None if a folder has none. Raises EncoderError."""
+        """The local file with the weights, downloaded if necessary; None if the local folder contains no weights.
+
+        Raises EncoderError if the download fails.
+        """
         return fetch(*self.hub) if self.hub else self.checkpoint
 
 

@@ -32,7 +32,7 @@ _TEXT_LISTS = 1024
 
 
 class OpenClipEncoder:
-    """An open_clip model as an encoder. The output for an input does not depend on what was encoded before."""
+    """An open_clip model as an encoder. The output for an input does not depend on earlier inputs."""
 
     def __init__(
         self, name: str, model: Any, tokenizer: Any, preprocessing: Preprocessing, options: EncoderOptions | None = None
@@ -70,16 +70,17 @@ class OpenClipEncoder:
 
     @property
     def temperature(self) -> float:
-        """Temperature that the model was trained with: softmax(similarities / temperature) gives its probabilities."""
+        """Temperature that the model was trained with; its probabilities are softmax(similarities / temperature)."""
         return float(1.0 / self._model.logit_scale.detach().float().exp())
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
-        """f_CLIP of an RGB image of any size, unit norm."""
+        """CLIP embedding of an RGB image of any size (f_CLIP in the paper), with unit norm."""
         return np.asarray(self.encode_images([image])[0])
 
     def encode_images(self, images: Images) -> Float32[np.ndarray, "images d"]:
-        """f_CLIP of RGB images, unit norm; computed in batches, without the images that are in the cache.
+        """CLIP embeddings of RGB images (f_CLIP in the paper), with unit norm.
 
+        Embeddings that are in the cache are not computed again; the others are computed in batches.
         Raises EncoderError if there is no image.
         """
         if self._cache is None or len(images) == 0:
@@ -93,14 +94,17 @@ class OpenClipEncoder:
         return np.stack([known[key] for key in keys])
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """f_TEXT of every room name, unit norm: the mean over several prompts. Raises EncoderError for a blank name."""
+        """Text embedding of every room name (f_TEXT in the paper), with unit norm: the mean over several prompts.
+
+        Raises EncoderError for a blank name, or if there is no name.
+        """
         if not names or not all(name.strip() for name in names):
             raise EncoderError(f"room names are {list(names)}; valid: at least one, none blank")
         means = np.stack([self.encode_texts(prompts(name, self._options.templates)).mean(axis=0) for name in names])
         return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """f_TEXT of every text, unchanged by prompts, unit norm; results for recent lists of texts are cached."""
+        """Text embedding of every text as it is, without prompts, with unit norm; recent lists of texts are cached."""
         return self._texts(tuple(texts)).copy()
 
     def _compile(self) -> None:
@@ -134,7 +138,7 @@ def load_encoder(model: str = MINI, options: EncoderOptions | None = None) -> Op
     Args:
         model: MODEL is an open_clip architecture, PRETRAINED one of its tags, PATH a checkpoint (.safetensors, or .pt, .pth
             or .bin with nothing but tensors). If open_clip lists no tag of MODEL, or if its tags disagree on the image's
-            mean and deviation or on the activation, an `open_clip_config.json` beside PATH must state them.
+            mean and deviation or on the activation, an `open_clip_config.json` beside PATH must state these properties.
         options: device, precision, batch size, prompts and cache.
 
     Raises:

@@ -32,9 +32,9 @@ class EncoderOptions(Settings, place="encoder", error=EncoderError):
     threads: Annotated[int, Ge(1)] = 1
     """Threads of torch while it encodes; the setting of the process is restored afterwards."""
     batch: Annotated[int, Ge(1)] = 32
-    """Most images or texts that are encoded at once."""
+    """Largest number of images or texts that are encoded at once."""
     templates: tuple[str, ...] = TEMPLATES
-    """Captions whose embeddings are averaged for a room name, each with one {} for the name with its article."""
+    """Captions for a room name, whose embeddings are averaged. Each has one {} in place of the name with its article."""
     cache: Path | None = None
     """Folder in which embeddings of images are kept from run to run. None: no cache."""
 

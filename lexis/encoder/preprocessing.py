@@ -1,4 +1,4 @@
-"""Preprocessing of RGB images of any size to the input of an image tower, with the settings that it was trained with."""
+"""Preprocessing of RGB images of any size for an image tower, with the settings that the tower was trained with."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -18,7 +18,7 @@ from lexis.types import Image
 MINI_MEAN = (0.5, 0.5, 0.5)
 """Mean that is subtracted from RGB in [0, 1] for `lexis-mini`."""
 MINI_STD = (0.25, 0.25, 0.25)
-"""Standard deviation by which the difference is divided."""
+"""Standard deviation by which RGB in [0, 1] is divided for `lexis-mini`, after subtracting the mean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def squashing(height: int, width: int) -> Preprocessing:
 
 
 def as_open_clip(settings: Mapping[str, Any]) -> Preprocessing:
-    """The preprocessing of open_clip for all fields of its `PreprocessCfg`. Raises ValueError for unusable settings."""
+    """open_clip's preprocessing, for values of all fields of its `PreprocessCfg`. Raises ValueError for unusable values."""
     transform = image_transform_v2(PreprocessCfg(**settings), is_train=False)
     told = [settings[key] for key in ("resize_mode", "size", "mean", "std", "interpolation")]
     return Preprocessing(json.dumps(told), lambda image: transform(PILImage.fromarray(image)))

@@ -1,14 +1,14 @@
-"""Coverage: the share of a walk that a map describes. All other metrics ignore the parts without keyframes."""
+"""Coverage: the share of a walk that a map describes. All other metrics ignore the parts of the walk without keyframes."""
 
 import numpy as np
 from jaxtyping import Float64
 
 GAP_M = 3.0
-"""Largest path between consecutive keyframes that counts as covered [m]."""
+"""Longest path between consecutive keyframes that still counts as covered [m]."""
 
 
 def path_covered(distances_m: Float64[np.ndarray, "n"], length_m: float) -> float | None:
-    """Share of the walk between its first and last keyframe, without gaps longer than 3 m, in [0, 1].
+    """Share of the walk, in [0, 1], that lies between consecutive keyframes at most 3 m of path apart.
 
     A single keyframe covers nothing. The result is None for a walk without length.
 

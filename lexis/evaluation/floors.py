@@ -1,4 +1,4 @@
-"""Accuracy of the floors."""
+"""Accuracy of the floor numbers of keyframes."""
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -7,7 +7,7 @@ Floors = Int[np.ndarray, "n"]
 
 
 def floor_accuracy(predicted: Floors, truth: Floors, on_stairs: Bool[np.ndarray, "n"]) -> float | None:
-    """Share of the keyframes truly off the stairs that have the right floor; None without such keyframes.
+    """Among keyframes that are truly not on stairs, the share with the right floor; None without such keyframes.
 
     Predicted and true floors are numbered from 0 for the lowest. A keyframe wrongly predicted on stairs (-1) is an error.
     """

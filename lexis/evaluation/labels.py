@@ -1,4 +1,4 @@
-"""Accuracy of the room labels of keyframes (paper, Sec. IV)."""
+"""Accuracy of the room labels of keyframes (paper, Sec. IV). A keyframe without a label has -1 and counts as wrong."""
 
 from collections.abc import Sequence
 
@@ -16,9 +16,10 @@ def accuracy(predicted: Labels, truth: Labels) -> float | None:
 def graded_accuracy(predicted: Labels, allowed: Bool[np.ndarray, "n rooms"]) -> float | None:
     """Share of keyframes whose label is allowed at their position; None without keyframes.
 
-    Within a band along an open boundary between two rooms, the labels of both are allowed.
+    In a strip on either side of an open boundary between two rooms, the labels of both rooms are allowed.
     """
-    return float(np.mean(allowed[np.arange(len(predicted)), predicted])) if len(predicted) else None
+    right = allowed[np.arange(len(predicted)), predicted] & (predicted >= 0)  # numpy would take -1 for the last label
+    return float(np.mean(right)) if len(predicted) else None
 
 
 def accuracy_per_room(predicted: Labels, truth: Labels, room_names: Sequence[str]) -> dict[str, float]:

@@ -20,13 +20,13 @@ class LoopScores:
     """Metrics of loop closure; the field `loops` of result.json."""
 
     proposed: int
-    """Number of candidate pairs that were verified."""
+    """Number of pairs of query and candidate that were passed to verification."""
     verified: int
-    """Number of edges that verification accepted."""
+    """Number of those pairs that verification accepted as edges."""
     true: int
     """Number of edges within 0.5 m and 0.2 rad of the true relative pose."""
     false: int
-    """Number of all other edges."""
+    """Number of edges farther than 0.5 m or 0.2 rad from the true relative pose."""
     precision: float | None
     """Share of edges that are true; None without an edge."""
     recall: float | None
@@ -44,7 +44,7 @@ def score_loops(
     """Compute all metrics of loop closure.
 
     Args:
-        proposed: number of candidate pairs.
+        proposed: number of pairs of query and candidate.
         query: later keyframe of every edge.
         match: earlier keyframe of every edge.
         T_match_query: relative pose of every edge.

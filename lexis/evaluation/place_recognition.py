@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool
 
 from lexis.evaluation.relative import separation
 from lexis.types import Poses
@@ -15,18 +15,30 @@ PLACE_M, PLACE_RAD = 1.0, 0.5
 
 @dataclass(frozen=True)
 class Counts:
-    """Numbers of queries by outcome."""
+    """Numbers of place recognition queries by outcome: true positives, false positives, and possible true positives."""
 
     tp: int
-    """True positives."""
+    """Number of true positives: queries with at least N right matches, where N is the argument `n` of `count_matches`."""
     fp: int
-    """False positives."""
+    """Number of false positives: all other queries for which a match was proposed."""
     possible: int
-    """Queries that could be true positives, because at least N right matches exist among the eligible keyframes."""
+    """Number of queries that could be true positives, because at least N of the eligible keyframes are right matches."""
+
+
+def at_one_place(T_W_B: Poses) -> Bool[np.ndarray, "n n"]:
+    """Whether each pair of true poses is within 1 m and 0.5 rad."""
+    positions = T_W_B[:, :3, 3]
+    near = np.linalg.norm(positions[:, None] - positions, axis=2) <= PLACE_M
+    first, second = np.nonzero(near)
+    near[first, second] = separation(T_W_B, first, second)[1] <= PLACE_RAD
+    return np.asarray(near)
 
 
 def count_matches(
-    candidates: Sequence[tuple[int, Sequence[int]]], eligible: Bool[np.ndarray, "n n"], T_W_B: Poses, n: int
+    candidates: Sequence[tuple[int, Sequence[int]]],
+    eligible: Bool[np.ndarray, "n n"],
+    right: Bool[np.ndarray, "n n"],
+    n: int,
 ) -> Counts:
     """Count true and false positives among the queries, at N = `n` required matches.
 
@@ -38,17 +50,10 @@ def count_matches(
     Args:
         candidates: the query keyframes, each with the keyframes proposed for it.
         eligible: for every keyframe as the query (rows), whether each keyframe is old enough to be proposed.
-        T_W_B: true poses of all keyframes.
+        right: for every pair of keyframes, whether they match; see `at_one_place`.
         n: the number N; 1, 3 and 5 in the paper.
     """
-    right = [len(_at_the_place(query, np.asarray(proposed), T_W_B)) for query, proposed in candidates if len(proposed)]
-    there = [len(_at_the_place(query, np.flatnonzero(eligible[query]), T_W_B)) for query, _ in candidates]
-    tp = sum(count >= n for count in right)
-    return Counts(tp, len(right) - tp, possible=sum(count >= n for count in there))
-
-
-def _at_the_place(query: int, others: Int[np.ndarray, "m"], T_W_B: Poses) -> Int[np.ndarray, "k"]:
-    """The keyframes among `others` whose true pose is within 1 m and 0.5 rad of the query's."""
-    near = others[np.linalg.norm(T_W_B[others, :3, 3] - T_W_B[query, :3, 3], axis=1) <= PLACE_M]
-    _, angle = separation(T_W_B, np.full(len(near), query), near)
-    return np.asarray(near[angle <= PLACE_RAD])
+    found = [int(right[query, list(proposed)].sum()) for query, proposed in candidates if len(proposed)]
+    there = (right & eligible).sum(axis=1)[[query for query, _ in candidates]]
+    tp = sum(count >= n for count in found)
+    return Counts(tp, len(found) - tp, possible=int((there >= n).sum()))

@@ -17,7 +17,7 @@ def spl(
 ) -> float | None:
     """Mean over queries of success * shortest / max(travelled, shortest); None without a query.
 
-    A query that begins at its goal, with both lengths 0, counts as its success.
+    A query that begins at its goal, with both lengths 0, contributes its success, 0 or 1.
     """
     if not len(success):
         return None

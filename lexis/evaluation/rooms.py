@@ -18,7 +18,7 @@ Instances = Int[np.ndarray, "n"]
 MATCH_IOU = 0.5
 """IoU above which two instances match; at 0.5, each instance has at most one match."""
 SHARE = 0.5
-"""Smallest share of an instance that must lie in another one to count towards a split or merge."""
+"""An instance lies mostly in another one if the other one contains more than this share of its keyframes."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class RoomScores:
     v_measure: float | None
     """Harmonic mean of homogeneity and completeness."""
     splits: int | None
-    """Number of predicted instances that lie mostly (> half) in a true instance which already contains another one."""
+    """Number of surplus predicted instances: of k that lie mostly (> half) in the same true instance, k - 1 are surplus."""
     merges: int | None
-    """Number of true instances that lie mostly (> half) in a predicted instance which already contains another one."""
+    """Number of surplus true instances: of k that lie mostly (> half) in the same predicted instance, k - 1 are surplus."""
     count_error: int | None
     """Predicted minus true number of instances with keyframes."""
 
@@ -77,7 +77,7 @@ def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:
 def adjusted_rand_index(table: Int[np.ndarray, "p t"]) -> float:
     """Hubert and Arabie's adjusted Rand index of two partitions, from their overlap.
 
-    It is 1 if both partitions consist of a single instance, or both of single keyframes.
+    It is 1 if both partitions consist of a single instance, or if both put every keyframe into an instance of its own.
     """
     together, in_predicted, in_truth = _pairs(table), _pairs(table.sum(axis=1)), _pairs(table.sum(axis=0))
     expected = in_predicted * in_truth / max(_pairs(table.sum(keepdims=True)), 1.0)

@@ -26,7 +26,10 @@ def align(estimate: Points, truth: Points) -> Pose:
 
 
 def aligned(estimate: Poses, truth: Poses) -> Poses:
-    """Move an estimate as the ATE does, so that it lies on the truth; with too few poses, so that the first one is true."""
+    """Move the estimate onto the truth by the alignment of the absolute trajectory error.
+
+    With fewer than 3 poses, which cannot be aligned, move the estimate so that its first pose equals the first true pose.
+    """
     if len(truth) < LEAST_POSES:
         return np.asarray(truth[0] @ inverse(estimate[0]) @ estimate)
     return np.asarray(align(estimate[:, :3, 3], truth[:, :3, 3]) @ estimate)

@@ -24,12 +24,12 @@ _Model = TypeVar("_Model", bound=BaseModel)
 
 @dataclass(frozen=True)
 class FileKind:
-    """A reader's expectations on a file, and the errors that it raises if they are not met."""
+    """What a reader expects of a file, and the error that the reader raises if the file is different."""
 
     valid: str
     """A description of a valid file, for messages."""
     max_bytes: int
-    """Largest size on disk."""
+    """Largest size of the file on disk [bytes]."""
     error: type[ValueError] = LexisError
     missing: str = "cannot be read"
     """Words of the message if the file cannot be opened."""

@@ -46,10 +46,10 @@ def replaced_file(path: Path) -> Iterator[Path]:
 def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
     """Yield an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
-    An existing folder is only replaced if it is empty or holds the file `marker`. At any time, even if this process is
-    killed, `path` is either the complete old folder or the complete new one. A symbolic link is followed. Raises LexisError
-    if `path` is another folder or cannot be written. If the new folder was written but cannot be renamed to `path`, it is
-    kept under a similar name, which the error states.
+    An existing folder is only replaced if it is empty or holds the file `marker`. If the system can exchange names
+    (`lexis.files.swap`), `path` is at any time the complete old folder or the complete new one, even if this process is
+    killed. A symbolic link is followed. Raises LexisError if `path` is any other folder or cannot be written. If the
+    new folder was written but cannot be renamed to `path`, it is kept under a similar name, which the error states.
     """
     check_replaceable(path, marker)
     target = _resolved(path)
@@ -63,8 +63,9 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
 
 
 def check_replaceable(path: Path, marker: str) -> None:
-    """Raise LexisError unless `replaced_folder` could write to `path`: it is free, an empty folder, or holds `marker`.
+    """Raise LexisError unless `replaced_folder` could write to `path`.
 
+    `path` must be free, an empty folder, or a folder that holds the file `marker`.
     Call this before long work whose result is written to `path`. It leaves nothing behind.
     """
     try:

@@ -11,7 +11,7 @@ from pathlib import Path
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 """Linux constants, which are the same on all architectures."""
 _UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM, errno.EXDEV)
-"""Errors if the kernel, the file system or a sandbox does not support the exchange of names."""
+"""Error numbers of a kernel, a file system or a sandbox that does not support the exchange of names."""
 
 
 def swap(new: Path, target: Path, old: Path) -> Path:

@@ -42,7 +42,7 @@ LAYOUT: Layout = {
     "candidate_count": ("i8", ("queries",)),
     "candidate_match": ("i8", ("candidates",)),
 }
-"""Type and shape of every array."""
+"""Type and shape of every array in `arrays.npz`."""
 
 _COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
 """For each array of counts, `feature_count` for example, the array whose rows it counts."""
@@ -167,6 +167,10 @@ def _check_references(arrays: Arrays) -> None:
         raise MapError("the map has no keyframes; valid: at least one")
     if (np.diff(arrays["stamp"]) <= 0).any():
         raise MapError("array stamp does not ascend")
+    query, match = arrays["loop_query"], arrays["loop_match"]
+    if (later := np.flatnonzero(match >= query)).size:
+        i = later[0]
+        raise MapError(f"loop {i} leads from keyframe {query[i]} to {match[i]}, which is not earlier; valid: an earlier one")
 
 
 def _check_counts(arrays: Arrays, name: str) -> None:

@@ -18,9 +18,10 @@ TURN_RAD = np.radians(45.0)
 AROUND_RAD = np.radians(135.0)
 """Smallest change of heading that counts as turning around [rad]."""
 ALONG_M = 1.0
-"""Length of path before and after a point over which the two headings at the point are measured [m]."""
+"""Length of path over which a heading is measured [m]. A turn at a point compares the heading before the point with the
+heading after it."""
 SAMPLE_M = 0.1
-"""Spacing along the path of the points at which headings are compared [m]."""
+"""Spacing of the points on the path at which turns are sought [m]."""
 MIN_CLIMB_M = 0.5
 """Smallest height difference over stairs that counts as going up or down [m]."""
 
@@ -82,7 +83,7 @@ def _rooms(map: LexisMap, plan: Plan, path: Float64[np.ndarray, "n"]) -> list[St
 def _from_start_to_goal(rooms: Int[np.ndarray, "n"], plan: Plan) -> Int[np.ndarray, "n"]:
     """Rooms along a path, changed so that they begin with the start and end with the goal.
 
-    This is necessary because the first and last keyframes of a plan may belong to neighbouring rooms; see `innermost`.
+    This is necessary because the first and last keyframes of a plan may belong to neighbouring rooms; see `path_end`.
     """
     rooms = rooms.copy()
     runs = stretches_of(rooms)

@@ -15,7 +15,7 @@ Quaternions = Float64[np.ndarray, "n 4"]
 
 _GRID = 2.0**40
 _LARGE = 0.49
-"""Bound that at least one component of every unit quaternion exceeds in magnitude."""
+"""Every unit quaternion has at least one component that is larger than this in magnitude."""
 
 
 def as_quaternions(rotations: Float64[np.ndarray, "n 3 3"]) -> Quaternions:

@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float64
 from scipy.spatial.transform import RigidTransform
 
 Transforms = Float64[np.ndarray, "*batch 4 4"]
+_IDENTITY = np.eye(3)
 
 
 def inverse(T_a_b: Transforms) -> Transforms:
@@ -67,16 +68,16 @@ def compose_covariance(
 
 def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
     """Angle of the rotation, in [0, pi] [rad]."""
-    R = T[..., :3, :3]
-    axis = np.stack([R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]], axis=-1)
-    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=-1), np.trace(R, axis1=-2, axis2=-1) - 1.0))
+    x, y, z = T[..., 2, 1] - T[..., 1, 2], T[..., 0, 2] - T[..., 2, 0], T[..., 1, 0] - T[..., 0, 1]
+    trace = T[..., 0, 0] + T[..., 1, 1] + T[..., 2, 2]
+    return np.asarray(np.arctan2(np.sqrt(x * x + y * y + z * z), trace - 1.0))
 
 
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
     """Whether matrices are finite, with 0 0 0 1 as last row and a right-handed, orthonormal (within tolerance) rotation."""
     R = T[..., :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
-        orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(axis=(-1, -2)) <= tolerance
+        orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - _IDENTITY).max(axis=(-1, -2)) <= tolerance
         right_handed = np.linalg.det(R) > 0
     homogeneous = (T[..., 3, :] == [0.0, 0.0, 0.0, 1.0]).all(axis=-1)
     finite = np.isfinite(T).all(axis=(-1, -2))

@@ -1,4 +1,4 @@
-"""Division of a sequence into stretches (runs): maximal sequences of equal consecutive values."""
+"""Division of a sequence into stretches (runs) of equal consecutive values, each as long as possible."""
 
 from itertools import pairwise
 from typing import NamedTuple

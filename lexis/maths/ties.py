@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Float64, Int, Shaped
 from scipy.spatial import cKDTree
 
 DECIMALS = 6
-"""Number of decimals that are kept: a micrometre, or a millionth of a cosine similarity."""
+"""Number of decimals that are kept: positions are rounded to a micrometre, cosine similarities to a millionth."""
 
 
 def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
@@ -18,7 +18,7 @@ def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape
 
 
 def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[np.ndarray, "*shape"]:
-    """Whether values reach a limit, up to a millionth below it, so that three steps of 0.1 reach 0.3 despite rounding."""
+    """Whether values reach a limit. Values a millionth below it do too, so ten steps of 0.1 reach 1 despite rounding."""
     return np.asarray(np.asarray(values) >= limit - 10.0**-DECIMALS)
 
 

@@ -5,7 +5,7 @@
 2. Embed each reading as the mean of its captions, and compare it with the embeddings of all keyframes.
 3. Score each room by the mean similarity of its best views, because most of its views may not show the requested thing.
 4. With a calibration, convert the scores to probabilities (`lexis.query.calibration`).
-5. Return the rooms and keyframes of the reading that some room fits best.
+5. Return the rooms and keyframes for the reading that has the best-fitting room.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ from lexis.types import LexisMap, RoomInstance
 BEST_VIEWS = 5
 """Number of best views that a room is scored by, because most views of the room may not show the requested thing."""
 FITS = 0.5
-"""Least probability of a room that counts as an answer."""
+"""Least probability at which a room counts as an answer."""
 
 
 class RoomFit(NamedTuple):
@@ -34,7 +34,7 @@ class RoomFit(NamedTuple):
 
     room: RoomInstance
     similarity: float
-    """Mean cosine similarity between the text and the room's best views."""
+    """Mean cosine similarity between the question's captions and the room's best views."""
     probability: float | None
     """Probability that the room fits the question; None without a calibration."""
     keyframe: int
@@ -53,7 +53,7 @@ class KeyframeFit(NamedTuple):
 
 @dataclass(frozen=True)
 class Answer:
-    """All rooms and keyframes of the map, the best-fitting first."""
+    """The answer to a question: all rooms and keyframes of the map, those that fit best first."""
 
     rooms: tuple[RoomFit, ...]
     keyframes: tuple[KeyframeFit, ...]
@@ -131,5 +131,5 @@ def _likely(answer: Answer, calibration: Calibration, question: Float32[np.ndarr
 
 
 def best_views_mean(similarities: Float[np.ndarray, "n texts"]) -> Float[np.ndarray, "texts"]:
-    """Score of a room for every text: the mean over the best of its n views."""
+    """Score of a room for every text: the mean similarity of the room's best views, at most `BEST_VIEWS` of its n views."""
     return np.asarray(np.sort(similarities, axis=0)[-BEST_VIEWS:].mean(axis=0))

@@ -32,7 +32,7 @@ class Calibration:
     """Calibration of one encoder's similarities between a text and the best views of a room."""
 
     fingerprint: str
-    """Fingerprint of the encoder."""
+    """Fingerprint of the encoder that was calibrated."""
     room_names: tuple[str, ...]
     """Room names from which the familiarity of a text is computed."""
     base: float
@@ -42,7 +42,7 @@ class Calibration:
     def probabilities(
         self, similarities: Float[np.ndarray, "rooms texts"], questions: Float32[np.ndarray, "texts d"], encoder: TextEncoder
     ) -> Float[np.ndarray, "rooms texts"]:
-        """Probabilities that rooms fit the texts, if half of the questions have an answer.
+        """Probability that each room fits each text, on the assumption that half of all questions have an answer.
 
         Args:
             similarities: mean similarity of every room's best views to every text.
@@ -87,7 +87,7 @@ def load_calibration(path: Path) -> Calibration:
 
 
 def find_calibration(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
-    """The calibration at `path`; without a path, the calibration shipped with `mini`, or None if it is for another encoder.
+    """The calibration at `path`; without a path, the one shipped with `mini`, or None if that is for another encoder.
 
     Raises LexisError if the file is unusable or was fitted to another encoder.
     """

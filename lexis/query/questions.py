@@ -19,11 +19,11 @@ from lexis.errors import LexisError
 MAX_CHARACTERS = 500
 """Largest number of characters in a question; the time to convert a question grows with the square of its length."""
 THING_CAPTIONS = ("{}", "{a}", "a photo of {a}", "a view of {a}")
-"""Captions for a thing or the name of a room, {a} with its article."""
+"""Captions for a thing or a room: {} stands for its name, {a} for its name with an article."""
 ACTIVITY_CAPTIONS = (
     "{}", "a place to {}", "where can I {}", "a room to {} in", "where to {}", "I want to {}", "a room where people {}",
 )  # fmt: skip
-"""Captions for an activity."""
+"""Captions for an activity, which {} stands for."""
 
 Captions: TypeAlias = tuple[str, ...]
 """Captions with the same meaning, which are embedded together as the mean of their embeddings."""
@@ -54,12 +54,12 @@ _TO_A_THING = _lead_in(
     rf"{_PLACE} (?:with|(?:that|which) (?:has|contains))(?! (?:no|not) )",
     rf"inside(?= {_THE} )|an? (?:wide )?(?:photo|picture|photograph|image|view) (?:of|taken in)",
 )
-"""Words before a thing or a room."""
+"""Matches the words of a question before a thing or a room, such as "where is"."""
 _TO_AN_ACTIVITY = _lead_in(
     rf"(?:where|how|when) {_CAN} {_WHO}(?: best)?|(?:can|could|may) {_WHO}|where to|{_WANT} to",
     rf"{_PLACE} (?:to|where {_WHO}(?: {_CAN})?)",
 )
-"""Words before an activity."""
+"""Matches the words of a question before an activity, such as "where can I"."""
 _POLITE = _lead_in(
     r"please,?|hello,?|hi,?|hey,?|robot,?|excuse me,?", r"(?:can|could|would|will) you(?: please)?(?= \w+ (?:me|us|to) )"
 )

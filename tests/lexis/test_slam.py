@@ -66,8 +66,8 @@ class MistakenEncoder(ThumbnailEncoder):
         return np.concatenate([embedding[1::-1], embedding[2:]]) if self._images % 5 == 0 else embedding
 
 
-def run(observations, config=CONFIG, encoder=None):
-    slam = Slam(FORWARD_CAMERA, encoder or ThumbnailEncoder(), ROOMS, config)
+def run(observations, config=CONFIG, encoder=None, **stages):
+    slam = Slam(FORWARD_CAMERA, encoder or ThumbnailEncoder(), ROOMS, config, **stages)
     for observation in observations:
         slam.process(observation)
     return slam.finish()
@@ -114,17 +114,26 @@ def test_edges_come_from_the_candidates(result):
     assert {(loop.query, loop.match) for loop in result.loops} <= proposed
 
 
-def test_loops_are_sought_in_the_room_that_the_image_itself_shows(observations, monkeypatch):
+def test_loops_are_sought_in_the_room_that_the_image_itself_shows(observations):
     sought = []
 
     def nothing(query, label, *rest):
         sought.append(label)
         return ()
 
-    monkeypatch.setattr("lexis.slam.propose", nothing)
-    result = run(observations[:24], encoder=MistakenEncoder())
+    result = run(observations[:24], encoder=MistakenEncoder(), place_recogniser=nothing)
     assert sought == [ROOMS[label] for label in result.baseline_labels]
     assert "kitchen" in sought and (result.labels == 0).all()
+
+
+def test_given_labels_are_clustered_in_place_of_those_of_the_images(observations):
+    result = run(observations[:24], labeller=lambda keyframes: np.array([k.id >= 5 for k in keyframes], int))
+    n = len(result.keyframes)
+    assert [(room.label, room.keyframes) for room in result.rooms] == [
+        ("office", tuple(range(5))),
+        ("kitchen", tuple(range(5, n))),
+    ]
+    assert (result.baseline_labels == 0).all() and result.labels.sum() == n - 5
 
 
 def test_without_candidates_the_result_is_the_odometry(observations):

@@ -12,7 +12,7 @@ from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import score_loops, true_revisits
-from lexis.evaluation.place_recognition import Counts, count_matches
+from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 
@@ -34,6 +34,12 @@ def test_graded_accuracy_takes_either_side_of_an_open_boundary():
     open_boundary = strict | [[False, False, False], [False, True, False], [False, False, False]]
     assert graded_accuracy(predicted, strict) == accuracy(predicted, truth) == pytest.approx(1 / 3)
     assert graded_accuracy(predicted, open_boundary) == pytest.approx(2 / 3)
+
+
+def test_a_keyframe_without_a_label_is_wrong():
+    predicted, everything_allowed = np.array([-1, 2, -1, 0]), np.ones((4, 3), bool)
+    assert graded_accuracy(predicted, everything_allowed) == 0.5
+    assert accuracy(predicted, np.array([2, 2, 0, 0])) == 0.5
 
 
 @given(partition_pairs)
@@ -125,7 +131,7 @@ def test_place_recognition_asks_for_n_right_matches():
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
     candidates = [(5, (0, 1, 2, 3, 4)), (3, (0, 1)), (4, ())]
     earlier = np.tri(6, k=-1, dtype=bool)
-    counts = [count_matches(candidates, earlier, truth, n) for n in (1, 3, 5)]
+    counts = [count_matches(candidates, earlier, at_one_place(truth), n) for n in (1, 3, 5)]
     assert counts == [Counts(1, 1, possible=1), Counts(1, 1, possible=1), Counts(0, 2, possible=0)]
 
 
@@ -133,16 +139,16 @@ def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_
     truth = np.stack([pose(), pose(0.5), pose(0.9), pose(3.0), pose(0.0, 1.0), pose(0.1)])
     everyone = [(query, ()) for query in range(6)]
     earlier = np.tri(6, k=-1, dtype=bool)
-    assert [count_matches(everyone, earlier, truth, n).possible for n in (1, 2, 3, 4)] == [3, 2, 1, 0]
+    assert [count_matches(everyone, earlier, at_one_place(truth), n).possible for n in (1, 2, 3, 4)] == [3, 2, 1, 0]
     long_before = np.tri(6, k=-3, dtype=bool)  # only 0, 1 and 2 are old enough to be matched with 5
-    assert [count_matches(everyone, long_before, truth, n).possible for n in (1, 3, 4)] == [1, 1, 0]
+    assert [count_matches(everyone, long_before, at_one_place(truth), n).possible for n in (1, 3, 4)] == [1, 1, 0]
 
 
 @given(arrays(np.float64, 12, elements=st.floats(0.0, 4.0)), st.integers(1, 5))
 def test_no_more_queries_are_right_than_possible(x, n):
     truth, earlier = np.stack([pose(at) for at in x]), np.tri(12, k=-2, dtype=bool)
     candidates = [(query, tuple(range(max(query - 1, 0)))) for query in range(12)]
-    counts = count_matches(candidates, earlier, truth, n)
+    counts = count_matches(candidates, earlier, at_one_place(truth), n)
     assert counts.tp == counts.possible and counts.tp + counts.fp == 10
 
 

@@ -89,6 +89,7 @@ def rewritten(folder, **changes):
         ({"stamp": np.full(40, np.nan)}, "finite"),
         ({"stamp": np.zeros(40)}, "ascend"),
         ({"loop_match": np.array([0, 40])}, "loop_match"),
+        ({"loop_match": np.array([39, 39])}, r"loop 0 leads from keyframe \d+ to 39, which is not earlier; valid: "),
         ({"loop_weight": np.array([0.5, 1.5])}, "loop_weight"),
         ({"feature_count": np.zeros(40, int)}, "feature_count"),
         ({"room_of": np.zeros(40, int)}, "no keyframe"),

@@ -1,0 +1,35 @@
+"""`GrowingArray`: an array to which rows are appended one by one."""
+
+import numpy as np
+from jaxtyping import Shaped
+from numpy.typing import DTypeLike
+
+_FIRST_ROWS = 64
+
+
+class GrowingArray:
+    """An array that grows by appended rows. Appending takes constant time on average, however many rows there are."""
+
+    def __init__(self, row_shape: tuple[int, ...], dtype: DTypeLike = np.float64) -> None:
+        """Create an array without rows."""
+        self._buffer = np.empty((_FIRST_ROWS, *row_shape), dtype)
+        self._count = 0
+
+    @property
+    def rows(self) -> Shaped[np.ndarray, "n *row"]:
+        """The rows so far, as a view that cannot be written to. Rows that are appended later do not change it."""
+        rows = self._buffer[: self._count]
+        rows.flags.writeable = False
+        return rows
+
+    def append(self, row: Shaped[np.ndarray, "*row"] | float) -> None:
+        """Append one row."""
+        if self._count == len(self._buffer):
+            self._buffer = np.concatenate([self._buffer, np.empty_like(self._buffer)])
+        self._buffer[self._count] = row
+        self._count += 1
+
+    def replace(self, rows: Shaped[np.ndarray, "n *row"]) -> None:
+        """Replace all rows by an equal number of other rows. Earlier results of `rows` keep the old rows."""
+        self._buffer = self._buffer.copy()
+        self._buffer[: self._count] = rows
