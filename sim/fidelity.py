@@ -3,7 +3,8 @@
 from typing import Literal, get_args
 
 Fidelity = Literal["render", "features"]
-"""Input of the SLAM. render: rendered images. features: embeddings and loops that the feature sensor predicts."""
+"""What the SLAM gets. "render": rendered images. "features": the embeddings and loop closures that a fitted model, the
+feature sensor, predicts without rendering."""
 FIDELITIES: tuple[Fidelity, ...] = get_args(Fidelity)
 ORACLE = "oracle"
 """Name of an encoder that is told the truth, for tests of the stages after it. Never report its results as LEXIS's."""

@@ -11,7 +11,7 @@ from lexis.types import Camera, Image, Observation, Percept
 from lexis.verification import Verifier, verify
 from sim.errors import SimError
 from sim.faults import Fault, corrupted
-from sim.feature_sensor.sensor import FeatureSensor
+from sim.feature_sensor.sensor import FeatureSensor, SensedTour
 from sim.odometry.simulation import Odometry
 from sim.prefetch import prefetched
 from sim.render.lens import Distortion, rendered_camera
@@ -56,13 +56,13 @@ class Session:
         self._distortion = distortion
         rendered = rendered_camera(camera, distortion) if distortion else camera
         self._world_states = WorldStates(house, tour, rendered, self.faults, seed)
-        self._sensor = sensor
+        self._sensed = None if sensor is None else sensor.tour(self._world_states.houses, tour.T_W_B)
         if sensor is None:
             self._world_states.compile()
         self.truths = self._world_states.marked(truths)
         """Ground truth of every frame of the tour. It records faults of the world, not faults of the observations."""
         self.render_seconds = 0.0
-        """Time that the background thread has spent on rendering or sensing so far [s]."""
+        """Time that was spent on rendering or sensing so far [s]."""
 
     @property
     def scene(self) -> Scene:
@@ -80,21 +80,31 @@ class Session:
     def _stream(self) -> Generator[tuple[Observation, Truth], None, None]:
         # Poses go through quaternions, as in recordings, so that a replayed recording gives the same poses bit by bit.
         T_O_B = poses_of(pose_rows(self.odometry.T_O_B))
-        with closing(prefetched(self._images, _AHEAD)) as images:
+        with closing(self._images()) as images:
             for i, image in enumerate(images):
                 stamp = float(self.tour.stamps[i])
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
+    def picture(self, frame: int) -> Image:
+        """Render the image of a frame once more, without faults of the image. This works in sessions with a `sensor`, too.
+
+        Raises `GraphicsError` if there is no off-screen OpenGL.
+        """
+        with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
+            return renderer.rgb(frame, self.tour.T_W_B[frame])
+
     def verifier(self) -> Verifier:
         """Return the loop verifier: LEXIS's own verifier for images, otherwise the feature sensor's model of it."""
-        return verify if self._sensor is None else self._sensor.verifier(self._world_states.houses, self.tour.T_W_B)
+        return verify if self._sensed is None else self._sensed.verifier()
 
     def _images(self) -> Generator[Image | Percept, None, None]:
-        return self._rendered() if self._sensor is None else self._sensed(self._sensor)
+        if self._sensed is not None:
+            return self._percepts(self._sensed)  # not in a thread, from which numpy alone gains nothing
+        return prefetched(self._rendered, _AHEAD)
 
-    def _sensed(self, sensor: FeatureSensor) -> Generator[Percept, None, None]:
+    def _percepts(self, sensed: SensedTour) -> Generator[Percept, None, None]:
         start = time.perf_counter()
-        for percept in sensor.percepts(self._world_states.houses, self.tour.T_W_B):
+        for percept in sensed.percepts():
             self.render_seconds += time.perf_counter() - start
             yield percept
             start = time.perf_counter()

@@ -23,7 +23,7 @@ class Truth:
     room: int
     """Index into `House.rooms` of the room that holds the camera."""
     label: str
-    """Label of that room."""
+    """Label of the room that holds the camera."""
     storey: int
     """Index of the storey that holds the camera."""
     faults: tuple[str, ...] = ()

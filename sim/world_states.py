@@ -69,16 +69,16 @@ class WorldStates:
 
     @property
     def houses(self) -> list[House]:
-        """The house at each frame. Frames whose house is equal share one object."""
+        """The house at each frame. Frames with equal houses share one object."""
         return [self._sets[active].compiled.house for active in self.active]
 
     def compile(self) -> None:
-        """Compile all scenes, so that no frame has to wait for it."""
+        """Compile all scenes now, so that no frame has to wait for its scene."""
         for each in self._sets.values():
             each.scene  # noqa: B018
 
     def world_at(self, frame: int) -> RenderableWorld:
-        """Return the world at a frame."""
+        """Return the world that is rendered at a frame of the tour."""
         return self._sets[self.active[frame]]
 
     def solids_at(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> list[Solid]:

@@ -19,19 +19,19 @@ HOUSES, FRAMES = 72, 40
 WALKS = (
     HouseDraw("apartment", 690), HouseDraw("uh2-apt", 691), HouseDraw("apartment", 692, openness=0.4),
 )  # fmt: skip
-"""Walks whose loops the loop model is fitted to."""
+"""Houses in which LEXIS runs to collect the loop verifications that the loop model is fitted to."""
 _KEPT = 400
-"""Largest number of true and of false edges that a model keeps."""
+"""Largest number of true loop edges, and also of false ones, that a model keeps."""
 _WALK_SHARE = 0.4
-"""Approximate share of the fitting time that the walks take, for progress."""
+"""Approximate share of the fitting time that the walks take, for the progress display."""
 
 
 def fit_features(
     encoder: Encoder, houses: int = HOUSES, walks: int = len(WALKS), progress: Callable[[float], None] = lambda share: None
 ) -> FeatureModel:
-    """Fit a model to frames of `houses` houses and to the loops of `walks` walks. The same arguments give the same model.
+    """Fit a model to frames of `houses` houses and to the loop verifications of the first `walks` of `WALKS`.
 
-    `progress` is called with the share of the work that is done, in [0, 1].
+    The same arguments give the same model. `progress` is called with the share of the work that is done, in [0, 1].
     """
     trials = []
     for i, choice in enumerate(WALKS[:walks]):

@@ -2,7 +2,7 @@
 
 1. Fit the expected embedding by ridge regression. The penalty is the one with the smallest error on held-out houses.
 2. Take the principal directions of the errors on held-out houses.
-3. Fit the kernels' shares of the variance to the products of the errors of two frames.
+3. Fit each kernel's share of the errors' variance to the products of the errors of pairs of frames.
 4. Scale the errors until drawn embeddings give the right room label as often as the encoder does.
 """
 
@@ -19,14 +19,14 @@ from sim.feature_fitting.fit_samples import Sample
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 
 RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
-"""Ridge penalties that are tried. They apply to unscaled descriptions."""
+"""Ridge penalties that are tried. The regression does not scale its inputs, the descriptions of views."""
 RANK = 64
 """Number of error directions that are kept."""
 _FOLDS = 5
 _SCALES = np.linspace(0.3, 1.5, 13)
-"""Scales of the error that are tried."""
+"""Factors that are tried on the error of drawn embeddings; see step 4 of the module's docstring."""
 _DRAWS = 3
-"""Number of draws over which the label accuracy of a scale is averaged."""
+"""Number of random draws of embeddings over which the label accuracy is averaged, for each scale of the error."""
 
 Rows = Float64[np.ndarray, "n d"]
 
@@ -35,7 +35,8 @@ def fit_embedding(samples: Sequence[Sample], encoder: Encoder) -> EmbeddingModel
     """Fit the mean by ridge regression, and the errors to the residuals on held-out houses.
 
     The residuals are not Gaussian: most are small, and only some change the room label. Gaussian errors of the same
-    covariance would change it more often. They are therefore scaled until as many labels are right as with the encoder.
+    covariance would change it more often. The Gaussian errors of the model are therefore scaled until as many labels are
+    right as with the encoder.
     """
     described = [sample.views.described().astype(float) for sample in samples]
     embedded = [sample.embeddings.astype(float) for sample in samples]

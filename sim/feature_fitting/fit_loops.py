@@ -32,17 +32,18 @@ from worlds.house import build_house
 from worlds.walkable import Walkable
 
 _FRAME_RATE_HZ = 3.5
-"""Frames per second [Hz]: one frame every 0.2 m, which is enough for keyframes and the frames that support them."""
+"""Frames per second [Hz]. At the usual speed of 0.7 m/s there is a frame every 0.2 m, which is enough for keyframes and
+support frames."""
 _OTHERS = 4
 """Number of nearby keyframes that are verified per query, in addition to LEXIS's candidates."""
 _OTHERS_M = 4.0
 """Largest distance between a query and the additional keyframes that are verified [m]."""
 _GAP = 20
-"""Smallest difference between the index of a query and the index of an additional keyframe to verify."""
+"""An additional keyframe is verified only if it is more than this number of keyframes older than the query."""
 _LAGS = 9
-"""Number of rows within which two trials of one query are compared. The trials of a query are consecutive rows."""
+"""Two trials of a query are compared if they are fewer rows apart than this. The trials of a query are consecutive rows."""
 _NODES = 21
-"""Number of nodes of the quadrature over a query's common random variable."""
+"""Number of nodes of the quadrature over the random variable that all trials of a query share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,18 +51,18 @@ class Trials:
     """Outcomes of loop verification, with one row for each pair of keyframes that was verified."""
 
     query: Int[np.ndarray, "n"]
-    """Number of the query keyframe, unique over all walks."""
+    """Number of each pair's query keyframe, unique over all walks."""
     predictors: Float64[np.ndarray, "n predictors"]
     is_true: Bool[np.ndarray, "n"]
-    """Whether the pair was confirmed and its edge is right."""
+    """Whether each pair was confirmed and its edge is right."""
     is_false: Bool[np.ndarray, "n"]
-    """Whether the pair was confirmed and its edge is wrong."""
+    """Whether each pair was confirmed and its edge is wrong."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
 
 
 def fit_loops(trials: Trials) -> LoopModel:
-    """Fit a loop model to trials."""
+    """Fit the model of loop verification to the outcomes of real verification."""
     model = LoopModel(
         fit_logistic(trials.predictors, trials.is_true.astype(float)),
         0.0,

@@ -31,14 +31,14 @@ class Sample:
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
-        """Index into the house's room labels of the room that holds the camera."""
+        """True label of every frame, as an index into the house's room labels."""
         house = self.around.house
         labels = house.spec.room_labels
         return np.array([labels.index(house.rooms[i].label) for i in room_at(house, self.T_W_B[:, :3, 3])], int)
 
 
 def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
-    """A mixture of families, openness and clutter; every house has a seed of its own, from `first_seed` on."""
+    """Choose houses with a mixture of families, openness and clutter; each has a seed of its own, from `first_seed` on."""
     presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
     openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
     return tuple(

@@ -1,4 +1,4 @@
-"""The feature sensor: what LEXIS would extract from images, predicted without rendering any.
+"""The feature sensor: predicts the percepts that LEXIS would extract from images, without rendering the images.
 
 A percept is made in steps: `surroundings` describes a house as blocks, `ray_origins` and `crossings` prepare the rays that
 `rays` casts from a pose, `visible_shares` sums up how much of the image each thing fills, and `embedding` draws an

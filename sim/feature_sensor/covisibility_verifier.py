@@ -3,7 +3,8 @@
 For each candidate:
 
 1. Compute the true covisibility (the share of one view that is visible in the other, by ray casts), distance and rotation.
-2. Confirm the candidate with the probability that a logistic model gives for them. The model is fitted to real verification.
+2. Confirm the candidate with the probability that a logistic model computes from these three values. The model is fitted to
+   real verification.
 3. If confirmed, return the true relative pose with the error, covariance and inlier count of a real edge, drawn at random.
 4. Otherwise return a false edge with a small probability, with the error of a real false edge.
 """
@@ -17,19 +18,20 @@ from jaxtyping import Float, Float32, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
-from lexis.maths.se3 import between, exp, inverse, rotation_angle, transform
+from lexis.maths.se3 import between, exp, inverse, rotation_angle
 from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Keyframe, LoopEdge, Pose
 from lexis.verification import plausible_edges
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
-"""Tolerance, relative and absolute [m], for two depths of one point. It is generous, because rays are coarse."""
+"""Two depths count as those of one point if they differ by at most this share of the depth plus this length [m]. These
+bounds are generous, because rays are coarse."""
 _QUERY, _PAIR = 1, 2
 """Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the stream of its
 pair with keyframe 0."""
 PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
-"""Inputs of the logistic model; distance [m] and turn [rad] are between the bodies."""
+"""Inputs of the logistic model. Distance [m] and turn [rad] are those between the body poses of the two keyframes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,11 @@ class MeasuredEdges:
     covariance: Float64[np.ndarray, "n 6 6"]
     inliers: Int[np.ndarray, "n"]
 
+    @cached_property
+    def error_motions(self) -> Float64[np.ndarray, "n 4 4"]:
+        """Motions from the true to the measured relative poses."""
+        return exp(self.error)
+
 
 @dataclass(frozen=True, eq=False)
 class LoopModel:
@@ -49,7 +56,8 @@ class LoopModel:
     weights: Float64[np.ndarray, "predictors"]
     """Weights of `PREDICTORS`, for the log odds of a true edge."""
     query_share: float
-    """Share of the random variable's variance that all candidates of one query have in common, in [0, 1)."""
+    """A random variable decides whether a candidate is confirmed. This share of its variance, in [0, 1), is common to all
+    candidates of one query."""
     false_rate: float
     """Probability of a false edge for a candidate that does not get a true one."""
     true_edges: MeasuredEdges
@@ -70,13 +78,13 @@ class TrueView:
     T_W_C: Pose
     depth: Float32[np.ndarray, "columns rows"]
     grid: RayGrid
-    """Image positions of the rays, whose depths `depth` contains."""
+    """Image positions of the rays, in the order of `depth`."""
 
     @cached_property
-    def points(self) -> Float64[np.ndarray, "k 3"]:
+    def points(self) -> Float64[np.ndarray, "3 k"]:
         """End points of the rays that hit something, in the frame of the camera [m]."""
         z = np.where(np.isfinite(self.depth), self.depth, 0.0).astype(float)
-        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z], axis=-1)[z > 0.0]
+        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z])[:, z > 0.0]
 
 
 def predictors(first: TrueView, second: TrueView) -> Float64[np.ndarray, "predictors"]:
@@ -88,36 +96,40 @@ def predictors(first: TrueView, second: TrueView) -> Float64[np.ndarray, "predic
 
 def _seen_by(viewer: TrueView, other: TrueView) -> float:
     """Return the share of the other view's rays whose end points the viewer sees, too."""
-    grid = viewer.grid
-    local = transform(inverse(viewer.T_W_C) @ other.T_W_C, other.points)
-    local = local[local[:, 2] > _DEPTH_M]
-    at = local[:, :2] / local[:, 2:]
-    first, step = np.array([grid.x[0], grid.y[0]]), np.array([grid.x[1] - grid.x[0], grid.y[1] - grid.y[0]])
-    ray = np.rint((at - first) / step).astype(int)
-    inside = ((ray >= 0) & (ray < viewer.depth.shape)).all(axis=1)
-    met = viewer.depth[tuple(ray[inside].T)]
-    depth = local[inside, 2]
+    T = inverse(viewer.T_W_C) @ other.T_W_C
+    x, y, depth = T[:3, :3] @ other.points + T[:3, 3:]
+    depth = np.where(depth > _DEPTH_M, depth, np.inf)  # points behind the camera are at no depth that a ray has
+    column, row = _nearest(x / depth, viewer.grid.x), _nearest(y / depth, viewer.grid.y)
+    columns, rows = viewer.depth.shape
+    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows) & (depth < np.inf)
+    met, depth = viewer.depth[column[inside], row[inside]], depth[inside]
     return float(np.count_nonzero(np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)) / other.depth.size
+
+
+def _nearest(values: Float64[np.ndarray, "k"], axis: Float32[np.ndarray, "m"]) -> Int[np.ndarray, "k"]:
+    """Return the indices of the nearest grid lines; outside of the grid they are negative, or `m` and more."""
+    return np.asarray(np.rint((values - axis[0]) / (axis[1] - axis[0])), int)
 
 
 class CovisibilityVerifier:
     """A `lexis.verification.Verifier` that uses the ground truth. Its result for a pair depends on pair and seed only."""
 
-    def __init__(self, model: LoopModel, sight_of: Callable[[int], TrueView], seed: int) -> None:
-        """`sight_of` maps the index of an observation to its ground truth."""
-        self._model, self._sight_of, self._seed = model, sight_of, seed
+    def __init__(self, model: LoopModel, view_of: Callable[[int], TrueView], seed: int) -> None:
+        """`view_of` maps the index of an observation to its ground truth."""
+        self._model, self._view_of, self._seed = model, view_of, seed
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> list[LoopEdge]:
         """Return edges to the confirmed candidates, except those that contradict the odometry."""
-        edges = [self._edge(query, graph.keyframes[match]) for match in candidates]
+        common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
+        edges = [self._edge(query, graph.keyframes[match], common) for match in candidates]
         return plausible_edges([edge for edge in edges if edge is not None], graph, config)
 
-    def _edge(self, query: Keyframe, match: Keyframe) -> LoopEdge | None:
-        seen, before = self._sight_of(query.observation_index), self._sight_of(match.observation_index)
+    def _edge(self, query: Keyframe, match: Keyframe, common: float) -> LoopEdge | None:
+        """Return the edge to a candidate, or None. `common` is the normal draw that all candidates of the query share."""
+        seen, before = self._view_of(query.observation_index), self._view_of(match.observation_index)
         chance = float(self._model.probability(predictors(before, seen)))
-        common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
         rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
         share = self._model.query_share
         # A standard normal draw, correlated between the candidates of a query, because real successes of a query are.
@@ -129,7 +141,7 @@ class CovisibilityVerifier:
         else:
             return None
         drawn = int(rng.integers(len(pool.inliers)))
-        measured = between(before.T_W_B, seen.T_W_B) @ exp(pool.error[drawn])
+        measured = between(before.T_W_B, seen.T_W_B) @ pool.error_motions[drawn]
         return LoopEdge(query.id, match.id, measured, pool.covariance[drawn], int(pool.inliers[drawn]))
 
 

@@ -1,4 +1,4 @@
-"""Intersects image columns with blocks in the plan: which blocks each column crosses, and between which depths."""
+"""Finds in the plan which blocks (upright boxes) each image column crosses, and between which depths."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from sim.feature_sensor.surroundings import Blocks
 NEAR_M = 0.05
 """Least depth of a block [m]. A nearer block is ignored, because the camera is inside it."""
 FAR_M = np.float32(200.0)
-"""Depth that stands for no hit [m]."""
+"""Depth of rays that hit nothing [m]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 The error is a Gaussian process over poses. In embedding space it has a low rank. Over poses its covariance is a sum of
 kernels: one that is constant in a house (its appearance), one for the rooms and one for the objects in view, and smooth ones
-of three correlation lengths. Errors are therefore correlated like those of the real encoder: neighbours in the pose graph,
+of three correlation lengths. Errors are therefore correlated as with the real encoder: neighbours in the pose graph,
 which vote on each other's labels, have similar errors, and a revisited place looks the same again.
 """
 
@@ -40,7 +40,7 @@ class EmbeddingModel:
         return np.asarray(views.described() @ self.weights + self.offset)
 
     def draw(self, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]) -> Float32[np.ndarray, "n d"]:
-        """Draw the embeddings of views from body poses, of unit norm. The embeddings depend on pose, house and seed only."""
+        """Draw unit embeddings of the views that are seen from body poses. They depend on pose, house and seed only."""
         rows = self.expected(views) + error_scores(self, views, T_W_B, seed) @ self.errors
         return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True), np.float32)
 
@@ -48,7 +48,7 @@ class EmbeddingModel:
 def error_scores(
     model: EmbeddingModel, views: VisibleShares, T_W_B: Poses, seed: tuple[int, ...]
 ) -> Float32[np.ndarray, "n k"]:
-    """Draw the error process at all views, with unit variance in each of `k` independent dimensions."""
+    """Draw the error process at the poses of all views, with unit variance in each of `k` independent dimensions."""
     rng, k = np.random.default_rng(seed), len(model.errors)
     parts = [bases @ rng.standard_normal((bases.shape[1], k), np.float32) for bases in _bases(views, T_W_B, rng)]
     return np.asarray(sum(np.float32(np.sqrt(share)) * part for share, part in zip(model.kernels, parts, strict=True)))

@@ -50,7 +50,8 @@ _LAYOUT: Layout = {
 _MOST = 1e6
 """Largest valid parameter of embeddings and errors. Real models have parameters below 100."""
 _SAME = 0.999
-"""Least cosine between two fingerprints of one encoder, because rounding differs between machines."""
+"""Least cosine at which two fingerprints count as those of one encoder. It is below 1, because rounding differs between
+machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
 """Texts that are encoded for the fingerprint."""
 

@@ -13,9 +13,9 @@ class RayGrid:
     """A grid of rays, given by their points of intersection with the image plane at unit depth."""
 
     x: Float32[np.ndarray, "columns"]
-    """Horizontal coordinates of the columns on this plane, to the right."""
+    """Horizontal coordinates of the ray columns on the image plane at unit depth, positive to the right."""
     y: Float32[np.ndarray, "rows"]
-    """Vertical coordinates of the rows on this plane, downwards."""
+    """Vertical coordinates of the ray rows on the image plane at unit depth, positive downwards."""
 
     @staticmethod
     def of(intrinsics: Intrinsics, columns: int, rows: int) -> "RayGrid":

@@ -24,12 +24,13 @@ WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
 """Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
-"""Low bits of a depth that are replaced by the block's rank in its column. The relative change is at most 3e-5."""
+"""Mask of the low bits of a depth that are replaced by the block's rank in its column. This changes a depth by at most
+3e-5 of itself."""
 _CHUNK = 48
 """Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01
 _TALL_M = 20.0
-"""Least height of a tall block outdoors, where rooms have no ceiling [m]. No block is as high."""
+"""Height from which a block would count as tall outdoors, where rooms have no ceiling [m]. In fact no block is as high."""
 
 Depths = Float32[np.ndarray, "k columns rows"]
 Rows = Int[np.ndarray, "k columns rows"]
@@ -42,7 +43,7 @@ class Hits:
     depth: Float32[np.ndarray, "n columns rows"]
     """Depth along the optical axis [m]; infinite if nothing is hit."""
     thing: Int[np.ndarray, "n columns rows"]
-    """Index into `Surroundings.names`, or `NOWHERE`."""
+    """The thing that each ray hits, as an index into `Surroundings.names`; `NOWHERE` if none."""
 
 
 def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:

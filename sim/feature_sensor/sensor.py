@@ -1,13 +1,19 @@
-"""`FeatureSensor`: simulates percepts of a tour instead of rendering images, with a matching loop verifier."""
+"""`FeatureSensor`: simulates percepts of a tour instead of rendering images, with a matching loop verifier.
 
-from collections.abc import Iterator, Sequence
+All rays of many frames are cast together, which is several times faster than frame by frame.
+"""
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float32
 
 from lexis.types import Camera, Features, Percept, Poses
-from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, TrueView
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, LoopModel, TrueView
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import true_embeddings
 from sim.feature_sensor.ray_origins import RayGrid
@@ -20,7 +26,7 @@ _STREAM = 4
 _CHUNK = 256
 """Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-"""Percepts have no key points, because loops are verified by covisibility."""
+"""The features of all simulated percepts: no key points, because loops are verified by covisibility."""
 
 
 class FeatureSensor:
@@ -28,42 +34,88 @@ class FeatureSensor:
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
         """`seed` is the seed of the run. With `oracle`, embeddings hold the ground truth; loop verification is unchanged."""
-        self._model, self._camera, self._oracle = model, camera, oracle
-        self._seed = (seed, _STREAM)
-        self._surroundings: dict[int, tuple[House, Surroundings]] = {}
+        self._model, self._camera, self._seed = model, camera, seed
+        self._oracle = oracle
 
-    def percepts(self, houses: Sequence[House], T_W_B: Poses) -> Iterator[Percept]:
-        """Yield the percept of each frame, from the true body pose in the house as it is at that frame."""
-        start = 0
-        for _, group in groupby(houses, key=id):
-            end = start + len(list(group))
-            for first in range(start, end, _CHUNK):
-                poses = T_W_B[first : min(first + _CHUNK, end)]
-                views = look(self._survey(houses[first]), poses, self._camera)
-                for embedding in self._embeddings(views, poses):
-                    yield Percept(embedding, NO_FEATURES)
-            start = end
-
-    def verifier(self, houses: Sequence[House], T_W_B: Poses) -> CovisibilityVerifier:
-        """Return the loop verifier for the tour whose percepts were simulated."""
-        sights: dict[int, TrueView] = {}
-        grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
-
-        def sight_of(frame: int) -> TrueView:
-            if frame not in sights:
-                T_W_C = T_W_B[frame] @ self._camera.T_B_C
-                views = look(self._survey(houses[frame]), T_W_B[frame : frame + 1], self._camera)
-                sights[frame] = TrueView(T_W_B[frame], T_W_C, views.hits.depth[0], grid)
-            return sights[frame]
-
-        return CovisibilityVerifier(self._model.loops, sight_of, self._seed[0])
+    def tour(self, houses: Sequence[House], T_W_B: Poses) -> "SensedTour":
+        """Return the tour along the true body poses `T_W_B` as the sensor sees it. `houses[i]` is the house at frame i."""
+        return SensedTour(self._camera, houses, T_W_B, self._embeddings, self._model.loops, self._seed)
 
     def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
         if self._oracle:
             return true_embeddings(views, T_W_B)
-        return self._model.embedding.draw(views, T_W_B, self._seed)
+        return self._model.embedding.draw(views, T_W_B, (self._seed, _STREAM))
+
+
+class SensedTour:
+    """The percepts of a tour, and a loop verifier that uses the same views. Each view is computed once."""
+
+    def __init__(
+        self,
+        camera: Camera,
+        houses: Sequence[House],
+        T_W_B: Poses,
+        embeddings: Callable[[VisibleShares, Poses], Float32[np.ndarray, "n d"]],
+        loops: LoopModel,
+        seed: int,
+    ) -> None:
+        """`embeddings(views, T_W_B)` computes the embeddings of views that are seen from body poses `T_W_B`."""
+        self._camera, self._T_W_B = camera, T_W_B
+        self._embeddings, self._loops, self._seed = embeddings, loops, seed
+        self._chunks = list(_chunks(houses))
+        self._ends = [chunk.frames.stop for chunk in self._chunks]
+        self._surroundings: dict[int, Surroundings] = {}
+        self._depths: dict[int, Float32[np.ndarray, "n columns rows"]] = {}
+        """Depths of the rays [m] of each chunk of frames whose rays have been cast, by the chunk's number."""
+
+    def percepts(self) -> Iterator[Percept]:
+        """Yield the percept of each frame."""
+        for number, chunk in enumerate(self._chunks):
+            poses = self._T_W_B[chunk.frames]
+            for embedding in self._embeddings(self._look(number), poses):
+                yield Percept(embedding, NO_FEATURES)
+
+    def verifier(self) -> CovisibilityVerifier:
+        """Return the loop verifier for this tour."""
+        grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
+
+        @cache
+        def view_of(frame: int) -> TrueView:
+            T_W_B = np.asarray(self._T_W_B[frame])
+            return TrueView(T_W_B, T_W_B @ self._camera.T_B_C, self._depth(frame), grid)
+
+        return CovisibilityVerifier(self._loops, view_of, self._seed)
+
+    def _depth(self, frame: int) -> Float32[np.ndarray, "columns rows"]:
+        number = bisect_right(self._ends, frame)
+        if number not in self._depths:
+            self._look(number)
+        return np.asarray(self._depths[number][frame - self._chunks[number].frames.start])
+
+    def _look(self, number: int) -> VisibleShares:
+        """The views of a chunk of frames."""
+        chunk = self._chunks[number]
+        views = look(self._survey(chunk.house), self._T_W_B[chunk.frames], self._camera)
+        self._depths[number] = views.hits.depth
+        return views
 
     def _survey(self, house: House) -> Surroundings:
         if id(house) not in self._surroundings:
-            self._surroundings[id(house)] = house, survey(house)
-        return self._surroundings[id(house)][1]
+            self._surroundings[id(house)] = survey(house)
+        return self._surroundings[id(house)]
+
+
+class _Chunk(NamedTuple):
+    """Successive frames in an unchanged house."""
+
+    house: House
+    frames: slice
+
+
+def _chunks(houses: Sequence[House]) -> Iterator[_Chunk]:
+    start = 0
+    for _, group in groupby(houses, key=id):
+        end = start + len(list(group))
+        for first in range(start, end, _CHUNK):
+            yield _Chunk(houses[first], slice(first, min(first + _CHUNK, end)))
+        start = end

@@ -38,7 +38,7 @@ class Blocks:
     """Half the width and depth, along the box's own axes."""
     yaw: Float32[np.ndarray, "b"]
     z: Float32[np.ndarray, "b 2"]
-    """Heights of the lower and upper end."""
+    """Heights of each box's lower and upper end in W [m]."""
     thing: Int[np.ndarray, "b"]
     """Index into `Surroundings.names`; `NOWHERE` for walls, whose hits count for the room in front of them."""
 
@@ -63,7 +63,7 @@ class Surroundings:
 
     @cached_property
     def labels(self) -> Int[np.ndarray, "rooms"]:
-        """Index into `ROOM_LABELS` of each room."""
+        """Label of each room, as an index into `ROOM_LABELS`."""
         return np.array([ROOM_LABELS.index(room.label) for room in self.house.rooms])
 
     @cached_property
@@ -132,7 +132,7 @@ class RoomMap:
     """Raster maps of the rooms of each storey, with cells of `CELL_M` and a border of one cell without room."""
 
     cells: Int[np.ndarray, "storeys nx ny"]
-    """Index into `House.rooms`, or `NOWHERE`."""
+    """The room of each cell, as an index into `House.rooms`; `NOWHERE` outside of all rooms."""
     origin: Float32[np.ndarray, "2"]
 
     @staticmethod

@@ -13,15 +13,16 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import NOWHERE
 
 COLUMNS, ROWS = 40, 30
-"""Number of rays per image. An object that fills 1 % of the image is hit by a dozen of them."""
+"""Number of columns and of rows of rays per image. An object that fills 1 % of the image is hit by a dozen rays."""
 LABEL_WEIGHT = 0.05
-"""Weight of room labels in the description of a view. It is small, so that a ridge regression prefers what is visible."""
+"""Weight of room labels in the description of a view. It is small, so that a ridge regression prefers the entries that
+describe visible things."""
 _NEAR_M = 2.5
 """Largest depth of near things [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Depths [m]. For each of them, the description of a view holds the share of rays that hit something nearer."""
 _COLOUR_WEIGHT = 2.0
-"""Weight of colours in [0, 1] in the description of a view."""
+"""Factor on the colours in the description of a view; without it, they are in [0, 1]."""
 _LEAST_SHARE = 0.02
 """Least share of the image at which a surface's colour counts in full; below, the colour is weakened in proportion."""
 LABELS = slice(2 * len(KINDS), 2 * len(KINDS) + len(ROOM_LABELS))
@@ -40,7 +41,7 @@ class VisibleShares:
     """Share of each thing in the image, in [0, 1]. Sky and the outside of the house belong to no thing."""
 
     def of_rooms(self) -> Float64[np.ndarray, "n rooms"]:
-        """Return the shares of rooms, with their surfaces and the objects in them."""
+        """Return, for each image, the share that every room fills with its surfaces and the objects in it."""
         return _summed(self.shares, self.around.room, len(self.around.house.rooms))
 
     def of_kinds(self) -> Float64[np.ndarray, "n kinds"]:
@@ -50,10 +51,15 @@ class VisibleShares:
     def described(self) -> Float32[np.ndarray, "n size"]:
         """Return descriptions of the views, the inputs of the embedding model.
 
-        A description holds, in this order: the root of the share of each kind of thing; the root of the share of each kind
-        among near things; the root of the share of each room label, with a low weight (`LABEL_WEIGHT`), for visual
-        differences that no other entry holds; the mean colours of walls, floors and ceilings; the distribution of depths;
-        the share of sky.
+        A description holds, in this order:
+
+        1. The square root of the share of each kind of thing.
+        2. The square root of the share of each kind among near things.
+        3. The square root of the share of each room label, with the low weight `LABEL_WEIGHT`. These
+           entries stand for visual differences that no other entry holds.
+        4. The mean colours of walls, floors and ceilings.
+        5. The share of rays that hit something nearer than each of `_DEPTHS_M`.
+        6. The share of the sky.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
         nearer = [(depth < limit).mean(axis=1) for limit in _DEPTHS_M]
@@ -81,13 +87,13 @@ class VisibleShares:
 
 
 def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
-    """Cast the rays of a camera from body poses and sum up what it sees."""
+    """Cast the rays of a camera from body poses, and sum up the share of the image that each thing fills."""
     hits = cast(around, T_W_B @ camera.T_B_C, RayGrid.of(camera.intrinsics, COLUMNS, ROWS))
     return VisibleShares(around, hits, shares_of(hits.thing, len(around.names)))
 
 
 def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n {things}"]:
-    """Return the share of each image that each thing fills. `things` is their number; `NOWHERE` counts for none."""
+    """Return the share of each image that each of `things` things fills. Rays with `NOWHERE` count for no thing."""
     n, size = len(thing), thing[0].size if len(thing) else 1
     flat = thing.reshape(n, -1)
     rows = np.broadcast_to(np.arange(n)[:, None] * things, flat.shape)

@@ -11,18 +11,18 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class NearbyBoxes:
-    """Pairs of a path point and a nearby upright box. Methods take the points' present places."""
+    """Pairs of a path point and an upright box near it. The points may move, so methods take the points' present places."""
 
     points: int
-    """Number of points."""
+    """Number of path points."""
     point: Int[np.ndarray, "p"]
     """Index of each pair's point."""
     centre: Float64[np.ndarray, "p 2"]
     """Centre of each pair's box [m]."""
     half: Float64[np.ndarray, "p 2"]
-    """Half the size of the box [m]."""
+    """Half the size of each pair's box [m]."""
     axes: Float64[np.ndarray, "p 2 2"]
-    """Axes of the box in W, as rows."""
+    """Axes of each pair's box in W, as rows."""
 
     @staticmethod
     def of(places: Float64[np.ndarray, "n 3"], obstacles: Obstacles, within_m: float) -> "NearbyBoxes":
@@ -37,7 +37,7 @@ class NearbyBoxes:
         return NearbyBoxes(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
 
     def and_also(self, other: "NearbyBoxes") -> "NearbyBoxes":
-        """Return the pairs of both objects, which must have equal points."""
+        """Return the pairs of this object and of `other`, which must be about the same path points."""
         pairs = [(getattr(self, name), getattr(other, name)) for name in ("point", "centre", "half", "axes")]
         return NearbyBoxes(self.points, *(np.concatenate(pair) for pair in pairs))
 
@@ -47,7 +47,7 @@ class NearbyBoxes:
         return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
-        """Return the distance from each point, now at `places`, to the nearest of its boxes [m]; infinite without boxes."""
+        """Return the distance from each path point, now at `places`, to its nearest box [m]; infinite without boxes."""
         least = np.full(self.points, np.inf)
         np.minimum.at(least, self.point, np.linalg.norm(self._offset(places), axis=1))
         return least

@@ -28,17 +28,17 @@ class TourConfig(Settings, place="tour", error=SimError):
     circuit_m: Annotated[float, Gt(0)] | None = None
     """Length of the loop's circuit [m]. None: 40, or less in a small house."""
     laps: Annotated[int, Ge(1)] = 3
-    """Laps of the loop if no length is requested."""
+    """Number of laps of a `loop` tour if no length is requested."""
     lane_m: Annotated[float, Ge(0.3)] = 1.0
     """Distance between the lawn-mower's lanes [m]; it grows if the requested length is too short for lanes this close."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Images per second [Hz]."""
     speed_m_s: Annotated[float, Gt(0)] = 0.7
-    """Largest speed [m/s]."""
+    """Largest speed of the body [m/s]."""
     turn_rate_rad_s: Annotated[float, Gt(0)] = 1.2
-    """Largest turn rate [rad/s]."""
+    """Largest turn rate of the body [rad/s]."""
     acceleration_m_s2: Annotated[float, Gt(0)] = 1.5
-    """Largest acceleration [m/s²]."""
+    """Largest acceleration of the body [m/s²]."""
     eye_height_m: Annotated[float, Gt(0)] = 1.4
     """Height of the body frame above the walked surface [m]."""
     glance_rad: float = 0.3

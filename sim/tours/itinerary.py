@@ -1,7 +1,7 @@
 """`Planner`: plans the sequence of graph nodes that each kind of tour visits.
 
-A tour has a first part that it always visits, and a part that it repeats to reach a requested length. The way home is always
-added. What is then missing to the length is filled by a detour.
+A tour has a first part that it always visits, and a part that it repeats to reach a requested length. The path back to the
+start is always added. If the tour is then still shorter than requested, a detour is added.
 """
 
 from collections.abc import Callable, Sequence
@@ -38,12 +38,12 @@ _SHORTEST_LAP_M = 2.0
 _NEAR_ENOUGH_M = 0.15
 """Largest difference in length between the best detour and detours that count as equally good [m]."""
 _DRAWN = 0.3
-"""Clearance [m] that a detour may lose for each metre that it is nearer to the next stop of the tour."""
+"""In the choice of a detour, one metre nearer to the next stop of the tour outweighs this much clearance [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to visit, without the return to the first node at the end."""
+    """Nodes of the walkable graph to visit. The return to the first node at the end is not included."""
 
     first: Sequence[int]
     """Nodes that are always visited."""

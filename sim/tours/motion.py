@@ -16,7 +16,7 @@ _X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A body's trajectory. Times before and after it give its first and last pose, where the body is at rest.
+    """A body's trajectory. Before its start the body rests in the first pose, after its end in the last pose.
 
     The walk without sway is a uniform B-spline. Each of its derivatives is a weighted mean of the divided differences of the
     control points. If these differences keep a limit, the walk therefore keeps the limit at every time.
@@ -25,7 +25,7 @@ class Motion:
     controls: Float64[np.ndarray, "k 6"]
     """Control points: position on the walked surface in W [m], yaw and pitch [rad], share of the full sway."""
     knot_s: float
-    """Time between knots [s]."""
+    """Time between the knots of the spline [s]."""
     sway: Sway | None = None
 
     @property
@@ -55,17 +55,20 @@ class Motion:
         return np.asarray(sum(b * gait[k] * swing[derivative - k] for k, b in enumerate(binomial)))
 
     def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the body's position in W without its carrying height [m]: on the walked surface, apart from sway."""
+        """Return positions in W: points of the walked surface, displaced by the sway [m].
+
+        The body is above these points by the height at which it is carried (`height_m` of `poses_at`).
+        """
         return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the velocity in W [m/s]."""
+        """Return the velocity of the body in W [m/s]."""
         walk, (d, d1) = self._walk(t, 1), (self._swing(t, k)[:, _X] for k in (0, 1))
         swing = d1 + walk[:, _YAW, None] * _across(d)
         return np.asarray(walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def acceleration(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the acceleration in W [m/s²]."""
+        """Return the acceleration of the body in W [m/s²]."""
         d, d1, d2 = (self._swing(t, k)[:, _X] for k in range(3))
         rate, change = self._walk(t, 1)[:, _YAW, None], self._walk(t, 2)[:, _YAW, None]
         swing = d2 + 2 * rate * _across(d1) + change * _across(d) + rate**2 * _across(_across(d))

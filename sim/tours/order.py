@@ -14,7 +14,7 @@ from worlds.walkable import Walkable
 
 
 def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-    """Order all stops storey by storey from the lowest up. Returns that lap and its part on the lowest storey."""
+    """Order all stops storey by storey from the lowest up. Returns the whole lap, and its part on the lowest storey."""
     rooms_on: dict[int, list[str]] = {}
     for room in house.rooms:
         if room.id in stops.of_room:
@@ -47,7 +47,7 @@ def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: boo
 
 
 def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
-    """Return the length of a lap with the way home, or with the same path back [m]."""
+    """Return the length of a lap with its return to the start [m]: by the same path if `there_and_back`, else directly."""
     return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
 
 

@@ -3,7 +3,8 @@
 1. Bound the speed at each point of the path by the curvature there and by the turn rate of the view.
 2. Compute the fastest speed profile under these bounds whose tangential acceleration keeps its limit. Sample the path at
    equal steps of time; the samples are the control points of a B-spline.
-3. Check the limits on the control points. Where they are exceeded, lower the speed bounds around, and go back to 2.
+3. Check the limits on the control points. Where they are exceeded, lower the speed bounds around these points, and go
+   back to 2.
 4. Stretch time by the small excess that is left, so that the limits hold exactly.
 """
 

@@ -20,12 +20,12 @@ _INSIDE_M = 0.5
 _AREA_PER_STOP_M2 = 7.0
 _MAX_STOPS = 3
 _STOP_SPACING_M = 0.7
-"""Largest distance between a place and the nearest stop at which a room gets no further stop [m]."""
+"""A room gets a further stop only if some place in the room is farther than this from all its previous stops [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stops:
-    """Places to visit, numbered from 0."""
+    """The places that a tour visits, numbered from 0, with the walking distances between them."""
 
     nodes: Int[np.ndarray, "m"]
     """Node of the walkable graph at each stop."""

@@ -16,7 +16,7 @@ _HAND_HELD = np.array([[3, 6, 3, 0.35, 0.35, 0.25], [2, 5, 3, 0.25, 0.30, 0.15],
 """Amplitudes at each frequency: x, y, z [mm], roll, pitch, yaw [deg]. A step takes 0.55 s and a cycle two steps."""
 _QUADRUPED_HZ = (1.5, 3.0)
 _QUADRUPED = np.array([[0, 5, 1, 0.9, 0.2, 0.3], [2, 0, 5, 0.1, 0.7, 0.0]])
-"""Amplitudes of a trot in the units above: from side to side with each pair of legs, up and down with each step."""
+"""Amplitudes of a trot in the units of `_HAND_HELD`: sideways with each pair of legs, up and down with each step."""
 _JITTER = 0.25
 """Largest relative deviation of a walk's amplitudes. Frequencies deviate by up to half of this share."""
 

@@ -1,4 +1,4 @@
-"""`plan_tour`: plans a walk through a house without collisions, which ends at its start.
+"""`plan_tour`: plans a walk without collisions through a house and back to the start.
 
 1. Plan the nodes to visit, by the kind of tour (`itinerary`).
 2. Connect them by paths and smooth the whole path (`smooth`). If a length is requested, correct the plan by the length that
@@ -29,6 +29,8 @@ _RANDOM_M = 100.0
 """Length of a random tour if none is requested [m]."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
 """Tolerance of the length in metres, and as a share of the length. The larger tolerance applies."""
+_SHORTEST_M = 1.0
+"""Requested length for which the planner leaves out everything that it may leave out [m]."""
 _TRIES = 5
 _GOOD_ENOUGH = 0.3
 """Largest deviation of the length at which the search for a better length ends, as a share of the tolerance."""
@@ -77,6 +79,14 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
         motion = with_start_manoeuvre(motion, config.limits)
     stamps = np.arange(0.0, motion.duration_s, 1.0 / config.frame_rate_hz)
     return Tour(stamps, motion.poses_at(stamps, config.eye_height_m), motion, config.eye_height_m)
+
+
+def shortest_length(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig) -> float:
+    """Return the length of the shortest tour of the kind in `config`, whose own length is ignored [m].
+
+    Raises `SimError` if no tour is possible in the house.
+    """
+    return float(arc_length(_smooth(Planner.of(house, walkable, config, rng), _SHORTEST_M))[-1])
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:

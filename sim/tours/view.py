@@ -1,4 +1,4 @@
-"""Chooses the direction of view along a path: ahead, with glances to the sides in rooms, and along stairs."""
+"""Chooses the direction of view along a path: ahead, with glances to the sides in rooms, and along the slope on stairs."""
 
 from itertools import pairwise
 
