@@ -1,5 +1,5 @@
-"""The commands of `lexis-sim`: a module for each group, which `sim.cli` puts together.
+"""The commands of `lexis-sim`: a module for each group of commands. `sim.cli` puts the groups together.
 
-A command imports what loads slowly (torch, MuJoCo) inside the function that needs it, so that `--help` and error messages
+A command imports slow packages (torch, MuJoCo) inside the function that needs them, so that `--help` and error messages
 for mistyped arguments appear at once.
 """

@@ -1,4 +1,4 @@
-"""Arguments that several commands take."""
+"""Command-line arguments that several commands of `lexis-sim` share."""
 
 import argparse
 import math
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from sim.harness import Scenario
 
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], object]
-"""Adds itself to a parser."""
+"""A function that adds one argument to a parser."""
 
 ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(default)s)"
 FIDELITY_HELP = "features: no pixels, but what a model of the encoder makes of the true view (default: %(default)s)"
 ORACLE_HELP = "oracle: told the truth, for tests of what comes after the encoder; with --fidelity features"
 FEATURE_MODEL_HELP = "of --fidelity features, as 'lexis-sim fit-features' writes it (default: the one of mini)"
-TOUR_HELP = "where the walk goes; both-ways: every room and the same way back (default: %(default)s)"
+TOUR_HELP = "path of the walk; both-ways: through every room and back along the same path (default: %(default)s)"
 SWAY_HELP = "how the body swings as it walks (default: %(default)s)"
 START_HELP = "swing on the spot for five seconds before the walk, which lets visual-inertial systems initialise"
 _TOURS = {kind.replace(" ", "-"): kind for kind in TOUR_KINDS}
@@ -43,12 +43,15 @@ PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 
 def argument(*names: str, **options: Any) -> Argument:
-    """An argument by what `add_argument` takes, for tables of commands."""
+    """Wrap the parameters of `ArgumentParser.add_argument` in an `Argument`, for tables of commands."""
     return lambda parser: parser.add_argument(*names, **options)
 
 
 def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
-    """A number in a range, for `type=`; `lowest` says what `low` means."""
+    """Make a converter for `type=` that accepts numbers from `low` to `high`.
+
+    Error messages show the text `lowest` after `low`, to say what the lowest value means.
+    """
 
     def parse(text: str) -> float:
         try:
@@ -63,7 +66,7 @@ def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
 
 
 def folder(text: str) -> Path:
-    """The name of a folder to write, for `type=`: no file is in its way; whether it can be written is not looked at."""
+    """Convert text to the path of an output folder, for `type=`. It refuses files, but does not check write permission."""
     if not text.strip():
         raise argparse.ArgumentTypeError("is blank; valid: the name of a folder")
     try:
@@ -76,7 +79,10 @@ def folder(text: str) -> Path:
 
 
 def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float, ...]]:
-    """Finite numbers between commas, as many as one of `counts`, for `type=`; `names` says what they are."""
+    """Make a converter for `type=` that reads finite numbers separated by commas.
+
+    `counts` lists how many numbers may be given, and `names` describes them in error messages.
+    """
 
     def parse(text: str) -> tuple[float, ...]:
         try:
@@ -91,14 +97,14 @@ def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float,
 
 
 def seeing_encoder(text: str) -> str:
-    """The name of an encoder that looks at images, for `type=`; whether there is one of that name is not looked at."""
+    """Accept any encoder name except the oracle's, for `type=`. It does not check that the encoder exists."""
     if text == ORACLE:
-        raise argparse.ArgumentTypeError(f"{text!r} is told the truth: no benchmark is of it; valid: mini, or open_clip's")
+        raise argparse.ArgumentTypeError(f"{text!r} is told the truth, so benchmarks refuse it; valid: mini, or open_clip's")
     return text
 
 
 def out_file(metavar: str) -> Argument:
-    """The file that a command writes."""
+    """The required argument `--out` of a command that writes one file."""
     return argument(
         "-o", "--out", type=Path, required=True, metavar=metavar, help="file to write; an earlier one is replaced"
     )
@@ -110,12 +116,12 @@ DEMO_SEED = 7
 
 
 def add_run_seed(parser: argparse.ArgumentParser) -> None:
-    """The seed of a run."""
+    """Add the option `--seed` of a run."""
     parser.add_argument("--seed", type=seed, default=DEMO_SEED, help="of house, tour and odometry (default: %(default)s)")
 
 
 def add_walk(parser: argparse.ArgumentParser, scenario: bool = False) -> None:
-    """The house, the walk through it, its odometry, and what breaks; or, on request, a scenario that says all of this."""
+    """Add options for house, walk, odometry and faults; with `scenario` also `--scenario`, a file that replaces them."""
     house = parser.add_mutually_exclusive_group()
     if scenario:
         house.add_argument("--scenario", type=Path, metavar="FILE", help=SCENARIO_HELP)
@@ -138,7 +144,7 @@ def add_walk(parser: argparse.ArgumentParser, scenario: bool = False) -> None:
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """Everything that describes a run, as options or as a file."""
+    """Add all options that describe a run, and `--scenario` for a file that replaces them."""
     add_walk(parser, scenario=True)
     parser.add_argument("--encoder", default="mini", help=f"{ENCODER_HELP}; {ORACLE_HELP}")
     parser.add_argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP)
@@ -148,7 +154,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
 
 
 def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
-    """The scenario that `add_scenario` has asked for. Raises `WorldsError`, `SimError` or `LexisError` for a bad one."""
+    """Build the scenario from the options of `add_scenario`. Raises `WorldsError`, `SimError` or `LexisError` if invalid."""
     from sim.harness import Scenario
     from sim.render.rig import RigConfig
 
@@ -168,7 +174,7 @@ def scenario_of_arguments(arguments: argparse.Namespace) -> "Scenario":
 
 
 def add_tour(parser: argparse.ArgumentParser) -> None:
-    """Where the walk goes, how the body moves on it, and how often it looks."""
+    """Add options for the path of the walk, the motion of the body and the frame rate."""
     parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
     parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
     parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
@@ -179,7 +185,7 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
 
 
 def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `add_walk` has asked for, as fields of `Scenario`. Raises `WorldsError` or `SimError` for bad ones."""
+    """Convert the options of `add_walk` to fields of `Scenario`. Raises `WorldsError` or `SimError` if they are invalid."""
     return {
         "preset": arguments.preset,
         "seed": arguments.seed,

@@ -1,6 +1,7 @@
 """`lexis-sim bench`: benchmarks that print tables. To add one, write a function and add an entry to `_BENCHMARKS`."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
@@ -9,6 +10,7 @@ from typing import TypeAlias
 
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import Command, Commands, positive
@@ -24,6 +26,7 @@ from sim.commands.arguments import (
     folder,
     seeing_encoder,
 )
+from sim.durations import duration_s
 from sim.fidelity import FIDELITIES
 from worlds.presets import PRESETS
 
@@ -38,6 +41,8 @@ _OPENNESS = argument(
 )
 _HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
+_OWN_PYTESTS = 10
+"""How many of the tests that replay a reduced scenario are also run by a pytest of their own."""
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -50,13 +55,17 @@ def _printing(tables: Tables) -> Command:
     """Make a command that prints every table as soon as it is complete."""
 
     def command(arguments: argparse.Namespace) -> int:
-        # For output that is not a terminal, rich would assume 80 columns and cut figures off.
-        console = Console(width=None if sys.stdout.isatty() else 200)
+        console = _console()
         for table in tables(arguments):
             console.print(table)
         return 0
 
     return command
+
+
+def _console() -> Console:
+    """Standard output, of which rich would assume 80 columns and cut figures off if it is not a terminal."""
+    return Console(width=None if sys.stdout.isatty() else 200)
 
 
 def _houses(arguments: argparse.Namespace) -> str:
@@ -99,6 +108,23 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
                 figure.name, *(f"{value:.4g}" for value in (figure.median, figure.worst)), figure.limit, str(figure.runs)
             )
         yield table
+
+
+def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
+    from statistics import median
+
+    from sim.bench.throughput import measure_throughput
+
+    headers = ("tier", "houses/s", "wanted", "houses", "median s", "worst s", "rooms", "keyframes")
+    table = Table(*headers, title="homes of about ten rooms, one process for each core")
+    for tier in measure_throughput(arguments.houses, arguments.seed):
+        seconds = [each.seconds for each in tier.handled]
+        rooms, keyframes = (median(getattr(each, name) for each in tier.handled) for name in ("rooms", "frames"))
+        table.add_row(
+            *(tier.tier, f"{tier.per_second:.3g}", f">= {tier.wanted:g}", str(len(seconds))),
+            *(f"{median(seconds):.3g}", f"{max(seconds):.3g}", f"{rooms:g}", f"{keyframes:g}"),
+        )
+    yield table
 
 
 def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -171,6 +197,37 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     yield failures
 
 
+def _shrinking(arguments: argparse.Namespace) -> int:
+    """Print the table of all families and a line for each broken law. The exit status is 1 if there is one."""
+    from sim.bench.shrinking import ProofPlan, folder_of, prove, summaries
+
+    one_in = arguments.scenarios // _OWN_PYTESTS
+    plan = ProofPlan(arguments.seed, arguments.deadline, arguments.rooms, arguments.out, one_in)
+    proofs, progress = [], Console(stderr=True)
+    with Progress(console=progress, transient=True, disable=not progress.is_terminal) as bar:
+        proving = prove(plan, arguments.scenarios, arguments.processes)
+        for proof in bar.track(proving, total=arguments.scenarios, description="scenarios"):
+            proofs.append(proof)
+            for law in proof.broken:
+                print(f"{folder_of(proof.number, plan)}.json: {law}")
+    headers = ("family", "scenarios", "in time", "broken", "needs", "rooms before", "rooms", "walk before, m", "walk, m")
+    title = "reductions: median, 90 % and worst after it; before it, and what the bug needs at least"
+    table = Table(*headers, "candidates", "seconds", title=title, title_justify="left")
+    for row in summaries(proofs):
+        table.add_row(*map(_spread, astuple(row)))
+    _console().print(table)
+    return int(any(proof.broken for proof in proofs))
+
+
+def _spread(value: object) -> str:
+    """A figure, or several ones between slashes, with one decimal at most."""
+    if isinstance(value, tuple):
+        return " / ".join(map(_spread, value))
+    if value is None:
+        return ""
+    return f"{value:.1f}".removesuffix(".0") if isinstance(value, float) else str(value)
+
+
 _BENCHMARKS = (
     Action(
         "speed",
@@ -178,6 +235,13 @@ _BENCHMARKS = (
         "time for houses, scenes, images and mapping, each with its limit",
         "lexis-sim bench speed --preset home --houses 5",
         (_PRESET, _HOUSES, SEED),
+    ),
+    Action(
+        "throughput",
+        _printing(_throughput),
+        "houses per second without rendering: checked layouts, and runs on the feature sensor",
+        "lexis-sim bench throughput --houses 40",
+        (_HOUSES, SEED),
     ),
     Action(
         "segmentation",
@@ -226,6 +290,30 @@ _BENCHMARKS = (
             _OPENNESS,
             _ENCODER,
             argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
+            SEED,
+        ),
+    ),
+    Action(
+        "shrinking",
+        _shrinking,
+        "reductions of scenarios in which planted bugs show; exit status 1 if one of them breaks a law",
+        "lexis-sim bench shrinking --scenarios 200",
+        (
+            argument("--scenarios", type=positive, default=32, help="number of scenarios (default: %(default)s)"),
+            argument("--deadline", type=duration_s, default=60.0, metavar="TIME", help="for each reduction (default: 60s)"),
+            argument(
+                "--rooms", type=positive, default=10, help="greatest number of rooms in a house (default: %(default)s)"
+            ),
+            argument(
+                "--processes", type=positive, default=os.cpu_count() or 2, help="number of processes (default: one per core)"
+            ),
+            argument(
+                "--out",
+                type=folder,
+                default=Path("broken-reductions"),
+                metavar="DIR",
+                help="scenarios whose reductions break a law are kept here (default: %(default)s)",
+            ),
             SEED,
         ),
     ),

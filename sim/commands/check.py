@@ -1,4 +1,4 @@
-"""`lexis-sim check`: run any SLAM on a scenario, and fail if a figure is not as wanted."""
+"""`lexis-sim check`: run any SLAM on a scenario, and exit with status 1 if a figure fails a condition."""
 
 import argparse
 import sys
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lexis.command_line import Commands, add_command, warn_of_replacement
 from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
 from sim.commands.run import print_result, progress_bar
-from sim.commands.slams import add_slam, runner_of
+from sim.commands.slams import add_slam, check_claimable, runner_of
 
 if TYPE_CHECKING:
     from sim.harness import Claim, RunResult
@@ -16,7 +16,7 @@ FAILS_HELP = 'when the check fails, such as "labels.accuracy < 0.7"; may be repe
 
 
 def add_to(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command `check`."""
     check = add_command(
         commands,
         "check",
@@ -35,6 +35,8 @@ def _check(arguments: argparse.Namespace) -> int:
     from sim.harness.outputs import MARKER
 
     claims = [Claim.parse(text) for text in arguments.fails]
+    for claim in claims:
+        check_claimable(arguments, claim)
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
         warn_of_replacement(arguments.out, MARKER)
@@ -53,7 +55,7 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def failure(fails: "Claim", result: "RunResult") -> str:
-    """What failed, in one line; "" if the figure is as wanted."""
+    """Describe in one line how the figure fails; return "" if it does not."""
     value = fails.value(result)
     if value is None:
         return f"failed: {fails.figure} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"

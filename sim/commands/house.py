@@ -19,7 +19,7 @@ from worlds.spec import HouseSpec, json_schema
 from worlds.validation import built_and_checked
 
 _MOST_TILES = 1000
-"""Largest number of plans on one page of a gallery."""
+"""Largest number of floor plans on one page of a gallery."""
 
 
 def add_to(commands: Commands) -> None:

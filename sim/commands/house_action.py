@@ -1,4 +1,4 @@
-"""Shared by the commands of `lexis-sim house`: the file argument, writing a checked house, and a one-line description."""
+"""Helpers that the commands of `lexis-sim house` share: the file argument, writing a checked house, describing a house."""
 
 from pathlib import Path
 

@@ -22,7 +22,7 @@ _WIDE = 110
 
 
 def add_to(commands: Commands) -> None:
-    """Add the commands."""
+    """Add the commands `demo` and `run`."""
     demo = add_command(
         commands, "demo", _demo, "a house, a walk, LEXIS, a report", f"lexis-sim demo --seed {DEMO_SEED} --out lexis-demo"
     )
@@ -84,7 +84,7 @@ def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Pat
 
 @contextmanager
 def progress_bar(work: str) -> Iterator["Progress"]:
-    """Show how much of the work is done, where the output is a terminal; yields the function to tell."""
+    """Show a progress bar on a terminal; yield the function to call with the share of the work done, in [0, 1]."""
     console = Console()
     with Bar(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(work, total=1.0)

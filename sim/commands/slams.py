@@ -1,4 +1,4 @@
-"""The SLAM that a command tests: LEXIS, a class of the user's own, or a program in any language."""
+"""Options that choose the SLAM under test: LEXIS, a class of the user's own, or a program in any language."""
 
 import argparse
 import importlib
@@ -12,6 +12,8 @@ from sim.commands.record import FORMATS
 from sim.errors import SimError
 
 if TYPE_CHECKING:
+    from sim.harness.claims import Claim
+    from sim.harness.failure_folder import Replay
     from sim.harness.failure_signature import Runner
     from sim.harness.slam_under_test import SlamUnderTest
 
@@ -23,7 +25,7 @@ COMMAND_HELP = "a program that reads the recording in {dataset} and writes traje
 
 
 def add_slam(parser: argparse.ArgumentParser) -> None:
-    """The SLAM under test."""
+    """Add the options that choose the SLAM under test."""
     slam = parser.add_mutually_exclusive_group()
     slam.add_argument("--slam", metavar="MODULE:CLASS", help=SLAM_HELP)
     slam.add_argument("--command", dest="program", metavar='"PROGRAM {dataset} {out}"', help=COMMAND_HELP)
@@ -36,8 +38,22 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def is_lexis(arguments: argparse.Namespace) -> bool:
+    """Whether the SLAM that `add_slam` has asked for is LEXIS."""
+    return arguments.slam is None and arguments.program is None
+
+
+def check_claimable(arguments: argparse.Namespace, claim: "Claim") -> None:
+    """Raise `SimError` for a claim about plans if the SLAM is a program, because programs have no way to state plans."""
+    if arguments.program is not None and claim.is_about_plans:
+        raise SimError(
+            f"claim {str(claim)!r}: a program of --command makes no plans, so {claim.figure} is null; "
+            "valid: figures of trajectory, labels, rooms, floors or loops, or --slam"
+        )
+
+
 def runner_of(arguments: argparse.Namespace) -> "Runner":
-    """How to run the SLAM that `add_slam` has asked for. Raises `SimError` if the class or the command is not usable."""
+    """Return a function that runs the SLAM chosen by `add_slam`. Raises `SimError` if its class or command is unusable."""
     if arguments.program is not None:
         return _program(arguments)
     for option in ("format", "timeout", "memory"):
@@ -51,16 +67,39 @@ def runner_of(arguments: argparse.Namespace) -> "Runner":
     return lambda scenario, progress: run(scenario, new_slam(), progress)
 
 
+def replay_of(arguments: argparse.Namespace) -> "Replay":
+    """Return the code by which the test in a failure folder runs the SLAM that the options choose.
+
+    The test has to be started in the folder in which this command was started.
+    """
+    from sim.harness.failure_folder import LEXIS_REPLAY, Replay
+
+    if arguments.program is not None:
+        given = ", ".join(map(repr, (arguments.program, *_limits(arguments))))
+        return Replay("from sim.programs import run_command", f"run_command(scenario, {given})")
+    if arguments.slam is not None:
+        imports = "from sim.commands.slams import slam_factory\nfrom sim.harness import run"
+        return Replay(imports, f"run(scenario, slam_factory({arguments.slam!r})())")
+    return LEXIS_REPLAY
+
+
 def _program(arguments: argparse.Namespace) -> "Runner":
-    from sim.programs.command import MEMORY_MB, TIMEOUT_S, command_words, run_command
+    from sim.programs.command import command_words, run_command
 
     command_words(arguments.program)
-    format, timeout_s, memory_mb = arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
-    return lambda scenario, progress: run_command(scenario, arguments.program, format, timeout_s, memory_mb, progress)
+    limits = _limits(arguments)
+    return lambda scenario, progress: run_command(scenario, arguments.program, *limits, progress)
+
+
+def _limits(arguments: argparse.Namespace) -> tuple[str, float, float]:
+    """Format of the recording, and the limits of the program: time [s] and memory [MB]."""
+    from sim.programs.command import MEMORY_MB, TIMEOUT_S
+
+    return arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
 
 
 def slam_factory(text: str) -> "Callable[[], SlamUnderTest]":
-    """The class that MODULE:CLASS names. Raises `SimError` if it cannot be imported, or makes no SLAM."""
+    """Return a function that makes the SLAM named MODULE:CLASS. Raises `SimError` if it cannot be imported or is no SLAM."""
     module_name, colon, class_name = text.partition(":")
     if not (module_name and colon and class_name):
         raise SimError(f"--slam {text!r:.80}: is no MODULE:CLASS; valid: such as my_slam:MySlam")

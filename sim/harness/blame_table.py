@@ -4,57 +4,60 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
-from sim.harness.failure_signature import FailureTest, Runner
+from sim.harness.adapters.true_stages import TrueStages
+from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.house_reductions import keep_furniture
 from sim.harness.parts import house_spec
+from sim.harness.reducer import Fails
 from sim.harness.reductions import with_features, with_listed_house
-from sim.harness.runner import Progress, Run, run
+from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
 from worlds.variant import variant
 
 SMALL_M = 0.5
-"""Pieces of furniture of which no side is longer count as clutter [m]."""
+"""Largest side length of a piece of furniture that counts as clutter [m]."""
 Verdict = Literal["mends", "does not mend", "changes nothing", "cannot be told"]
 
 
 @dataclass(frozen=True, eq=False)
 class Substitution:
-    """A scenario in which one thing is replaced, or a SLAM in which one is."""
+    """The replacement of one part of a failing run, as a changed scenario, a changed SLAM, or both."""
 
     name: str
     scenario: Scenario
-    runner: Runner | None = None
-    """Runs the changed SLAM; None: that of the failure."""
+    slam: Lexis | None = None
+    """The changed SLAM; None if the SLAM stays that of the failing run."""
 
 
 @dataclass(frozen=True)
 class BlameRow:
-    """What one substitution does to a failure."""
+    """The effect of one substitution on a failure."""
 
     substitution: str
     verdict: Verdict
     value: float | None = None
     """The figure of the claim in the run with the substitution."""
     detail: str = ""
-    """Why it cannot be told, if so."""
+    """Reason for the verdict "cannot be told"; else empty."""
 
 
 @dataclass(frozen=True)
 class BlameTable:
-    """What all substitutions do."""
+    """The effects of all substitutions on a failure."""
 
     rows: tuple[BlameRow, ...]
 
     def named(self, verdict: Verdict) -> tuple[str, ...]:
-        """The substitutions with that verdict."""
+        """Return the names of the substitutions with the given verdict."""
         return tuple(row.substitution for row in self.rows if row.verdict == verdict)
 
     def __str__(self) -> str:
-        """Such as "mended by: oracle encoder. Not mended by: perfect odometry."."""
+        """Summarise the table, as in "mended by: oracle encoder. Not mended by: perfect odometry."."""
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
         return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
 
@@ -64,19 +67,61 @@ def blame(
 ) -> BlameTable:
     """Try all substitutions on a failing scenario; `is_lexis` says whether the SLAM of the test is LEXIS.
 
-    Raises `WorldsError` for a house that cannot be built.
+    The stages of LEXIS are replaced in a copy of the LEXIS that failed, with its settings and its other stages. Raises
+    `WorldsError` for a house that cannot be built, and what the run raises if it has to be repeated.
     """
-    rows = []
     listed = with_listed_house(scenario)
-    for substitution in substitutions(listed, is_lexis):
-        rows.append(_judged(listed, substitution, test))
+    rows = []
+    for substitution in substitutions(listed, _lexis_of(listed, test) if is_lexis else None):
+        rows.append(_row(listed, substitution, lambda each: _judged(each, test)))
         if on_row is not None:
             on_row(rows[-1])
     return BlameTable(tuple(rows))
 
 
-def substitutions(scenario: Scenario, is_lexis: bool) -> Iterator[Substitution]:
-    """The substitutions that need no access to the inside of a SLAM; for LEXIS also those that do."""
+def blame_outside(scenario: Scenario, fails: Fails, signature: Signature, knows_encoder: bool = False) -> BlameTable:
+    """Try the substitutions that need no access to the SLAM, for a failure of any kind.
+
+    `scenario` lists its whole house and fails with `signature`; `fails` runs a scenario, as for `reduce`. `knows_encoder`
+    says that the SLAM uses the encoder that the scenario names, so that the oracle may take its place.
+    """
+
+    def judged(substitution: Substitution) -> BlameRow:
+        found = fails(substitution.scenario)
+        if found is not None and found != signature:
+            return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
+        return BlameRow(substitution.name, "mends" if found is None else "does not mend")
+
+    tried = list(_outside(scenario))
+    if knows_encoder:
+        tried.append(Substitution("oracle encoder", replace(with_features(scenario), encoder=ORACLE)))
+    return BlameTable(tuple(_row(scenario, each, judged) for each in tried))
+
+
+def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Substitution], BlameRow]) -> BlameRow:
+    """The row of a substitution, which `judged` finds by a run, unless there is nothing to run."""
+    if substitution.slam is None and substitution.scenario == scenario:
+        return BlameRow(substitution.name, "changes nothing")
+    try:
+        return judged(substitution)
+    except Exception as error:  # of the scenario, or of any SLAM
+        return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
+
+
+def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
+    """The LEXIS that failed. After an exception there is no finished run: then LEXIS with its usual settings."""
+    slam = test.observe(scenario).run.slam if test.claim is not None else None
+    return slam if isinstance(slam, Lexis) else Lexis(scenario.encoder)
+
+
+def substitutions(scenario: Scenario, lexis: Lexis | None) -> Iterator[Substitution]:
+    """Yield substitutions of parts outside the SLAM, and for LEXIS also of its stages."""
+    yield from _outside(scenario)
+    if lexis is not None:
+        yield from _of_lexis(scenario, lexis)
+
+
+def _outside(scenario: Scenario) -> Iterator[Substitution]:
     spec = house_spec(scenario)
     yield Substitution("perfect odometry", replace(scenario, odometry="perfect", overconfidence=1.0))
     yield Substitution("no faults", replace(scenario, faults=()))
@@ -86,40 +131,40 @@ def substitutions(scenario: Scenario, is_lexis: bool) -> Iterator[Substitution]:
     closed = _closed(spec)
     if closed is not None:
         yield Substitution("openness 0", replace(scenario, house=closed))
-    if is_lexis:
-        yield from _of_lexis(scenario)
 
 
-def _of_lexis(scenario: Scenario) -> Iterator[Substitution]:
-    on_features = with_features(scenario)
+def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
+    """The stages of LEXIS in their order, each replaced by the truth; then no loops at all."""
+    truth, on_features = TrueStages.of(scenario), with_features(scenario)
+    told = replace(on_features, encoder=ORACLE)
     if scenario.fidelity == "render":
         yield Substitution("feature sensor", on_features)
-    yield Substitution("oracle encoder", replace(on_features, encoder=ORACLE))
-    yield Substitution("loops off", scenario, _without_loops)
+    is_told = told == scenario and type(lexis.encoder) is Oracle
+    yield Substitution("oracle encoder", told, None if is_told else lexis.with_stages(encoder=ORACLE))
+    for name, changed in (
+        ("true labels", lexis.with_stages(labeller=truth.label)),
+        ("oracle place recognition", lexis.with_stages(place_recogniser=truth.propose)),
+        ("oracle verification", lexis.with_stages(verifier=truth.verify)),
+        ("oracle loops", lexis.with_stages(place_recogniser=truth.propose, verifier=truth.verify)),
+        ("loops off", lexis.with_stages(place_recogniser=lambda *_: ())),
+    ):
+        yield Substitution(name, scenario, changed)
 
 
-def _without_loops(scenario: Scenario, progress: Progress | None) -> Run:
-    return run(scenario, Lexis(scenario.encoder, loops=False), progress)
-
-
-def _judged(scenario: Scenario, substitution: Substitution, test: FailureTest) -> BlameRow:
-    name = substitution.name
-    if substitution.runner is None and substitution.scenario == scenario:
-        return BlameRow(name, "changes nothing")
-    changed = test if substitution.runner is None else replace(test, runner=substitution.runner)
-    try:
-        if changed.claim is None:
-            return BlameRow(name, "mends" if changed(substitution.scenario) is None else "does not mend")
-        observed = changed.observe(substitution.scenario)
-    except Exception as error:  # of the scenario, or of any SLAM
-        return BlameRow(name, "cannot be told", detail=f"{type(error).__name__}: {error}")
+def _judged(substitution: Substitution, test: FailureTest) -> BlameRow:
+    name, slam = substitution.name, substitution.slam
+    runner = test.runner if slam is None else lambda scenario, progress: run(scenario, slam, progress)
+    changed = replace(test, runner=runner)  # a copy, so that the test keeps the run of the failure
+    if changed.claim is None:
+        return BlameRow(name, "mends" if changed(substitution.scenario) is None else "does not mend")
+    observed = changed.observe(substitution.scenario)
     if observed.value is None:
         return BlameRow(name, "cannot be told", detail=f"{changed.claim.figure} is null")
     return BlameRow(name, "does not mend" if observed.signature else "mends", observed.value)
 
 
 def without_clutter(spec: HouseSpec) -> HouseSpec:
-    """The house without the pieces of furniture of which no side is longer than `SMALL_M`; it has to list its furniture."""
+    """Remove the pieces of furniture whose sides are all at most `SMALL_M` long. The house has to list its furniture."""
     pieces = [piece for storey in spec.storeys for piece in storey.furniture or ()]
     return keep_furniture(spec, {piece.id for piece in pieces if max(piece.size_m) > SMALL_M})
 

@@ -48,10 +48,10 @@ class Claim:
             raise SimError(f"claim {str(self)!r}: {error.args[0]}") from None
         if value is not None and not isinstance(value, int | float):
             raise SimError(f"claim {str(self)!r}: {self.figure} is no number; valid: the name of a figure below it")
-        return value
+        return None if value is None else float(value)
 
     def outcome(self, result: RunResult) -> Outcome:
-        """Whether the claim holds; unknown if the figure is None."""
+        """Whether the claim "holds" or "fails" for a result; "unknown" if the figure is None."""
         value = self.value(result)
         if value is None:
             return "unknown"

@@ -1,4 +1,4 @@
-"""The claims that a SLAM makes about a run. Every claim is optional: figures without a claim are null, never 0."""
+"""The claims that a SLAM makes about a run. Every claim is optional: a figure that lacks its claim is null, never 0."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,10 +7,24 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
 from sim.errors import SimError
 
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
+_RIGID = 1e-3
+"""Largest error of a claimed rotation matrix, which may have been computed in single precision."""
+_FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
+    {
+        "T_W_B": ("fiu", (4, 4)),
+        "labels": ("iu", ()),
+        "baseline_labels": ("iu", ()),
+        "rooms": ("iu", ()),
+        "floors": ("iu", ()),
+        "similarities": ("fiu", (None,)),
+    }
+)
+"""For each claim, the kinds of numpy's numbers that it may have, and the shape of one row (None: any length)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +34,7 @@ class LoopClaims:
     query: Int[np.ndarray, "m"]
     """Row of the later frame in `Estimate.frames`."""
     match: Int[np.ndarray, "m"]
-    """Row of the earlier frame."""
+    """Row of the earlier frame in `Estimate.frames`."""
     T_match_query: Float64[np.ndarray, "m 4 4"]
     """Measured pose of the query's body in the body frame of the match."""
     weights: Float64[np.ndarray, "m"]
@@ -31,7 +45,8 @@ class LoopClaims:
 class Estimate:
     """The claims of a SLAM about a run, with one row for each frame that they cover: its keyframes, or all frames.
 
-    Raises `SimError` for claims whose sizes differ, that are not finite, or that refer to rows that do not exist.
+    Raises `SimError` for claims that are no arrays of numbers, whose sizes differ, that are not finite, that refer to rows
+    that do not exist, for poses that are no rigid motions, and for labels, rooms and floors below -1.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -39,13 +54,14 @@ class Estimate:
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame, which figures align with the true world frame."""
     labels: Int[np.ndarray, "n"] | None = None
-    """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`."""
+    """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`. -1: the frame has no
+    label, which counts as wrong."""
     baseline_labels: Int[np.ndarray, "n"] | None = None
-    """Labels before refinement, if the SLAM refines labels."""
+    """Labels before refinement, in the same form, if the SLAM refines labels."""
     rooms: Int[np.ndarray, "n"] | None = None
     """Room instance of every frame, as a number from 0 that the SLAM chooses; -1 for a frame in no room."""
     floors: Int[np.ndarray, "n"] | None = None
-    """Number of the floor, 0 for the lowest; -1 for a frame on stairs."""
+    """Floor number of every frame: 0 for the lowest floor, -1 for a frame on stairs."""
     loops: LoopClaims | None = None
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
     """Proposed revisits: for each query row, the rows of the frames that the query may revisit, the most similar first."""
@@ -57,23 +73,56 @@ class Estimate:
     """Wall time by stage [s]."""
 
     def __post_init__(self) -> None:
-        n = len(self.frames)
-        if n == 0 or (np.diff(self.frames) <= 0).any() or self.frames[0] < 0:
-            raise SimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
-        for name in ("T_W_B", "labels", "baseline_labels", "rooms", "floors", "similarities"):
+        n = _checked_frames(self.frames)
+        for name, (kinds, row) in _FORMS.items():
+            if (claim := getattr(self, name)) is not None:
+                _check_rows(name, claim, n, kinds, row)
+        if self.T_W_B is not None and not (rigid := is_rigid(np.asarray(self.T_W_B, np.float64), _RIGID)).all():
+            raise SimError(
+                f"estimate: T_W_B is no rigid motion in row {int(np.argmin(rigid))}; valid: rotation and translation"
+            )
+        for name in ("labels", "baseline_labels", "rooms", "floors"):
             claim = getattr(self, name)
-            if claim is not None and len(claim) != n:
-                raise SimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
-            if claim is not None and not np.isfinite(claim).all():
-                raise SimError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(claim))[0, 0])}")
+            if claim is not None and (below := np.flatnonzero(claim < -1)).size:
+                bad = f"{name} has {claim[below[0]]} in row {below[0]}"
+                raise SimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
         rows += [row for query, matches in self.candidates or () for row in (query, *matches)]
         if rows and not 0 <= min(rows) <= max(rows) < n:
             raise SimError(f"estimate: loops and candidates refer to rows {min(rows)} to {max(rows)}; valid: 0 to {n - 1}")
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
-        """The most frequent label of every room instance, by its number; None unless rooms and labels are claimed."""
+        """The most frequent label of every room instance with a label, by its number; None unless both are claimed."""
         if self.rooms is None or self.labels is None:
             return None
-        counts = {int(room): np.bincount(self.labels[self.rooms == room]) for room in np.unique(self.rooms) if room >= 0}
+        named = (self.rooms >= 0) & (self.labels >= 0)
+        counts = {int(room): np.bincount(self.labels[named & (self.rooms == room)]) for room in np.unique(self.rooms[named])}
         return {room: room_names[int(np.argmax(count))] for room, count in counts.items()}
+
+
+def _checked_frames(frames: object) -> int:
+    """The number of frames. Raises `SimError` unless they are indices in ascending order."""
+    if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
+        raise SimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
+    if len(frames) == 0 or (np.diff(frames) <= 0).any() or frames[0] < 0:
+        raise SimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
+    return len(frames)
+
+
+def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
+    """Raise `SimError` unless a claim is an array with `n` finite rows of the given shape."""
+    wanted = "whole numbers" if kinds == "iu" else "numbers"
+    if not isinstance(claim, np.ndarray) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
+        shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
+        raise SimError(f"estimate: {name} is {_form_of(claim)}; valid: an array of {wanted} of shape ({shape})")
+    if len(claim) != n:
+        raise SimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
+    if any(size not in (None, found) for size, found in zip(row, claim.shape[1:], strict=True)):
+        raise SimError(f"estimate: {name} has shape {claim.shape}; valid: {(n, *row)}")
+    if not np.isfinite(claim).all():
+        raise SimError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(claim))[0, 0])}")
+
+
+def _form_of(value: object) -> str:
+    """Type of a value, or type and shape of an array, for messages."""
+    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"

@@ -1,15 +1,18 @@
-"""The folder of a failed test: the scenario, the figures and report of the run, and a test that replays the failure."""
+"""The folder of a failed test: the scenario, the figures and report of the run, why.md, and a test that replays it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from lexis.files.replace import replaced_folder
+from sim.harness.blame_table import BlameTable
 from sim.harness.outputs import fill_run_folder
 from sim.harness.planning import Trial
+from sim.harness.reducer import Reduction
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
+from sim.harness.why_page import failed_test_page
 from sim.harness.world_tests import SCENARIO, slug_of
 
 _REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""
@@ -36,16 +39,31 @@ def test_replay():
 
 @dataclass(frozen=True, eq=False)
 class FinishedRun:
-    """What is known about a run that came to its end."""
+    """A run in which the SLAM raised no exception, with its figures and the driven plans."""
 
     run: Run
     result: RunResult
     trials: Sequence[Trial]
 
 
-def folder_of(out: Path, name: str, scenario: Scenario) -> Path:
-    """The folder for a failure of a test on a scenario: the same failure gets the same folder."""
-    return out / f"{slug_of(name)}-{scenario.content_hash}"
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The search for the smallest scenario in which a test fails."""
+
+    original: Scenario
+    """The scenario in which the failure was found."""
+    reduction: Reduction
+    blamed: BlameTable | None
+    """What mends the failure in the smallest scenario; None if the user has interrupted the test."""
+
+
+def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
+    """Return the folder for a failure of a test on a scenario: the same failure gets the same folder.
+
+    `parameters` is the id of the parameters that the test has besides its world, since it may fail with each of them.
+    """
+    variant = f"-{slug_of(parameters)}" if parameters else ""
+    return out / f"{slug_of(name)}{variant}-{scenario.content_hash}"
 
 
 def write_failed_test(
@@ -54,19 +72,22 @@ def write_failed_test(
     options: Sequence[str],
     scenario: Scenario,
     finished: FinishedRun | None,
-    original: Scenario | None = None,
+    search: Search | None = None,
 ) -> None:
-    """Write scenario.json and test_replay.py, and the files of `write_run` if the run came to its end.
+    """Write scenario.json and test_replay.py; if the run was completed, also the files of `write_run` and why.md.
 
     `name` is the test as pytest names it, file and function without parameters, such as "tests/test_slam.py::test_rooms".
-    `options` are the options of pytest that a replay needs besides the scenario. `original` is the scenario before it was
-    made smaller, if it was. An earlier folder of the same failure is replaced. Raises `LexisError` where `folder` holds
+    `options` are the options of pytest that a replay needs besides the scenario. `search` is the search that found the
+    scenario, if there was one. An earlier folder of the same failure is replaced. Raises `LexisError` where `folder` holds
     anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
         if finished is not None:
             fill_run_folder(finished.run, finished.result, finished.trials, new)
+            found = (None, None) if search is None else (search.reduction, search.blamed)
+            for each, content in failed_test_page(name, finished.run, *found).files.items():
+                (new / each).write_bytes(content)
         scenario.save(new / SCENARIO)
-        if original is not None:
-            original.save(new / "original.json")
+        if search is not None and search.original != scenario:
+            search.original.save(new / "original.json")
         (new / "test_replay.py").write_text(_REPLAY.format(test=name, file=name.partition("::")[0], options=list(options)))

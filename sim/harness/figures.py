@@ -11,7 +11,7 @@ from lexis.evaluation.coverage import path_covered
 from lexis.evaluation.floors import floor_accuracy, floor_count_error
 from lexis.evaluation.labels import accuracy, accuracy_per_room, graded_accuracy
 from lexis.evaluation.loops import score_loops
-from lexis.evaluation.place_recognition import count_matches
+from lexis.evaluation.place_recognition import at_one_place, count_matches
 from lexis.evaluation.planning import spl, success_rate
 from lexis.evaluation.rooms import score_rooms
 from lexis.evaluation.trajectory import ate_rmse, rpe_translation
@@ -20,6 +20,7 @@ from lexis.place_recognition import old_enough
 from lexis.types import Poses
 from sim.doctor import versions
 from sim.faults import written
+from sim.harness.last_run import last_run
 from sim.harness.planning import Trial, try_plans
 from sim.harness.results import (
     CoverageFigures,
@@ -43,11 +44,11 @@ from worlds.truth import ambiguity_at, floor_area, openness
 
 _MATCHES = (1, 3, 5)
 _REVISIT = PlaceRecognitionConfig()
-"""Least age of a frame that a query may revisit. These settings do not depend on the SLAM."""
+"""Settings that say how old a frame must be for a return to its place to count as a revisit; the same for every SLAM."""
 
 
 def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
-    """Run a SLAM on a scenario, drive its plans, and compute all figures. Raises what `run` raises."""
+    """Run a SLAM on a scenario, drive its plans, and compute all figures. Raises the errors of `run`."""
     finished = run(scenario, slam)
     return evaluate(finished, try_plans(finished))
 
@@ -55,7 +56,7 @@ def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
 def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
     """Compute all figures of a run and of the driven plans; a figure that the run cannot have is None."""
     scenario = run.scenario
-    return RunResult(
+    result = RunResult(
         seed=scenario.seed,
         preset=None if scenario.house else scenario.preset,
         fidelity=scenario.fidelity,
@@ -77,6 +78,8 @@ def evaluate(run: Run, trials: Sequence[Trial] = ()) -> RunResult:
         scenario=scenario.content_hash,
         faults=_faults(run) if scenario.faults else None,
     )
+    last_run().evaluated(run, result, trials)
+    return result
 
 
 def _faults(run: Run) -> FaultFigures:
@@ -144,7 +147,8 @@ def _place_recognition(run: Run) -> dict[str, MatchFigures]:
         return {str(n): MatchFigures() for n in _MATCHES}
     path_m = arc_length(run.odometry_poses[:, :3, 3])
     eligible = np.array([old_enough(query, run.stamps, path_m, _REVISIT) for query in range(len(path_m))])
-    return {str(n): MatchFigures(**asdict(count_matches(candidates, eligible, run.true_poses, n))) for n in _MATCHES}
+    right = at_one_place(run.true_poses)
+    return {str(n): MatchFigures(**asdict(count_matches(candidates, eligible, right, n))) for n in _MATCHES}
 
 
 def _coverage(run: Run) -> CoverageFigures:

@@ -1,64 +1,157 @@
-"""Where in a run a SLAM first went wrong: the room and the time."""
+"""`first_wrong`: the first frame of a run at which the claims of a SLAM are wrong, with room, time and reason."""
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
+from sim.harness.loops import edge_truth
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.report.data import NO_LABEL
+from worlds.house import Room
 from worlds.truth import NOWHERE, room_at
+
+_FAR_M = 0.5
+"""Least position error at which a frame counts as wrong [m]."""
+_TOP = 3
+"""Number of room names that are reported, the most similar ones."""
+_Wrong = tuple[int, str]
+"""A row of the estimate, and what is wrong there."""
 
 
 @dataclass(frozen=True)
-class WrongPlace:
-    """A frame at which something is wrong."""
+class WrongFrame:
+    """A frame at which the SLAM was wrong: the room, the time and the error."""
 
+    frame: int
+    """Index of the frame in the tour."""
     room: str
-    """Id of the room that holds the camera."""
+    """The room that truly holds the camera: its id, and its label unless the id contains it."""
     time_s: float
     """Time since the start of the tour [s]."""
     what: str
-    """What is wrong there."""
+    """What is wrong: the claim and the truth, in words."""
+    similarities: tuple[tuple[str, float], ...] = ()
+    """The room names that the SLAM found most similar to the image, best first; none for errors of other kinds."""
 
     def __str__(self) -> str:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
 
 
-def first_wrong(run: Run) -> WrongPlace | None:
-    """The first frame with a wrong label; if no label is wrong, the frame with the largest pose error.
+def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
+    """The first frame that is wrong as a figure measures it, such as a frame with a wrong floor for "floors.accuracy".
 
-    None if the SLAM claims neither labels nor poses.
+    Without a figure, the first frame with a wrong label; if no label is wrong, the frame with the largest position error.
+    None if the SLAM makes no such claim, or if no frame is wrong.
     """
-    claims, names = run.estimate, run.room_names
-    if claims.labels is not None and (wrong := np.flatnonzero(claims.labels != run.true_labels)).size:
-        row = int(wrong[0])
-        return _at(run, row, f"labelled {names[claims.labels[row]]}, is {names[run.true_labels[row]]}")
-    if claims.T_W_B is None:
+    kind = "" if figure is None else figure.partition(".")[0]
+    found = next(_SEARCHES.get(kind, _label)(run), None)
+    if found is None and figure is None and run.estimate.T_W_B is not None:
+        row, error_m = _worst(position_errors(run.estimate.T_W_B, run.true_poses))
+        found = row, f"no label is wrong, the largest position error is {error_m:.2f} m"
+    if found is None:
         return None
-    errors_m = position_errors(claims.T_W_B, run.true_poses)
-    row = int(np.argmax(errors_m))
-    return _at(run, row, f"no label is wrong, the largest position error is {errors_m[row]:.2f} m")
+    row, what = found
+    stamps, frame = run.session.tour.stamps, int(run.estimate.frames[row])
+    similar = run.most_similar(row, _TOP) if kind in ("", "labels", "rooms") else ()
+    return WrongFrame(frame, _room(run, row), float(stamps[frame] - stamps[0]), what, similar)
 
 
-def raised_at(scenario: Scenario, done: float) -> WrongPlace:
+def raised_at(scenario: Scenario, done: float) -> WrongFrame:
     """The frame at which a SLAM raised an exception, after it had taken the share `done` in [0, 1] of the frames."""
     walked = walk(scenario)
     stamps = walked.tour.stamps
     frame = min(round(done * len(stamps)), len(stamps) - 1)
     room = int(room_at(walked.house, walked.tour.T_W_B[frame : frame + 1, :3, 3])[0])
     what = "the SLAM raised in process()" if done < 1.0 else "the SLAM raised after the last frame"
-    return WrongPlace("no room" if room == NOWHERE else walked.house.rooms[room].id, float(stamps[frame] - stamps[0]), what)
-
-
-def _at(run: Run, row: int, what: str) -> WrongPlace:
-    stamps, frame = run.session.tour.stamps, int(run.estimate.frames[row])
-    return WrongPlace(run.house.rooms[int(run.true_rooms[row])].id, float(stamps[frame] - stamps[0]), what)
+    place = "no room" if room == NOWHERE else _name(walked.house.rooms[room])
+    return WrongFrame(frame, place, float(stamps[frame] - stamps[0]), what)
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
     """Distance of every claimed position from the true one [m], aligned as for the ATE."""
     return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))
+
+
+def _room(run: Run, row: int) -> str:
+    return _name(run.house.rooms[int(run.true_rooms[row])])
+
+
+def _name(room: Room) -> str:
+    """Id and label of a room, which may differ in a house that was made smaller."""
+    return room.id if room.label in room.id else f"{room.id} ({room.label})"
+
+
+def _label(run: Run) -> Iterator[_Wrong]:
+    claims, before, truth = run.estimate.labels, run.estimate.baseline_labels, run.true_labels
+    names = [*(f"labelled {name}" for name in run.room_names), NO_LABEL]  # a claimed -1 takes the last one
+    if claims is not None:
+        for k in np.flatnonzero(claims != truth).tolist():
+            changed = before is not None and before[k] != claims[k]
+            refined = f" (before refinement: {names[before[k]]})" if before is not None and changed else ""
+            yield k, f"{names[claims[k]]}, is {run.room_names[truth[k]]}{refined}"
+
+
+def _floor(run: Run) -> Iterator[_Wrong]:
+    claims, truth = run.estimate.floors, run.true_storeys
+    if claims is not None:
+        wrong = np.flatnonzero((claims != truth) & ~run.on_stairs)
+        yield from ((int(k), f"floor {claims[k]} claimed, is on floor {truth[k]}") for k in wrong)
+
+
+def _position(run: Run) -> Iterator[_Wrong]:
+    """Frames half a metre off; if there are none, the worst frame."""
+    if run.estimate.T_W_B is not None:
+        errors_m = position_errors(run.estimate.T_W_B, run.true_poses)
+        yield from ((int(k), f"the position is {errors_m[k]:.2f} m off") for k in np.flatnonzero(errors_m > _FAR_M))
+        row, error_m = _worst(errors_m)
+        yield row, f"the position is {error_m:.2f} m off, more than anywhere else"
+
+
+def _worst(errors_m: Float64[np.ndarray, "n"]) -> tuple[int, float]:
+    """The row with the largest error, and this error [m]."""
+    row = int(np.argmax(errors_m))
+    return row, float(errors_m[row])
+
+
+def _loop(run: Run) -> Iterator[_Wrong]:
+    """Frames with a loop edge whose relative pose is wrong."""
+    loops, stamps = run.estimate.loops, run.stamps - run.session.tour.stamps[0]
+    if loops is not None:
+        for k in sorted(np.flatnonzero(~edge_truth(run)), key=lambda k: int(loops.query[k])):
+            query, match = int(loops.query[k]), int(loops.match[k])
+            yield query, f"a false loop closure with the frame at {stamps[match]:.1f} s in {_room(run, match)}"
+
+
+def _instance(run: Run) -> Iterator[_Wrong]:
+    """Frames with a wrong label; if there are none, frames whose claimed room lies mostly in another room, or is a piece."""
+    yield from _label(run)
+    claims, truth = run.estimate.rooms, run.true_rooms
+    if claims is not None:
+        main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
+        for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
+            if main_room[claim] != room:
+                yield row, f"in the claimed room {claim}, which lies mostly in {_name(run.house.rooms[main_room[claim]])}"
+            elif main_claim[room] != claim:
+                yield row, f"in the claimed room {claim}, though most of this room is the claimed room {main_claim[room]}"
+
+
+def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -> dict[int, int]:
+    """The most frequent value of every group; on a tie, the smallest."""
+    chosen = {}
+    for group in np.unique(groups):
+        found, counts = np.unique(values[groups == group], return_counts=True)
+        chosen[int(group)] = int(found[np.argmax(counts)])
+    return chosen
+
+
+_SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
+    {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _instance}
+)
+"""Searches for wrong rows of the estimate, by the first part of a figure's name; `_label` is the search for other names."""

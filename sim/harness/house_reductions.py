@@ -1,8 +1,8 @@
 """Steps that make a house simpler: each takes a spec and yields smaller specs, the most simplified first.
 
 Houses have to list their furniture and windows (`worlds.variant.explicit`). The results need not be valid: a room may have
-become unreachable, for example. The caller validates them. What a step leaves in a house keeps its id, and except for the
-steps of `rectangular`, `cropped` and `narrower` also its shape and its position.
+become unreachable, for example. The caller validates them. Objects that a step leaves in a house keep their ids. They also
+keep their shapes and positions, except in the steps `rectangular`, `cropped` and `narrower`.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -17,11 +17,11 @@ from worlds.stairs.cells import Bounds, bounds, cell_on
 
 HouseStep = Callable[[HouseSpec], Iterator[HouseSpec]]
 _DOOR_M = 0.9
-"""Width of the door that replaces a wider opening."""
+"""Width of the door that replaces a wider opening [m]."""
 _MIN_SIDE_M = 1.5
-"""Least length of the side of a cropped room."""
+"""Least side length of a cropped room [m]."""
 _MIN_INTERVAL_M = 1.0
-"""Least distance to which `narrower` moves two walls together."""
+"""Least distance between two walls after `narrower` has halved it [m]."""
 _EPS_M = 1e-6
 _T = TypeVar("_T")
 
@@ -39,15 +39,17 @@ def _storey_choices(count: int) -> list[tuple[int, ...]]:
 
 
 def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Keep the half, then three quarters of the rooms that are nearest to each room; then drop single rooms.
+    """Keep only part of the rooms: first small parts, and at last all rooms but one.
 
-    Near means few openings and stairs away, so that the kept rooms are connected. Single rooms are dropped from the highest
-    storey down, large ones first. A staircase is dropped as a whole.
+    A part is a staircase with the rooms beside it, or the half, or three quarters, of all rooms that lie nearest to one
+    room. Near means few openings and stairs away, so that the kept rooms are connected. Then single rooms are dropped, from
+    the highest storey down and large ones first. A staircase is dropped as a whole.
     """
     near = _nearest_first(spec)
     count = len(near)
     sizes = [size for size in dict.fromkeys((count // 2, 3 * count // 4)) if 1 <= size < count - 1]
-    kept = [frozenset(order[:size]) for size in sizes for order in near.values()]
+    kept = [ids for ids in _staircases(spec) if len(ids) < count - 1]
+    kept += [frozenset(order[:size]) for size in sizes for order in near.values()]
     for level in reversed(range(len(spec.storeys))):
         rooms = sorted(spec.storeys[level].rooms, key=lambda room: -Polygon(room.polygon_m).area)
         kept += [frozenset(near) - _cells_of(spec, level, room) for room in rooms]
@@ -56,28 +58,28 @@ def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def less_furniture(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop all furniture, then halves, quarters and so on down to single pieces."""
+    """Drop all furniture, then each half of it, each quarter, and so on down to single pieces."""
     ids = [piece.id for storey in spec.storeys for piece in storey.furniture or ()]
     for kept in without_parts(ids):
         yield keep_furniture(spec, set(kept))
 
 
 def fewer_windows(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop all windows, then halves, quarters and so on down to single ones."""
+    """Drop all windows, then each half of them, each quarter, and so on down to single windows."""
     places = [(level, k) for level, storey in enumerate(spec.storeys) for k in range(len(storey.windows or ()))]
     for kept in without_parts(places):
         yield _with_storeys(spec, [_keep_windows(storey, level, kept) for level, storey in enumerate(spec.storeys)])
 
 
 def fewer_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop single openings: the boundary becomes a wall."""
+    """Drop one opening at a time: the boundary between its two rooms becomes a closed wall."""
     for level, storey in enumerate(spec.storeys):
         for k in range(len(storey.openings)):
             yield _with_openings(spec, level, (*storey.openings[:k], *storey.openings[k + 1 :]))
 
 
 def simpler_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Turn single openings into a doorway without a leaf, in the middle of the opening."""
+    """Replace one opening at a time by a doorway without a leaf, in the middle of the opening."""
     for level, storey in enumerate(spec.storeys):
         for k, opening in enumerate(storey.openings):
             if opening_rank(opening):
@@ -85,7 +87,7 @@ def simpler_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def opening_rank(opening: OpeningSpec) -> int:
-    """How far an opening is from the simplest one, a doorway without a leaf; that has rank 0."""
+    """Return the complexity of an opening; a doorway without a leaf is the simplest opening and has rank 0."""
     ranks = ("door", "cased", "arch", "half wall", "counter", "open")
     return 2 * ranks.index(opening.kind) + (opening.leaf is not None)
 
@@ -107,7 +109,7 @@ def cropped(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def narrower(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Move walls together: all that can be moved along x or y, then single pairs of neighbouring coordinates.
+    """Move walls together: first all movable walls along x or y, then single pairs of neighbouring walls.
 
     Stairs and the widths of openings stay, except for removed walls (kind "open").
     """
@@ -119,7 +121,7 @@ def narrower(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def simpler_labels(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Give all rooms of a label the simplest label that no room has; the simplest ones come first in `ROOM_LABELS`.
+    """Rename all rooms of one label to the simplest label that no room has; simple labels come first in `ROOM_LABELS`.
 
     Rooms with furniture keep their labels: a bedroom that is called a kitchen would fail for another reason.
     """
@@ -140,7 +142,7 @@ def plain_appearance(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def without_parts(items: Sequence[_T]) -> Iterator[list[_T]]:
-    """What is left of a list without all items, without each half, each quarter and so on down to single items."""
+    """Yield a list without all items, without each half, without each quarter, and so on down to single items."""
     size = len(items)
     while size:
         yield from ([*items[:start], *items[start + size :]] for start in range(0, len(items), size))
@@ -148,15 +150,15 @@ def without_parts(items: Sequence[_T]) -> Iterator[list[_T]]:
 
 
 def keep_furniture(spec: HouseSpec, ids: Collection[str]) -> HouseSpec:
-    """The house without the other pieces of furniture."""
+    """Return the house with only the furniture of the given ids."""
     return _by_storey(spec, lambda storey: {"furniture": tuple(p for p in storey.furniture or () if p.id in ids)})
 
 
 def keep_rooms(spec: HouseSpec, ids: Collection[str]) -> HouseSpec | None:
-    """The house without the other rooms, their openings, windows and furniture.
+    """Return the house with only the rooms of the given ids, and their openings, windows and furniture.
 
-    Stairs that lead nowhere any more are dropped, and so are storeys without rooms above or below all others. None if no
-    room is left, or none between two storeys.
+    Stairs that lead nowhere any more are dropped, and so are empty storeys at the top or the bottom. None if no room is
+    left, or if a storey between two others is empty.
     """
     spec = _with_storeys(spec, [_kept(storey, ids) for storey in spec.storeys])
     levels = [level for level, storey in enumerate(spec.storeys) if storey.rooms]
@@ -242,6 +244,24 @@ def _cells_of(spec: HouseSpec, level: int, room: RoomSpec) -> frozenset[str]:
     """The ids of a room; for stairs, of the cells of the whole staircase."""
     cells = [cell_on(spec, k, room) for k in range(len(spec.storeys))] if room.label == STAIRS else []
     return frozenset({room.id, *(cell.id for cell in cells if cell is not None)})
+
+
+def _staircases(spec: HouseSpec) -> Iterator[frozenset[str]]:
+    """The ids of the cells of every staircase, of the rooms with an opening to one of them, and of the rooms below those."""
+    openings = [opening.rooms for storey in spec.storeys for opening in storey.openings]
+    for level, room in _rooms(spec, stairs=True):
+        if room.label == STAIRS:
+            cells = _cells_of(spec, level, room)
+            yield _with_support(spec, cells.union(*(rooms for rooms in openings if cells & set(rooms))))
+
+
+def _with_support(spec: HouseSpec, ids: frozenset[str]) -> frozenset[str]:
+    """The ids of some rooms, and of all rooms on lower storeys on which they stand."""
+    for level in range(len(spec.storeys) - 1, 0, -1):
+        above = [Polygon(room.polygon_m) for room in spec.storeys[level].rooms if room.id in ids]
+        below = ((room.id, Polygon(room.polygon_m)) for room in spec.storeys[level - 1].rooms)
+        ids |= {room for room, floor in below if any(floor.intersection(each).area > _EPS_M for each in above)}
+    return ids
 
 
 def _nearest_first(spec: HouseSpec) -> dict[str, list[str]]:

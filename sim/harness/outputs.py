@@ -15,20 +15,22 @@ from sim.harness.slam_under_test import SavesFiles
 from sim.report import write_report
 
 MARKER = "result.json"
-"""File that identifies a folder as that of a run, which a new run may replace."""
-_NO_TEXTS: Mapping[str, str] = MappingProxyType({})
+"""File that identifies a folder as the output of a run, which a new run may replace."""
+_NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
 
-def write_run(run: Run, result: RunResult, trials: Sequence[Trial], out: Path, texts: Mapping[str, str] = _NO_TEXTS) -> None:
+def write_run(
+    run: Run, result: RunResult, trials: Sequence[Trial], out: Path, more: Mapping[str, bytes] = _NO_FILES
+) -> None:
     """Write result.json, scenario.json, house.json, report.html, three trajectories and the SLAM's own files to `out`.
 
-    `texts` are further files, by their names. A folder of an earlier run is replaced. Raises `LexisError` where `out` holds
-    anything else or cannot be written.
+    `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
+    where `out` holds anything else or cannot be written.
     """
     with replaced_folder(out, MARKER) as folder:
         fill_run_folder(run, result, trials, folder)
-        for name, text in texts.items():
-            (folder / name).write_text(text)
+        for name, content in more.items():
+            (folder / name).write_bytes(content)
 
 
 def fill_run_folder(run: Run, result: RunResult, trials: Sequence[Trial], folder: Path) -> None:

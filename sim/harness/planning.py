@@ -1,4 +1,4 @@
-"""Plans put to the test: a simulated robot drives from every room that the SLAM names to every other."""
+"""Tests the plans of a SLAM: a simulated robot drives from each room label that the SLAM claims to every other label."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ from worlds.labels import STAIRS
 from worlds.walkable import UnreachableError, Walkable, polyline_length
 
 Steering = Literal["estimate", "odometry", "truth"]
-"""Where the robot's waypoints and its pose come from. estimate: the SLAM's poses, and the odometry corrected as the last of
-these poses was. odometry: the odometry alone, while mapping and while driving. truth: the true poses."""
+"""Source of the robot's waypoints and pose. estimate: the waypoints are the SLAM's poses; the pose comes from odometry,
+corrected by the SLAM's last pose. odometry: both come from odometry alone. truth: both are true."""
 
 INSIDE_M = 0.5
-"""The shortest path that the SPL compares with ends so far inside a room [m]."""
+"""Distance inside the goal room at which the shortest path ends; SPL compares driven paths with it [m]."""
 _STREAM = 3
 """Position of the drives among the random streams of a run's seed; see `sim.faults` for the others."""
 
@@ -38,9 +38,9 @@ class Trial:
     start: str
     goal: str
     success: bool
-    """Whether the robot stands in a room of the goal's label and has touched nothing."""
+    """Whether the robot ended in a room of the goal's label without touching anything."""
     shortest_m: float
-    """Shortest walkable path from the start to `INSIDE_M` inside a room of the goal's label; see `shortest_into` [m]."""
+    """Length of the shortest walkable path from the start into a room of the goal's label [m]; see `shortest_into`."""
     travelled_m: float
     touched: tuple[str, ...]
     """Names of the objects that the robot collided with."""
@@ -51,7 +51,7 @@ class Trial:
 
     @property
     def collisions(self) -> int:
-        """1 if the robot touched something, which ends a drive; else 0."""
+        """Number of collisions: 1 if the robot touched something, which ends the drive, else 0."""
         return int(bool(self.touched))
 
 
@@ -60,9 +60,9 @@ class _Belief:
     """The robot's estimate of the map and of its own pose."""
 
     keyframes: Float64[np.ndarray, "n 4 4"]
-    """Poses of the map's keyframes, in a frame of its own."""
+    """Poses of the map's keyframes, in the frame of the map."""
     T_believed_true: Pose
-    """From true poses in W to believed ones, at the end of the map."""
+    """Transform from true poses in W to the poses that the robot believes, as of the last keyframe."""
     drift: OdometryConfig
 
     @staticmethod
@@ -77,11 +77,11 @@ class _Belief:
 
 
 def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) -> list[Trial]:
-    """Ask the SLAM for a plan between every two of the labels that it gives to rooms, stairs left out, and drive it.
+    """Ask the SLAM for a plan between every two labels of its rooms, except stairs, and let a robot drive each plan.
 
-    The robot starts at the first frame of each plan, its odometry as it was at the end of the run, and the odometry goes on
-    drifting from there. If `blind`, the robot does not look where it goes. Without a claim of rooms, or from a SLAM that
-    plans no paths, there are no trials.
+    The robot starts at the first frame of the plan. Its odometry has the error that it had at the end of the run, and drifts
+    on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the SLAM claims no rooms or cannot plan
+    paths, there are no trials.
     """
     rooms = run.estimate.named_rooms(run.room_names)
     if rooms is None or not isinstance(run.slam, PlansPaths):
@@ -120,9 +120,9 @@ def _in_plan(T: Pose) -> tuple[float, float, float]:
 
 
 def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: str) -> float:
-    """Length of the shortest walkable path from a point to the nearest one at least `INSIDE_M` inside a room of a label [m].
+    """Return the length of the shortest walkable path from `start` into a room of a label, `INSIDE_M` or farther inside [m].
 
-    Where no such point can be reached, as in a cupboard, the innermost points that can be reached count instead. Raises
+    In rooms where no such point can be reached, as in a cupboard, the innermost reachable points count instead. Raises
     `worlds.walkable.UnreachableError` where the start is not walkable or no room of that label can be reached.
     """
     distances, depths = walkable.distances_from(start), _depths(walkable, label)

@@ -6,7 +6,7 @@ step, so their tours differ too; whether they fail is decided by running them.
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Literal
@@ -14,7 +14,7 @@ from typing import Literal
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness.failure_signature import Signature
-from sim.harness.reductions import STEPS, ScenarioSize, Step, size, with_features, with_listed_house
+from sim.harness.reductions import STEPS, ScenarioSize, Step, for_images, size, with_features, with_listed_house
 from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
@@ -26,11 +26,11 @@ _SEARCH_SHARE = 0.6
 _TO_FEATURES = "feature fidelity"
 
 Fails = Callable[[Scenario], Signature | None]
-"""Runs a scenario: the signature of its failure, or None. It may raise any exception for a scenario that cannot be run."""
+"""Runs a scenario and returns the signature of its failure, or None if the run passes. It may raise any exception."""
 Clock = Callable[[], float]
-"""Tells the time [s]."""
+"""Returns the time [s], like `time.monotonic`."""
 Ending = Literal["smallest", "deadline", "interrupted"]
-"""No step led to a smaller failure, time was up, or the user interrupted the search."""
+"""Why a search ended: no step led to a smaller failure, time was up, or the user interrupted it."""
 Outcome = Literal["fails", "passes", "fails differently", "cannot run", "invalid"]
 
 
@@ -39,17 +39,17 @@ class Attempt:
     """A candidate that was tried, for progress reports."""
 
     step: str
-    """The step that led to it, a key of `reductions.STEPS`."""
+    """The step that made the candidate, a key of `reductions.STEPS`."""
     scenario: Scenario
     outcome: Outcome
     tried: int
-    """Number of candidates so far."""
+    """Number of candidates that were tried so far, this one included."""
     elapsed_s: float
 
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A scenario with the step that led to it."""
+    """A scenario, and the step that made it."""
 
     step: str
     scenario: Scenario
@@ -60,22 +60,27 @@ class Reduction:
     """The smallest failing scenario that was found, and how."""
 
     original: Scenario
-    """The failing scenario with everything in its house listed."""
+    """The failing scenario, with all rooms, furniture and windows of its house listed."""
     scenario: Scenario
     """The smallest scenario that fails with the same signature."""
     signature: Signature
     accepted: tuple[Change, ...]
-    """The failing scenarios on the way, from large to small; the last one is `scenario`, unless the list is empty."""
+    """The failing scenarios that the search found, from large to small; the last is `scenario`, unless there are none."""
     passing: tuple[Change, ...]
-    """Scenarios one step smaller than `scenario` that do not fail, in the order in which they were tried."""
+    """Scenarios one step smaller than `scenario` that were run and did not fail, in the order of the steps. If the search
+    ran on features, these were run on features, too."""
+    last_passing: tuple[Scenario, Change] | None
+    """A failing scenario and a candidate made from it: the last candidate that was run and passed. None: none passed."""
     tried: int
-    """Candidates that were looked at; equal ones count once."""
+    """Number of candidates that were tried; equal candidates count once."""
     ended: Ending
     """Why the search ended."""
     searched_on: Fidelity
-    """What the candidates were run on; "features" for a scenario of fidelity "render" whose failure exists there too."""
+    """Fidelity of the candidates' runs: "features" if the failure exists there, even for images; else "render"."""
     confirmed: bool
     """Whether `scenario` was run on the fidelity of the original, and failed."""
+    on_features: Outcome | None = None
+    """Outcome of the original on feature fidelity, such as "cannot run" for a program; None if it was not tried."""
 
     @property
     def sizes(self) -> tuple[ScenarioSize, ScenarioSize]:
@@ -94,7 +99,11 @@ class Reduction:
         if self.original.fidelity != "render":
             return how
         if self.searched_on == "render":
-            return f"{how} The search ran on rendered images, because the failure does not exist on feature fidelity."
+            reason = {
+                None: "nothing was run on feature fidelity",
+                "cannot run": "the SLAM cannot run on feature fidelity",
+            }.get(self.on_features, "the failure does not exist on feature fidelity")
+            return f"{how} The search ran on rendered images, because {reason}."
         confirmed = (
             "the result was confirmed on rendered images" if self.confirmed else "nothing was confirmed on images yet"
         )
@@ -111,9 +120,9 @@ def reduce(
 ) -> Reduction:
     """Make a failing scenario smaller while the signature of its failure stays the same.
 
-    `steps` are tried in their order. A candidate counts only if its house is valid and its run fails with the same
-    signature. When `deadline_s` have passed, or on Ctrl-C, the smallest scenario so far is returned; a run that has begun
-    is completed after the deadline.
+    `steps` are tried in their order; with images, those that make a run quicker come first. A candidate counts only if its
+    house is valid and its run fails with the same signature. When `deadline_s` have passed, or on Ctrl-C, the smallest
+    scenario so far is returned; a run that has begun is completed after the deadline.
 
     If the scenario has images and the failure exists on feature fidelity too, the search runs there. Its results are then
     run on images, from the smallest one up, until one fails. If that is not the smallest one, the search goes on from there
@@ -159,8 +168,16 @@ class _Search:
     steps: Mapping[str, Step]
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     """Outcome of every scenario that was tried; the key is the content hash of the scenario."""
+    last_passing: tuple[Scenario, Change] | None = None
+    """A failing scenario and a candidate made from it: the last candidate that was run and passed."""
+    best: Scenario | None = None
+    """The failing scenario whose candidates are being tried."""
+    passing: dict[str, Change] = field(default_factory=dict)
+    """The candidates of `best` that pass, by content hash."""
+    on_features: Outcome | None = None
+    """Outcome of the original on feature fidelity; None if it was not tried."""
     is_cut: bool = False
-    """Whether the search on features took all of its share of the time."""
+    """Whether the search on features was stopped because its share of the time was used up."""
 
     def __post_init__(self) -> None:
         self.begin = self.clock()
@@ -170,8 +187,12 @@ class _Search:
         moved = True
         while moved:
             moved = False
-            for name, step in self.steps.items():
+            for name, step in self.steps_on(path[-1].scenario.fidelity).items():
                 moved |= self._descend_by(name, step, path, until)
+
+    def steps_on(self, fidelity: Fidelity) -> Mapping[str, Step]:
+        """The steps in the order in which they are tried on scenarios of the given fidelity."""
+        return for_images(self.steps) if fidelity == "render" else self.steps
 
     def _descend_by(self, name: str, step: Step, path: list[Change], until: float) -> bool:
         """Repeat one step, each time from the place in its candidates at which the last one was found."""
@@ -183,10 +204,16 @@ class _Search:
         return moved
 
     def _first_failing(self, name: str, step: Step, best: Scenario, place: int, until: float) -> tuple[int, Scenario] | None:
+        if best is not self.best:
+            self.best, self.passing = best, {}
         limit = size(best)
         for number, candidate in islice(enumerate(step(best)), place, None):
-            if size(candidate) < limit and self.outcome(name, candidate, until) == "fails":
-                return number, candidate
+            if size(candidate) < limit:
+                outcome = self.outcome(name, candidate, until)
+                if outcome == "fails":
+                    return number, candidate
+                if outcome == "passes":
+                    self.last_passing = best, Change(name, candidate)
         return None
 
     def outcome(self, step: str, scenario: Scenario, until: float) -> Outcome:
@@ -199,6 +226,8 @@ class _Search:
             if self.on_progress is not None:
                 elapsed_s = self.clock() - self.begin
                 self.on_progress(Attempt(step, scenario, self.outcomes[key], len(self.outcomes), elapsed_s))
+        if self.outcomes[key] == "passes":
+            self.passing.setdefault(key, Change(step, scenario))
         return self.outcomes[key]
 
     def _run(self, scenario: Scenario) -> Outcome:
@@ -213,12 +242,14 @@ class _Search:
         return "fails" if signature == self.signature else "fails differently"
 
     def descend_on_features(self, start: Scenario, found: list[Change], path: list[Change]) -> None:
-        """Search on features; then run the results on images, from the smallest up, and append the first that fails there.
+        """Search on features, then run the found scenarios on images, from the smallest one up, until one fails there.
 
-        `found` gets the failing scenarios on features. It is emptied if none of them, tried in steps of 1, 2, 4 ... back,
-        fails on images.
+        `found` gets the scenarios that fail on features, from large to small. The last one is run on images first, then
+        those 1, 3, 7, ... places before it. The scenarios up to the one that fails on images are appended to `path`. If
+        none fails on images, `found` is emptied.
         """
-        if self.outcome(_TO_FEATURES, start, self.end) != "fails":
+        self.on_features = self.outcome(_TO_FEATURES, start, self.end)
+        if self.on_features != "fails":
             return
         found.append(Change(_TO_FEATURES, start))
         try:
@@ -235,7 +266,7 @@ class _Search:
         found.clear()
 
     def reduction(self, original: Scenario, path: list[Change], on_features: list[Change], ended: Ending) -> Reduction:
-        """The result; if time was up before anything was confirmed on images, that of the search on features."""
+        """The result; if time was up before a run on images confirmed anything, the result of the search on features."""
         unconfirmed = len(path) == 1 and len(on_features) > 1
         accepted = on_features if unconfirmed else path
         best = accepted[-1].scenario
@@ -245,18 +276,22 @@ class _Search:
             self.signature,
             tuple(accepted[1:]),
             tuple(self._passing(best)),
+            self.last_passing,
             len(self.outcomes),
             ended,
             "features" if on_features else original.fidelity,
             not unconfirmed,
+            self.on_features,
         )
 
-    def _passing(self, best: Scenario) -> Iterator[Change]:
-        """Those of the candidates next to a scenario that were run and do not fail."""
-        for name, step in self.steps.items():
-            for candidate in step(best):
-                if self.outcomes.get(candidate.content_hash) == "passes":
-                    yield Change(name, candidate)
+    def _passing(self, best: Scenario) -> list[Change]:
+        """Those of the candidates next to a scenario that do not fail. Nothing is listed anew, as time may be up."""
+        if self.best not in (best, with_features(best)):
+            return []
+        places = list(self.steps_on(best.fidelity))
+        near = [change for change in self.passing.values() if change.step in places]
+        found = (Change(change.step, replace(change.scenario, fidelity=best.fidelity)) for change in near)
+        return sorted(found, key=lambda change: places.index(change.step))
 
 
 def is_valid(scenario: Scenario) -> bool:

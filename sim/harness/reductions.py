@@ -1,7 +1,7 @@
 """Steps that make a scenario simpler, the size by which scenarios are compared, and what differs between two of them."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
 from typing import NamedTuple
 
@@ -11,7 +11,9 @@ from sim.errors import SimError
 from sim.harness import house_reductions as house_steps
 from sim.harness.parts import house_spec, tour_config
 from sim.harness.scenario import NEEDS_PIXELS, Scenario
+from sim.harness.walk import shortest_walk_m
 from sim.render.rig import RIGS, RigConfig
+from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 from worlds.spec import AppearanceSpec, HouseSpec
 from worlds.variant import explicit
@@ -19,8 +21,10 @@ from worlds.variant import explicit
 Step = Callable[[Scenario], Iterator[Scenario]]
 _MIN_LENGTH_M = 4.0
 _FIRST_LENGTHS_M = (10.0, 20.0, 40.0)
-"""Lengths to try where the kind of tour alone decides about the length [m]."""
+"""Lengths that `shorter_tour` requests for scenarios without a requested length [m]."""
 _SMALL_PX = (240, 180)
+_FEW_HZ = 4.0
+"""Frame rate to which `fewer_frames` goes down [Hz]. LEXIS adds a keyframe every 0.7 s, and needs two frames for each."""
 
 
 class ScenarioSize(NamedTuple):
@@ -33,25 +37,26 @@ class ScenarioSize(NamedTuple):
     windows: int
     faults: int
     drift: int
-    """1 for odometry that drifts, and 1 more for covariances that are too small."""
+    """Number of odometry errors: poses that drift, and covariances that are too small."""
     motion: int
-    """1 for each of sway, start manoeuvre, and a tour of another kind than "rooms"."""
+    """Number of complications of the motion: sway, start manoeuvre, and a tour of another kind than "rooms"."""
     length_m: float
-    """Requested length of the tour; infinite if the kind of tour decides."""
+    """Requested length of the tour [m]; infinite if the kind of tour decides."""
     corners: int
     area_m2: float
     opening_ranks: int
     """Sum of `opening_rank` over all openings: 0 if all are doorways without leaves."""
     labels: int
-    """Sum of the places of the rooms' labels in `ROOM_LABELS`."""
+    """Sum of the rooms' label indices in `ROOM_LABELS`, where simple labels come first."""
     appearance: int
-    """1 for light that is not daylight, and 1 for textures that are not rich."""
+    """Number of unusual looks: light that is not daylight, and textures that are not rich."""
+    frame_rate_hz: float
     rig: tuple[int, int, int]
-    """Place of the rig in `RIGS`, 1 if it is displaced, and pixels of an image."""
+    """Index of the rig in `RIGS`, 1 if the rig is displaced on the body (else 0), and number of pixels of an image."""
 
 
 def size(scenario: Scenario) -> ScenarioSize:
-    """The size of a scenario. Raises `SimError` unless it lists its whole house; see `with_listed_house`."""
+    """Compute the size of a scenario. Raises `SimError` unless it lists its whole house; see `with_listed_house`."""
     spec = _listed(scenario)
     rooms = [room for storey in spec.storeys for room in storey.rooms]
     openings = [opening for storey in spec.storeys for opening in storey.openings]
@@ -71,12 +76,13 @@ def size(scenario: Scenario) -> ScenarioSize:
         opening_ranks=sum(map(house_steps.opening_rank, openings)),
         labels=sum(ROOM_LABELS.index(room.label) for room in rooms),
         appearance=(spec.appearance.light != "day") + (spec.appearance.texture != "rich"),
+        frame_rate_hz=scenario.frame_rate_hz,
         rig=(list(RIGS).index(rig.name), int(any(rig.lever_arm_m + rig.lever_arm_rpy_deg)), rig.width * rig.height),
     )
 
 
 def with_listed_house(scenario: Scenario) -> Scenario:
-    """The same run from a scenario that lists the house with all furniture and windows, and the usual length of its tour.
+    """Return a scenario of the same run that lists all rooms, furniture and windows, and the length of the tour.
 
     Raises `WorldsError` for a house that cannot be built.
     """
@@ -84,7 +90,7 @@ def with_listed_house(scenario: Scenario) -> Scenario:
 
 
 def with_features(scenario: Scenario) -> Scenario:
-    """The scenario on feature fidelity, without the faults that only images can show."""
+    """Return the scenario with fidelity "features", without the faults that only images can show."""
     faults = tuple(fault for fault in scenario.faults if not isinstance(fault, NEEDS_PIXELS))
     return replace(scenario, fidelity="features", faults=faults)
 
@@ -104,12 +110,12 @@ def _on_house(step: house_steps.HouseStep) -> Step:
 
 
 def fewer_faults(scenario: Scenario) -> Iterator[Scenario]:
-    """Drop all faults, then halves, quarters and so on down to single ones."""
+    """Drop all faults, then each half of them, each quarter, and so on down to single faults."""
     return (replace(scenario, faults=tuple(left)) for left in house_steps.without_parts(scenario.faults))
 
 
 def no_drift(scenario: Scenario) -> Iterator[Scenario]:
-    """Make the odometry perfect, or only its covariances honest."""
+    """Make the odometry perfect, or only make its covariances consistent with its errors."""
     if scenario.odometry != "perfect":
         yield replace(scenario, odometry="perfect", overconfidence=1.0)
         yield replace(scenario, odometry="perfect")
@@ -118,31 +124,82 @@ def no_drift(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
-    """Walk without sway and start manoeuvre, through every room; first all three, then each alone."""
+    """Remove sway and start manoeuvre, and use a tour of the kind "rooms": first all three changes, then each alone."""
     plain = replace(scenario, sway="none", start_manoeuvre=False, tour_kind="rooms")
     each = (replace(scenario, **{name: getattr(plain, name)}) for name in ("sway", "start_manoeuvre", "tour_kind"))
     yield from dict.fromkeys(other for other in (plain, *each) if other != scenario)
 
 
 def shorter_tour(scenario: Scenario) -> Iterator[Scenario]:
-    """Request an eighth, a quarter, half and three quarters of the tour's length."""
+    """Request the shortest tour that visits the whole house, then an eighth, a quarter, half ... of the present length."""
+    least_m = _least_length_m(scenario)
+    yield from _if_shorter(scenario, least_m)
     if scenario.length_m is None:
         yield from (replace(scenario, length_m=length_m) for length_m in _FIRST_LENGTHS_M)
         return
     for share in (0.125, 0.25, 0.5, 0.75, 0.9):
         length_m = float(math.floor(scenario.length_m * share))
-        if length_m >= _MIN_LENGTH_M:
+        if length_m > least_m:
             yield replace(scenario, length_m=length_m)
 
 
 def smaller_rig(scenario: Scenario) -> Iterator[Scenario]:
-    """Use one wide camera in the middle of the body, and then smaller images."""
+    """Use a single wide camera in the middle of the body; then use smaller images."""
     rig = scenario.rig
     plain = RigConfig(next(iter(RIGS)), rig.width, rig.height, rig.hfov_deg)
     if plain != rig:
         yield replace(scenario, rig=plain)
-    if rig.width * rig.height > _SMALL_PX[0] * _SMALL_PX[1]:
-        yield replace(scenario, rig=replace(rig, width=_SMALL_PX[0], height=_SMALL_PX[1]))
+    if (small := _with_small_images(rig)) != rig:
+        yield replace(scenario, rig=small)
+
+
+def _with_small_images(rig: RigConfig) -> RigConfig:
+    """The rig with images of `_SMALL_PX`, unless its images have no more pixels."""
+    width, height = _SMALL_PX
+    return replace(rig, width=width, height=height) if rig.width * rig.height > width * height else rig
+
+
+def fewer_frames(scenario: Scenario) -> Iterator[Scenario]:
+    """Lower the frame rate to four frames per second."""
+    if scenario.frame_rate_hz > _FEW_HZ:
+        yield replace(scenario, frame_rate_hz=_FEW_HZ)
+
+
+def quicker_to_render(scenario: Scenario) -> Iterator[Scenario]:
+    """Take fewer and smaller images: first on the shortest tour, then on the present tour."""
+    quick = replace(scenario, rig=_with_small_images(scenario.rig), frame_rate_hz=min(scenario.frame_rate_hz, _FEW_HZ))
+    yield from _walking_least(quick)
+    if quick != scenario:
+        yield quick
+
+
+def _walking_least(scenario: Scenario) -> Iterator[Scenario]:
+    """The scenario with the shortest tour, unless its tour is as short or no tour is possible."""
+    return _if_shorter(scenario, _least_length_m(scenario))
+
+
+def _if_shorter(scenario: Scenario, length_m: float) -> Iterator[Scenario]:
+    if length_m < (scenario.length_m or math.inf):
+        yield replace(scenario, length_m=length_m)
+
+
+def _least_length_m(scenario: Scenario) -> float:
+    """Whole metres of the shortest tour that may be requested; infinite if no tour is possible."""
+    try:
+        return max(_MIN_LENGTH_M, float(math.ceil(shortest_walk_m(scenario))))
+    except (SimError, WorldsError):
+        return math.inf
+
+
+def _also_walking_least(step: Step) -> Step:
+    """The step; where the shortest tour shows the failure, all candidates are first tried with their shortest tours."""
+
+    def apply(scenario: Scenario) -> Iterator[Scenario]:
+        if scenario.length_m == _least_length_m(scenario):
+            yield from (least for candidate in step(scenario) for least in _walking_least(candidate))
+        yield from step(scenario)
+
+    return apply
 
 
 STEPS: dict[str, Step] = {
@@ -161,13 +218,26 @@ STEPS: dict[str, Step] = {
     "simpler openings": _on_house(house_steps.simpler_openings),
     "simplest labels": _on_house(house_steps.simpler_labels),
     "daylight": _on_house(house_steps.plain_appearance),
+    "fewer frames": fewer_frames,
     "smaller rig": smaller_rig,
 }
-"""All steps by name, in the order in which the reducer tries them: those that remove most come first."""
+"""All steps by name, in the order in which the reducer tries them: the steps that remove most come first."""
+_LEAST_RENDERED = ("drop storeys", "drop rooms")
+"""Steps that, in a search on images, are first tried together with the shortest tour."""
+_COSTLY_FIRST = ("fewer frames", "smaller rig", "shorten the tour")
+"""Steps that come first in a search on images, because every later candidate is then quicker to render."""
+
+
+def for_images(steps: Mapping[str, Step]) -> dict[str, Step]:
+    """The same steps for a search in which every candidate has to be rendered: first those that save images."""
+    quick = {"fewer frames and shortest tour": quicker_to_render} if set(_COSTLY_FIRST) <= steps.keys() else {}
+    first = {name: steps[name] for name in _COSTLY_FIRST if name in steps}
+    short = {name: _also_walking_least(steps[name]) for name in _LEAST_RENDERED if name in steps and quick}
+    return quick | first | dict(steps) | short
 
 
 def difference(before: Scenario, after: Scenario) -> str:
-    """In words, what distinguishes the second scenario from the first; "nothing" if they are equal."""
+    """Describe in words how the second scenario differs from the first; "nothing" if they are equal."""
     said = [*_house_differences(_listed(before), _listed(after))]
     for each in fields(Scenario):
         old, new = getattr(before, each.name), getattr(after, each.name)

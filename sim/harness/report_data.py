@@ -55,11 +55,12 @@ def _keyframes(run: Run) -> KeyframeTable:
 
 def _room_of_frames(run: Run) -> tuple[str, ...]:
     """Name of the claimed room instance of every frame; "" for a frame in no room."""
-    labels, rooms = run.estimate.named_rooms(run.room_names), run.estimate.rooms
-    if labels is None or rooms is None:
+    rooms = run.estimate.rooms
+    if rooms is None:
         return ("",) * len(run.estimate.frames)
+    labels = run.estimate.named_rooms(run.room_names) or {}
     names = dict(zip(labels, numbered(list(labels.values())), strict=True))
-    return tuple(names.get(room, "") for room in rooms.tolist())
+    return tuple(names.get(room, f"room {room}" if room >= 0 else "") for room in rooms.tolist())
 
 
 def _plan(run: Run, trial: Trial) -> PlanPath:

@@ -9,7 +9,7 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class HouseFigures:
-    """The house of a run."""
+    """Size and openness of the house of a run, and the file that holds the house."""
 
     rooms: int
     floors: int
@@ -31,7 +31,7 @@ class WalkFigures:
 
 @dataclass(frozen=True)
 class LabelFigures:
-    """Room labels; see `lexis.evaluation.labels`."""
+    """Figures on room labels; see `lexis.evaluation.labels`."""
 
     accuracy: float | None = None
     accuracy_baseline: float | None = None
@@ -44,7 +44,7 @@ class LabelFigures:
 
 @dataclass(frozen=True)
 class RoomFigures:
-    """Room instances; see `lexis.evaluation.rooms.RoomScores`."""
+    """Figures on room instances; see `lexis.evaluation.rooms.RoomScores`."""
 
     pq: float | None = None
     precision: float | None = None
@@ -60,7 +60,7 @@ class RoomFigures:
 
 @dataclass(frozen=True)
 class FloorFigures:
-    """Floors; see `lexis.evaluation.floors`."""
+    """Figures on floors; see `lexis.evaluation.floors`."""
 
     accuracy: float | None = None
     count_error: int | None = None
@@ -68,7 +68,7 @@ class FloorFigures:
 
 @dataclass(frozen=True)
 class LoopFigures:
-    """Loop closures; see `lexis.evaluation.loops.LoopScores`."""
+    """Figures on loop closures; see `lexis.evaluation.loops.LoopScores`."""
 
     proposed: int | None = None
     verified: int | None = None
@@ -80,7 +80,7 @@ class LoopFigures:
 
 @dataclass(frozen=True)
 class MatchFigures:
-    """Proposed revisits, as in the paper's Fig. 5; see `lexis.evaluation.place_recognition.Counts`."""
+    """Figures on proposed revisits, as in the paper's Fig. 5; see `lexis.evaluation.place_recognition.Counts`."""
 
     tp: int | None = None
     fp: int | None = None
@@ -98,12 +98,12 @@ class CoverageFigures:
 
 @dataclass(frozen=True)
 class TrajectoryFigures:
-    """Errors of the poses; see `lexis.evaluation.trajectory`."""
+    """Figures on errors of the poses; see `lexis.evaluation.trajectory`."""
 
     ate_odometry_m: float | None = None
-    """ATE of the odometry that the SLAM was given [m]."""
+    """Absolute trajectory error (ATE) of the odometry that the SLAM was given [m]."""
     ate_m: float | None = None
-    """ATE of the estimate [m]."""
+    """Absolute trajectory error (ATE) of the estimate [m]."""
     rpe_8m_m: float | None = None
     """Mean relative position error of the estimate after 8 m [m]."""
     rpe_8m_odometry_m: float | None = None
@@ -113,7 +113,7 @@ class TrajectoryFigures:
 
 @dataclass(frozen=True)
 class PlanningFigures:
-    """Plans that a simulated robot has driven; see `lexis.evaluation.planning`."""
+    """Figures on plans that a simulated robot has driven; see `lexis.evaluation.planning`."""
 
     queries: int = 0
     success: float | None = None
@@ -123,7 +123,7 @@ class PlanningFigures:
 
 @dataclass(frozen=True)
 class TimeFigures:
-    """Wall time [s]."""
+    """Wall times of the parts of a run [s]."""
 
     house_s: float
     scene_s: float
@@ -138,7 +138,7 @@ class TimeFigures:
 
 @dataclass(frozen=True)
 class FaultFigures:
-    """Faults of a run."""
+    """Faults of a run, and the numbers of observations that they affected."""
 
     given: tuple[str, ...]
     """The faults in the notation of the command line."""
@@ -160,7 +160,7 @@ class RunResult:
     slam: str
     """Name of the class of the SLAM under test."""
     encoder: str | None
-    """The vision-language model that the SLAM says it used."""
+    """Name of the vision-language model, as the SLAM states it."""
     odometry: str
     house: HouseFigures
     run: WalkFigures

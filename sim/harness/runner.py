@@ -1,4 +1,4 @@
-"""One run: a SLAM gets the observations of a scenario, and what it claims is kept beside the truth."""
+"""One run: a SLAM gets the observations of a scenario, and its claims are kept beside the truth."""
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -17,6 +17,7 @@ from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.estimate import Estimate
+from sim.harness.last_run import last_run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
@@ -28,16 +29,16 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 Progress = Callable[[float], None]
-"""Told the share of the frames that are done, from 0 to 1."""
+"""A function that is called with the share of the frames that are done, in [0, 1]."""
 
 
 class Given(NamedTuple):
-    """What the SLAM was told about a frame, besides its image."""
+    """The input of the SLAM at a frame, without the image."""
 
     stamp: float
-    """[s]"""
+    """Time stamp [s]."""
     T_O_B: Pose
-    """Pose of the body by odometry."""
+    """Pose of the body in the odometry frame, from the odometry."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,59 +50,69 @@ class Run:
     walkable: Walkable
     session: Session
     slam: object
-    """The SLAM after `finish`, which may plan paths and save files; or the program that was run."""
+    """The SLAM after its `finish`, or the `CommandSlam` of the program that was run. Some SLAMs plan paths or save files."""
     estimate: Estimate
     given: Mapping[int, Given]
-    """What the SLAM was told about every frame that it took, by the index of the observation."""
+    """Input of the SLAM at every frame that it accepted; the key is `Observation.index`."""
     seconds: dict[str, float]
-    """Wall time of house and tour, of building the scene, of rendering, and of the SLAM [s]."""
+    """Wall times by part of the run [s]: making house and tour, building the scene, rendering, and the SLAM."""
     delivered: tuple[Truth, ...]
-    """The truth of every observation, in the order in which the SLAM was given them."""
+    """The truths of all observations, in the order in which the SLAM was given the observations."""
     refused: tuple[str, ...] = ()
-    """Why the SLAM refused some observations; only under faults."""
+    """Error messages with which the SLAM refused observations; always empty without faults."""
 
     @property
     def room_names(self) -> tuple[str, ...]:
-        """The labels that the SLAM was told; labels are indices into them."""
+        """The labels that rooms may have, as the SLAM was told; claimed and true labels are indices into these names."""
         return self.house.spec.room_labels
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
-        """Times of the frames, as the SLAM was told them [s]."""
+        """Time stamps of the frames [s], as the SLAM received them."""
         return np.array([self.given[frame].stamp for frame in self.estimate.frames.tolist()])
 
     @property
     def true_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """True T_W_B."""
+        """True poses of the body in the world, `T_W_B`."""
         return np.asarray(self.session.tour.T_W_B[self.estimate.frames])
 
     @property
     def odometry_poses(self) -> Float64[np.ndarray, "n 4 4"]:
-        """T_O_B by odometry, as the SLAM was told it."""
-        return np.array([self.given[frame].T_O_B for frame in self.estimate.frames.tolist()])
+        """Poses of the body in the odometry frame, `T_O_B`, as the SLAM received them.
+
+        A pose that a fault has made NaN is replaced by the last finite pose before it or, if there is none, by the identity,
+        at which the odometry begins.
+        """
+        poses = np.array([self.given[frame].T_O_B for frame in self.estimate.frames.tolist()])
+        known = np.where(np.isfinite(poses).all(axis=(1, 2)), np.arange(len(poses)), -1)
+        held = np.maximum.accumulate(known)
+        return np.where(held[:, None, None] < 0, np.eye(4), poses[held])
 
     @property
     def true_rooms(self) -> Int[np.ndarray, "n"]:
-        """Index into `house.rooms` of the room that holds the camera."""
+        """True room of every frame, as an index into `house.rooms`."""
         return np.array([self.session.truths[frame].room for frame in self.estimate.frames.tolist()], int)
 
     @property
     def true_labels(self) -> Int[np.ndarray, "n"]:
-        """Index into `room_names` of the true label."""
+        """True label of every frame, as an index into `room_names`."""
         return np.array([self.room_names.index(self.session.truths[i].label) for i in self.estimate.frames.tolist()], int)
 
     @property
     def on_stairs(self) -> Bool[np.ndarray, "n"]:
-        """Whether the camera is truly on stairs."""
+        """For every frame, whether the camera is truly on stairs."""
         return np.array([self.house.rooms[room].label == STAIRS for room in self.true_rooms], bool)
 
     @property
     def true_storeys(self) -> Int[np.ndarray, "n"]:
-        """Storey that the camera is on, 0 for the lowest."""
+        """True storey of every frame, 0 for the lowest."""
         return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
 
     def most_similar(self, row: int, count: int) -> tuple[tuple[str, float], ...]:
-        """The room names that the SLAM found most similar to a frame, best first; none without a claim of similarities."""
+        """Return the `count` room names most similar to a frame, with their claimed similarities, best first.
+
+        The result is empty if the SLAM claims no similarities.
+        """
         if self.estimate.similarities is None:
             return ()
         scores = self.estimate.similarities[row]
@@ -109,23 +120,26 @@ class Run:
 
     @property
     def walked_rooms(self) -> tuple[int, ...]:
-        """Indices into `house.rooms` of the rooms that the tour went through, in that order."""
+        """Rooms that the tour went through, as indices into `house.rooms`, in the order of the first visit."""
         return tuple(dict.fromkeys(truth.room for truth in self.session.truths))
 
     @property
     def unseen_rooms(self) -> tuple[str, ...]:
-        """Ids of the rooms that the tour went through and that no frame of the estimate is in, in that order."""
+        """Ids of the rooms on the tour that contain no frame of the estimate, in the order of the first visit."""
         seen = set(self.true_rooms.tolist())
         return tuple(self.house.rooms[room].id for room in self.walked_rooms if room not in seen)
 
 
 def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progress | None = None) -> Run:
-    """Give the observations of a scenario to a SLAM; without one, to LEXIS with the encoder that the scenario names.
+    """Give the observations of a scenario to a SLAM; by default to LEXIS with the encoder that the scenario names.
 
     Under faults, observations that the SLAM refuses (`ObservationError`) are left out, as by a driver that logs the error
-    and goes on. Raises `WorldsError`, `SimError` or `LexisError` where the scenario asks for what cannot be, or where the
-    estimate is not valid, and whatever the SLAM raises.
+    and goes on. In a test that pytest runs with `--lexis-replay`, the stored scenario is run in place of `scenario`; see
+    `last_run`. Raises `WorldsError`, `SimError` or `LexisError` if the scenario is impossible or the estimate is not valid,
+    and whatever the SLAM raises.
     """
+    last = last_run()
+    scenario = last.begin(scenario)
     slam = slam or Lexis(scenario.encoder)
     check_slam_methods(slam)
     timed = StageTimer()
@@ -135,6 +149,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
     with timed("scene_s"):
         session = Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
+    last.done = 0.0
     with timed("slam_s"):
         _start(slam, scenario, session, model)
     delivered, refused = [], []
@@ -150,17 +165,19 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
                 if not scenario.faults:
                     raise
                 refused.append(str(error))
+            last.done = (observation.index + 1) / len(session)
             if progress is not None:
-                progress((observation.index + 1) / len(session))
+                progress(last.done)
     with timed("slam_s"):
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
         raise SimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds = timed.seconds | {"render_s": session.render_seconds}
-    _check_frames(estimate, given)
-    return Run(
+    _check_estimate(estimate, given, len(walked.house.spec.room_labels))
+    last.run = Run(
         scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
+    return last.run
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
@@ -178,8 +195,16 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: Fea
         slam.start(session.camera, names)
 
 
-def _check_frames(estimate: Estimate, given: Mapping[int, Given]) -> None:
-    """Raise SimError for claims about a frame that the SLAM was not given."""
+def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
+    """Raise SimError for claims about a frame that the SLAM was not given, or about room names that do not exist."""
     unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
     if unknown:
         raise SimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
+    for name in ("labels", "baseline_labels"):
+        claim = getattr(estimate, name)
+        if claim is not None and (beyond := np.flatnonzero(claim >= names)).size:
+            bad = f"{name} has {claim[beyond[0]]} in row {beyond[0]}"
+            raise SimError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
+    columns = names if estimate.similarities is None else estimate.similarities.shape[1]
+    if columns != names:
+        raise SimError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")

@@ -27,21 +27,21 @@ from worlds.valid_names import did_you_mean
 FORMAT = "lexis-scenario"
 VERSION = 1
 NEEDS_PIXELS = (ImageFault, Smear, ClosedDoors, Pedestrian)
-"""Faults that the feature sensor cannot represent, since it has no pixels and ignores what moves by itself."""
+"""Faults that the feature sensor cannot represent, because it has no pixels and sees no moving doors or people."""
 _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_000_000, SimError)
 
 
 @dataclass(frozen=True)
 class Scenario(Settings, place="scenario", error=SimError):
-    """A house, a tour through it, odometry, faults, cameras and seeds. It says nothing about the SLAM under test.
+    """All settings of a run except the SLAM under test: a house, a tour through it, odometry, faults, cameras and seeds.
 
-    The same scenario gives the same observations. It only describes; `sim.harness.parts` builds.
+    The same scenario gives the same observations. This class holds settings only; `sim.harness.parts` builds from them.
     """
 
     preset: str = "home"
     """Family of houses; ignored if `house` is given."""
     seed: Annotated[int, Interval(ge=0, lt=2**63)] = 7
-    """Seed of the house (unless given), the tour, the odometry and the faults; each has a random stream of its own."""
+    """Seed of the house (if `house` is None), the tour, the odometry and the faults, each with its own random stream."""
     house: HouseSpec | None = None
     """House of the run. None: the house is sampled from preset and seed."""
     length_m: Annotated[float, Gt(0)] | None = None
@@ -49,20 +49,20 @@ class Scenario(Settings, place="scenario", error=SimError):
     tour_kind: TourKind = "rooms"
     """Kind of tour through the house; see `TourConfig.kind`."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
-    """Observations per second [Hz]. Fewer than two per keyframe leave no landmarks."""
+    """Observations per second [Hz]. With fewer than two observations per keyframe, LEXIS triangulates no landmarks."""
     sway: SwayName = "none"
     """The gait that is added to the motion; see `sim.tours.sway`."""
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds before the tour."""
     odometry: str = "multicam"
-    """Drift of the odometry: a key of `sim.odometry.ODOMETRY_PRESETS`."""
+    """Preset for the drift of the odometry: a key of `sim.odometry.ODOMETRY_PRESETS`."""
     overconfidence: Annotated[float, Ge(1)] = 1.0
-    """Factor by which the odometry's covariances are too small; 1 is honest."""
+    """Factor by which the odometry's covariances are too small; at 1 they match its errors."""
     fidelity: Fidelity = "render"
-    """render: the SLAM gets images. features: it gets what the feature sensor predicts from the true view."""
+    """Input of the SLAM. render: rendered images. features: embeddings that the feature sensor predicts from true views."""
     encoder: str = "mini"
-    """The vision-language model: LEXIS uses it unless told otherwise, and the feature sensor imitates it. With fidelity
-    "features" also `ORACLE`."""
+    """Name of the vision-language model: LEXIS uses it unless it is given another one, and the feature sensor imitates it.
+    With fidelity "features" it may be `ORACLE`, too."""
     feature_model: Path | None = None
     """Feature model that `lexis-sim fit-features` has fitted to the encoder. None: the shipped one for `mini`."""
     faults: tuple[Fault, ...] = ()
@@ -71,7 +71,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     """Cameras on the body. The SLAM gets the images of the first pinhole camera; recordings contain all pinhole cameras."""
 
     def __post_init__(self) -> None:
-        """Raise SimError for values that are not valid, alone or together."""
+        """Raise SimError for a value that is not valid, or for values that do not go together."""
         super().__post_init__()
         if self.odometry not in ODOMETRY_PRESETS:
             guess = did_you_mean(self.odometry, ODOMETRY_PRESETS)
@@ -89,7 +89,7 @@ class Scenario(Settings, place="scenario", error=SimError):
             {"format": FORMAT, "version": VERSION}
             | plain
             | {
-                "house": None if self.house is None else json.loads(self.house.to_json()),
+                "house": None if self.house is None else self.house.data(),
                 "feature_model": None if self.feature_model is None else str(self.feature_model),
                 "faults": [_fault_data(fault) for fault in self.faults],
                 "rig": settings_data(self.rig),
@@ -98,12 +98,11 @@ class Scenario(Settings, place="scenario", error=SimError):
 
     @property
     def content_hash(self) -> str:
-        """16 hexadecimal digits that differ where the scenarios differ, and stay the same in a file."""
-        stored = scenario_of(json.loads(json.dumps(self.data())))  # 4 Hz and 4.0 Hz are the same
-        return hashlib.sha256(json.dumps(stored.data(), sort_keys=True).encode()).hexdigest()[:16]
+        """Hash of the settings, 16 hexadecimal digits: equal scenarios have equal hashes, also after saving and loading."""
+        return hashlib.sha256(json.dumps(_with_whole_numbers(self.data()), sort_keys=True).encode()).hexdigest()[:16]
 
     def save(self, path: Path) -> None:
-        """Write the scenario as JSON. Raises `LexisError` where the file cannot be written."""
+        """Write the scenario as JSON. Raises `LexisError` if the file cannot be written."""
         with replaced_file(path) as beside:
             beside.write_text(json.dumps(self.data(), indent=1) + "\n")
 
@@ -132,6 +131,15 @@ def scenario_of(data: object) -> Scenario:
     if "faults" in values:
         values["faults"] = _faults(values["faults"])
     return settings_of(Scenario, values)
+
+
+def _with_whole_numbers(data: Any) -> Any:
+    """The data with 4 in the place of 4.0: both are equal, and a scenario may hold either until it is read from a file."""
+    if isinstance(data, dict):
+        return {key: _with_whole_numbers(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_with_whole_numbers(value) for value in data]
+    return int(data) if isinstance(data, float) and data.is_integer() else data
 
 
 def _fault_data(fault: Fault) -> dict[str, Any]:

@@ -47,9 +47,9 @@ class PlansPaths(Protocol):
     """A SLAM that plans paths between rooms; the harness drives them with a simulated robot."""
 
     def plan(self, start: str, goal: str) -> Sequence[int]:
-        """Return the rows of the estimate that a path leads through, from a room of one label to a room of another.
+        """Return the rows of the estimate along a path from a room labelled `start` to a room labelled `goal`.
 
-        It is called after `finish`. Raise `lexis.errors.PlanError` if there is no path.
+        The harness calls this method after `finish`. Raise `lexis.errors.PlanError` if there is no path.
         """
 
 
@@ -58,7 +58,7 @@ class SavesFiles(Protocol):
     """A SLAM that adds files of its own to the folder of a run."""
 
     def save(self, folder: Path) -> None:
-        """Write files into `folder`; called after `finish`."""
+        """Write files into `folder`. The harness calls this method after `finish`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class FeatureInput:
     verifier: Verifier
 
     def check(self, encoder: Encoder) -> None:
-        """Raise `SimError` unless the embeddings of the run simulate this encoder."""
+        """Raise `SimError` unless the embeddings of the run simulate `encoder`."""
         if self.oracle != isinstance(encoder, Oracle):
             raise SimError(f"encoder {encoder.name!r} does not fit the run; valid: the encoder that the scenario names")
         if not self.oracle:

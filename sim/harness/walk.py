@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from sim.harness.parts import house_spec, odometry_config, random_streams, tour_config
 from sim.harness.scenario import Scenario
 from sim.odometry.simulation import Odometry, tour_odometry
-from sim.tours.tour import Tour, plan_tour
+from sim.tours.tour import Tour, plan_tour, shortest_length
 from worlds.house import House
 from worlds.validation import built_and_checked
 from worlds.walkable import Walkable
@@ -13,12 +13,21 @@ from worlds.walkable import Walkable
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A tour through a house before anything is rendered."""
+    """A house, the tour through it and the odometry along the tour; nothing is rendered yet."""
 
     house: House
     walkable: Walkable
     tour: Tour
     odometry: Odometry
+
+
+def shortest_walk_m(scenario: Scenario) -> float:
+    """Length of the shortest tour of the scenario's kind through its house [m].
+
+    Raises `WorldsError` for a house that is not valid, and `SimError` where no walk is possible.
+    """
+    house = built_and_checked(house_spec(scenario))
+    return shortest_length(house, Walkable(house), random_streams(scenario)["tour"], tour_config(scenario))
 
 
 def walk(scenario: Scenario) -> Walk:

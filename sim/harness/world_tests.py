@@ -1,7 +1,7 @@
-"""`worlds`: the decorator that runs a test on fresh houses, and the draws of these houses.
+"""`worlds`: the decorator that runs a test on fresh houses, and the random choice of these houses.
 
-The pytest plugin (`sim.pytest_plugin`) reads what the decorator leaves on the test. This module loads nothing heavy: while
-pytest collects tests, houses are names and seeds, and they are built when a test runs.
+The decorator stores its arguments on the test, where the pytest plugin (`sim.pytest_plugin`) reads them. This module loads
+nothing heavy: while pytest collects tests, houses are names and seeds, and they are built when a test runs.
 """
 
 import hashlib
@@ -21,15 +21,17 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 Tier = Literal["layout", "features", "render"]
-"""layout: the test looks at houses only. features and render: it looks at runs of that fidelity."""
+"""Kind of test. layout: it checks houses only. features, render: it checks runs of this fidelity."""
 TIERS: tuple[Tier, ...] = get_args(Tier)
 ATTRIBUTE = "lexis_worlds"
 """Attribute of a decorated test that holds its `WorldFamily`."""
 HOUSE_SEEDS = 1_000_000
 """Fresh houses have seeds below this number; those from here up are reserved for acceptance."""
 MOST_WORLDS = 10_000
+FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 4.0, 10.0
+"""Usual frame rates by fidelity [Hz]. Only landmarks need a high rate, and LEXIS triangulates none on features."""
 SCENARIO = "scenario.json"
-"""File that identifies a folder as that of a failure."""
+"""File that identifies a folder as the output of a failed test."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
 _LONGEST_NAME = 150
 _Test = TypeVar("_Test", bound=Callable[..., object])
@@ -37,11 +39,11 @@ _Test = TypeVar("_Test", bound=Callable[..., object])
 
 @runtime_checkable
 class World(Protocol):
-    """A scenario by name, which is built on demand."""
+    """Interface of a named scenario that is built on demand."""
 
     @property
     def name(self) -> str:
-        """Short and stable name, the id of the test."""
+        """Short and stable name of the world, which pytest appends to the test's name."""
 
     def scenario(self) -> "Scenario":
         """Build the scenario. Raises `SimError` or `worlds.WorldsError`."""
@@ -49,7 +51,7 @@ class World(Protocol):
 
 @dataclass(frozen=True)
 class WorldFamily:
-    """What a test asks of its houses and runs: the arguments of `worlds`, which describes them."""
+    """What a test requires of its houses and runs: the arguments of the decorator `worlds`; see its docstring."""
 
     presets: tuple[str, ...]
     openness: tuple[float, float] | None
@@ -65,7 +67,7 @@ class WorldFamily:
     faults: tuple["Fault", ...]
 
     def draw(self, seed: int, index: int) -> "FreshWorld":
-        """Draw the world of this index; tests that ask for the same get the same worlds.
+        """Draw the world number `index`; tests with equal requirements get equal worlds.
 
         The draws are hashes of seed and index instead of a numpy Generator's, because collecting tests loads no numpy.
         """
@@ -124,29 +126,30 @@ class FreshWorld:
 
 @dataclass(frozen=True)
 class StoredWorld:
-    """A scenario in a file."""
+    """A scenario that was stored in a file, such as the scenario of an earlier failure."""
 
     file: Path
     name: str
 
     def scenario(self) -> "Scenario":
-        """Read the file."""
+        """Read the scenario from the file."""
         from sim.harness.scenario import Scenario
 
         return Scenario.load(self.file)
 
 
 def slug_of(name: str) -> str:
-    """The part of a failure folder's name that says which test failed, from file and function of the test."""
+    """Return the part of a failure folder's name that identifies the test by its file and function."""
     return _NOT_IN_NAMES.sub("-", name.replace(".py::", "-"))[-_LONGEST_NAME:].strip("-.")
 
 
 def stored_failures(out: Path, name: str) -> list[StoredWorld]:
-    """The scenarios in the folders of earlier failures of a test, in the order of their names."""
-    pattern = re.compile(re.escape(slug_of(name)) + "-([0-9a-f]{16})")
+    """Return the scenarios in the folders of earlier failures of a test, with any parameters, sorted by folder name."""
+    pattern = re.compile(re.escape(slug_of(name)) + "(?:-.+)?-([0-9a-f]{16})")
     folders = sorted(out.iterdir()) if out.is_dir() else []
     matches = [(folder / SCENARIO, pattern.fullmatch(folder.name)) for folder in folders]
-    return [StoredWorld(file, f"failed-{match[1][:8]}") for file, match in matches if match and file.is_file()]
+    files = {match[1]: file for file, match in matches if match and file.is_file()}
+    return [StoredWorld(file, f"failed-{scenario[:8]}") for scenario, file in files.items()]
 
 
 def worlds(
@@ -159,12 +162,12 @@ def worlds(
     fidelity: Tier = "features",
     plans: bool | None = None,
     length_m: float | None = None,
-    frame_rate_hz: float = 10.0,
+    frame_rate_hz: float | None = None,
     odometry: str = "multicam",
     encoder: str = "mini",
     faults: Sequence["Fault"] = (),
 ) -> Callable[[_Test], _Test]:
-    """Run the decorated test on fresh houses, which `--lexis-seed` decides; the test takes the fixture `run` or `house`.
+    """Decorate a test to run on fresh houses, drawn by the seed `--lexis-seed`; the test takes the fixture `run` or `house`.
 
     Args:
         presets: families of houses, taken in turn.
@@ -176,7 +179,7 @@ def worlds(
         fidelity: "features" and "render" say what the SLAM gets (see `Scenario.fidelity`); with "layout" no SLAM runs.
         plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
         length_m: requested length of the tour [m]; None: the length that is usual for the house.
-        frame_rate_hz: observations per second [Hz].
+        frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 4.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.
         faults: faults in the order in which they act; see `sim.faults`.
@@ -192,9 +195,10 @@ def worlds(
     if max_rooms is not None:
         _check_count("max_rooms", max_rooms, max(MIN_ROOMS_ASKED, storeys or 1), MAX_ROOMS_ASKED)
     driven = fidelity == "render" if plans is None else plans
+    usual_hz = RENDER_FRAME_RATE_HZ if fidelity == "render" else FEATURES_FRAME_RATE_HZ
     family = WorldFamily(
-        tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m, frame_rate_hz, odometry,
-        encoder, tuple(faults),
+        tuple(presets), _range(openness), storeys, max_rooms, n, fidelity, driven, length_m, frame_rate_hz or usual_hz,
+        odometry, encoder, tuple(faults),
     )  # fmt: skip
 
     def decorate(test: _Test) -> _Test:

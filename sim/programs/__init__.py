@@ -1,7 +1,7 @@
-"""Programs in any language as SLAM under test.
+"""Runs a program in any language as the SLAM under test.
 
-`command` records a scenario for a program, runs the program with limits of time and memory, and reads its claims, whose
-files `program_files` describes.
+`command` records a scenario for a program, runs the program with limits of time and memory, and reads its claims.
+`program_files` describes the files of the claims, and `loop_file` the file with loop closures.
 """
 
 import lazy_loader

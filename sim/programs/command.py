@@ -1,4 +1,4 @@
-"""A program in any language as the SLAM under test: it reads a recording, and writes what it claims into files."""
+"""A program in any language as the SLAM under test: it reads a recording, and writes its claims to files."""
 
 import os
 import resource
@@ -17,24 +17,24 @@ import numpy as np
 from lexis.errors import one_line
 from lexis.timing import StageTimer
 from sim.errors import SimError
+from sim.harness.last_run import last_run
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
 from sim.programs.program_files import AT_REST, RecordedTimes, read_estimate
 from sim.record.recording import check_format, write_take
 from sim.record.take import RecordedFrame, Take, prepare
-from sim.session import Session
 from sim.truth import Truth
 
 TIMEOUT_S, MEMORY_MB = 600.0, 8192.0
 """Usual limits of a program: wall time [s], and memory that each of its processes may allocate [MB]."""
 DATASET, OUT = "{dataset}", "{out}"
-"""What stands for the folders of the recording and of the claims in a command."""
+"""Placeholders in a command for the folder of the recording and the folder of the claims."""
 _KEPT_BYTES = 1_000_000
 
 
 @dataclass(frozen=True)
 class CommandSlam:
-    """A program that has run, with what it printed."""
+    """A program that has run, with its standard output and standard error."""
 
     command: str
     stdout: bytes
@@ -69,13 +69,15 @@ def run_command(
     """
     words = command_words(command)
     check_format(format)
+    last = last_run()
+    scenario = last.begin(scenario)
     if scenario.fidelity != "render":
         raise SimError(f"command: a program needs images, but the fidelity is {scenario.fidelity!r}; valid: 'render'")
     timed = StageTimer()
     with timed("house_s"):
         take = prepare(scenario, with_truth=False)
     with timed("scene_s"):
-        session = _session(take)
+        session = take.session
     frames: list[_Frame] = []
     with tempfile.TemporaryDirectory(prefix="lexis-sim-") as name:
         work = Path(name)
@@ -90,11 +92,12 @@ def run_command(
             write_take(folders[DATASET], take, format, progress=progress, note=note)
         for placeholder, folder in folders.items():
             words = [word.replace(placeholder, str(folder)) for word in words]
+        last.done = 0.0
         with timed("slam_s"):
             printed = _execute(words, work, timeout_s, memory_mb)
         estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
     walked = frames[take.rest_frames :]
-    return Run(
+    last.run = Run(
         scenario,
         take.walk.house,
         take.walk.walkable,
@@ -105,6 +108,7 @@ def run_command(
         seconds=timed.seconds,
         delivered=tuple(frame.truth for frame in walked),
     )
+    return last.run
 
 
 def command_words(command: str) -> list[str]:
@@ -137,12 +141,6 @@ class _Frame:
 def _times(take: Take, frames: Sequence[_Frame]) -> RecordedTimes:
     indices = [AT_REST if k < take.rest_frames else frame.index for k, frame in enumerate(frames)]
     return RecordedTimes(np.array([frame.stamp_ns for frame in frames], float) / 1e9, np.array(indices, int), take.frame_s)
-
-
-def _session(take: Take) -> Session:
-    """The run as a session, which knows the truth of every frame."""
-    walk, scenario = take.walk, take.config
-    return Session(walk.house, walk.tour, walk.odometry, take.cameras["cam0"], scenario.faults, scenario.seed)
 
 
 def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:

@@ -1,4 +1,4 @@
-"""The files in which a program states its claims: `trajectory.tum` and, if it finds rooms, `rooms.json`."""
+"""The files of a program's claims: `trajectory.tum`, `rooms.json` if it finds rooms, and `loops.json` if it closes loops."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,19 +14,20 @@ from lexis.files.tum_trajectory import read_tum
 from lexis.types import Pose
 from sim.errors import SimError
 from sim.harness.estimate import Estimate
+from sim.programs.loop_file import LOOPS, read_loops
 from worlds.valid_names import did_you_mean, listed
 
 TRAJECTORY = "trajectory.tum"
-"""Poses of the body: "stamp tx ty tz qx qy qz qw", with the stamps of the recording [s]."""
+"""File with the poses of the body: "stamp tx ty tz qx qy qz qw", with the stamps of the recording [s, m]."""
 ROOMS = "rooms.json"
-"""Labels, room instances and floors; see `RoomClaims`."""
+"""File with labels, room instances and floors; see `RoomClaims`."""
 AT_REST = -1
-"""What stands for the index of an observation in the frames before the walk."""
+"""Value in place of `Observation.index` for frames before the walk, while the body is at rest."""
 _ROOMS_FILE = FileKind("rooms.json as in sim/pages/your-slam.md", 100_000_000, SimError)
 
 
 class FrameClaim(BaseModel):
-    """What a program claims about one frame."""
+    """The claims of a program about one frame."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -37,11 +38,11 @@ class FrameClaim(BaseModel):
     room: Annotated[int, Field(ge=-1, lt=2**31)] | None = None
     """Number of the room instance; -1 for a frame in no room."""
     floor: Annotated[int, Field(ge=-1, lt=2**31)] | None = None
-    """Number of the floor, 0 for the lowest; -1 for a frame on stairs."""
+    """Floor number: 0 for the lowest floor, -1 for a frame on stairs."""
 
 
 class RoomClaims(BaseModel):
-    """The content of a program's rooms.json. All frames make the same claims: a label for one means a label for all."""
+    """The content of a program's rooms.json. If one frame has a label, all frames need one; likewise rooms and floors."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -61,7 +62,7 @@ class RecordedTimes:
     """Time between frames [s]."""
 
     def nearest(self, stamps: Float64[np.ndarray, "k"]) -> tuple[Int[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
-        """The index of the observation that is nearest in time to each stamp, and how far away it is [s]."""
+        """Return the index of the observation nearest in time to each stamp, and the time between the two [s]."""
         order = np.argsort(self.stamps, kind="stable")
         ordered = self.stamps[order]
         right = np.searchsorted(ordered, stamps).clip(1, len(ordered) - 1)
@@ -74,20 +75,35 @@ class RecordedTimes:
 
 
 def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str]) -> Estimate:
-    """The claims in a folder that a program has written, by the observations that are nearest in time.
+    """Read the claims that a program has written to a folder.
 
-    The rows of the estimate are the frames of rooms.json, or without this file those of the trajectory.
+    The estimate has one row for each stamp of rooms.json or, without this file, of the trajectory. Each row belongs to the
+    recorded observation that is nearest in time.
 
-    Raises `SimError` or `LexisError`: a file is not valid, a stamp belongs to no frame, or a label is unknown.
+    Raises `SimError` or `LexisError` if a file is not valid, a stamp is near no observation, or a label is unknown.
     """
     poses = _poses(folder / TRAJECTORY, times)
-    if not (folder / ROOMS).exists():
-        frames = sorted(poses)
-        return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]))
-    claims = _claims(folder / ROOMS, times, poses)
-    frames = sorted(claims)
-    columns = _columns(folder / ROOMS, [claims[frame] for frame in frames], room_names)
+    claims = _claims(folder / ROOMS, times, poses) if (folder / ROOMS).exists() else None
+    frames = sorted(poses if claims is None else claims)
+    columns = {} if claims is None else _columns(folder / ROOMS, [claims[frame] for frame in frames], room_names)
+    if (folder / LOOPS).exists():
+        columns |= read_loops(folder / LOOPS, lambda stamps: _rows(np.array(stamps, float), times, frames))
     return Estimate(np.array(frames), T_W_B=np.array([poses[frame] for frame in frames]), **columns)
+
+
+def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequence[int]) -> Int[np.ndarray, "k"]:
+    """The rows of an estimate of these frames at stamps that loops.json names. Raises `SimError` for other stamps."""
+    if not len(stamps):
+        return np.zeros(0, int)
+    found, away_s = times.nearest(stamps)
+    rows = np.searchsorted(frames, found).clip(max=len(frames) - 1)
+    unknown = (np.array(frames)[rows] != found) | (away_s > times.period_s / 2)
+    if unknown.any():
+        stamp = stamps[np.argmax(unknown)]
+        raise SimError(
+            f"{LOOPS}: stamp {stamp:.6f} is none of the claimed frames; valid: frames of {ROOMS}, or of {TRAJECTORY}"
+        )
+    return np.asarray(rows)
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:

@@ -27,7 +27,10 @@ class Confusion:
 
 
 def confusion(table: KeyframeTable, label_names: Sequence[str]) -> Confusion:
-    """Count keyframes by label: a row for every true label, a column for every label that is true or predicted."""
+    """Count keyframes by label: a row for every true label, a column for every label that is true or predicted.
+
+    `label_names` are `ReportData.shown_labels`, whose last name is for keyframes without a label.
+    """
     n = len(label_names)
     counts = np.zeros((n, n), dtype=np.int64)
     np.add.at(counts, (table.true_labels, table.predicted_labels), 1)

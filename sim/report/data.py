@@ -11,14 +11,16 @@ from sim.errors import SimError
 from worlds.spec import OpeningKind
 
 UNKNOWN = -1
-"""Index that replaces a label that the SLAM does not claim."""
+"""Index that stands in place of a label for frames without a label from the SLAM."""
+NO_LABEL = "no label"
+"""Name that the report shows for `UNKNOWN`."""
 Outline = Float64[np.ndarray, "corners 2"]
 """A polygon of the floor plan, in W [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedRoom:
-    """A room of the floor plan."""
+    """A room of the floor plan: its outline, label and name."""
 
     name: str
     """Name of the room instance, such as "bedroom 2"."""
@@ -58,7 +60,7 @@ class FloorPlan:
     treads: tuple[Outline, ...] = ()
     leaves: tuple[PlannedLeaf, ...] = ()
     windows: tuple[Float64[np.ndarray, "2 2"], ...] = ()
-    """Both ends of each window [m]."""
+    """Both ends of each window, in W [m]."""
     house: str | None = None
     """Name of the house."""
 
@@ -78,27 +80,27 @@ class KeyframeTable:
     true_labels: Int[np.ndarray, "n"]
     """True label of the room, as an index into `ReportData.label_names`."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Label predicted from the keyframe's image alone, as an index into `ReportData.label_names`."""
+    """Label predicted from the keyframe's image alone, as an index into `ReportData.label_names`, or `UNKNOWN`."""
     predicted_labels: Int[np.ndarray, "n"]
-    """Label predicted after refinement, as an index into `ReportData.label_names`."""
+    """Label predicted after refinement, as an index into `ReportData.label_names`, or `UNKNOWN`."""
     true_rooms: tuple[str, ...]
     """Name of the room instance that contains the camera."""
     predicted_rooms: tuple[str, ...]
-    """Name of the room instance that LEXIS assigned the keyframe to."""
+    """Name of the room instance that the SLAM assigned the keyframe to; "" for none."""
 
     @property
     def wrong(self) -> Bool[np.ndarray, "n"]:
-        """Whether the refined label differs from the true one."""
+        """For each keyframe, whether the refined label is wrong."""
         return np.asarray(self.predicted_labels != self.true_labels)
 
     @property
     def odometry_errors(self) -> Float64[np.ndarray, "n"]:
-        """Distance between the odometry's position and the true one [m]."""
+        """For each keyframe, the distance between the position by odometry and the true position [m]."""
         return np.asarray(np.linalg.norm(self.odometry_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
     @property
     def optimised_errors(self) -> Float64[np.ndarray, "n"]:
-        """Distance between the optimised position and the true one [m]."""
+        """For each keyframe, the distance between the optimised position and the true position [m]."""
         return np.asarray(np.linalg.norm(self.optimised_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
 
@@ -110,7 +112,7 @@ class LoopMark:
     match: int
     true: bool
     weight: float
-    """Final weight of the edge under the optimiser's robust kernel, in [0, 1]."""
+    """Final weight of the loop edge under the optimiser's robust kernel, in [0, 1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +127,7 @@ class SampleFrame:
 
 @dataclass(frozen=True, eq=False)
 class PlanPath:
-    """A path that LEXIS planned and a robot drove, in W."""
+    """A path in W that the SLAM planned and a robot drove."""
 
     start: str
     goal: str
@@ -160,6 +162,11 @@ class ReportData:
     paths: tuple[PlanPath, ...] = ()
     unseen_rooms: tuple[str, ...] = ()
     """Names of the rooms on the walk that contain no keyframe."""
+
+    @property
+    def shown_labels(self) -> tuple[str, ...]:
+        """The names of all labels by index, `UNKNOWN` (-1) included."""
+        return (*self.label_names, NO_LABEL)
 
     @property
     def failed(self) -> tuple[PlanPath, ...]:

@@ -22,7 +22,7 @@ class Mark:
     text: str = ""
     """Content of a text mark; tooltip of any other mark."""
     size: float = 0.3
-    """Height of a text [m]."""
+    """Height of the letters of a text [m]."""
     keyframe: int | None = None
     """Index of the keyframe that the mark represents."""
 
@@ -83,9 +83,9 @@ class Drawing:
 
     marks: Sequence[Mark]
     low: Float[np.ndarray, "2"]
-    """Lower left corner [m]."""
+    """Lower left corner of the shown rectangle [m]."""
     high: Float[np.ndarray, "2"]
-    """Upper right corner [m]."""
+    """Upper right corner of the shown rectangle [m]."""
     title: str = field(default="plan", kw_only=True)
 
     @property
@@ -95,7 +95,7 @@ class Drawing:
         return sorted(self.marks, key=lambda mark: order[mark.style])
 
     def with_marks(self, more: Sequence[Mark], reach_m: float = 1.5) -> "Drawing":
-        """A drawing with more marks, whose rectangle is extended to show them, by at most `reach_m` on each side.
+        """Return the drawing with more marks; its rectangle is extended to show them, by at most `reach_m` on each side.
 
         The limit keeps the plan large when a trajectory has drifted far away.
         """

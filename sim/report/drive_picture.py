@@ -14,7 +14,7 @@ from worlds.truth import storey_of
 
 _PIXELS_PER_METRE = 60
 _SAME_STOREY_M = 0.3
-"""On stairs, largest height by which a point on the upper storey may be below that storey's floor [m]."""
+"""Points on stairs are drawn on the plan of the upper storey if they are at most this far below its floor [m]."""
 
 
 def drive_png(

@@ -29,7 +29,7 @@ class Figure:
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
 _SIGNED = "{:+d}"
 PLACES = "place_recognition"
-"""Section of result.json whose keys are the values of N instead of names of figures."""
+"""Section of result.json whose keys are numbers of matches per query (N) instead of names of figures."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {

@@ -9,7 +9,7 @@ import numpy as np
 
 from lexis.evaluation.trajectory import LEAST_POSES, ate_rmse, rpe_translation
 from lexis.planner import MIN_LOOP_WEIGHT
-from sim.report.data import KeyframeTable, PlanPath, ReportData
+from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
@@ -20,7 +20,7 @@ _STRETCHES_M = (8.0, 24.0)
 
 @dataclass(frozen=True)
 class Finding:
-    """One sentence about the run, and the keyframe that shows it best."""
+    """One sentence about a run, whether it is good news, and the keyframe that shows it best."""
 
     good: bool
     text: str
@@ -57,7 +57,7 @@ def _extent(result: Mapping[str, Any]) -> str | None:
 
 
 def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
-    """Sentence that names the rooms on the walk without a keyframe, which the figures do not cover; None if all have one."""
+    """Name, in one sentence, the rooms on the walk without a keyframe: figures do not cover them. None if there are none."""
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
@@ -74,18 +74,23 @@ def _coverage(data: ReportData) -> Iterator[Finding]:
 
 def _confusions(data: ReportData, most: int = 3) -> Iterator[Finding]:
     table, names = data.keyframes, data.label_names
+    if (table.predicted_labels == UNKNOWN).all():
+        return
     wrong = np.flatnonzero(table.wrong)
     if len(wrong) == 0:
         yield Finding(True, "Every keyframe carries the label of its room.")
     pairs = Counter((int(table.true_labels[k]), int(table.predicted_labels[k])) for k in wrong)
     for (true, said), count in pairs.most_common(most):
         those = np.flatnonzero((table.true_labels == true) & (table.predicted_labels == said))
-        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} are labelled {names[said]}."
+        what = "have no label" if said == UNKNOWN else f"are labelled {names[said]}"
+        text = f"{count} of {np.sum(table.true_labels == true)} keyframes in the {names[true]} {what}."
         yield Finding(False, text, int(those[0]))
 
 
 def _refinement(data: ReportData) -> Iterator[Finding]:
     table = data.keyframes
+    if (table.baseline_labels == UNKNOWN).all():
+        return
     before, after = table.baseline_labels == table.true_labels, ~table.wrong
     mended, spoiled = int(np.sum(~before & after)), int(np.sum(before & ~after))
     if mended or spoiled:
@@ -96,6 +101,8 @@ def _refinement(data: ReportData) -> Iterator[Finding]:
 
 def _rooms(data: ReportData) -> Iterator[Finding]:
     true, predicted = data.keyframes.true_rooms, data.keyframes.predicted_rooms
+    if not any(predicted):
+        return
     errors = room_errors(true, predicted)
     for rooms, groups, count, kind, meaning in (
         (true, errors.splits, surplus(errors.splits), "split", "several predicted rooms lie mostly in one true room"),

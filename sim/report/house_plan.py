@@ -1,12 +1,14 @@
 """The floor plans of a house, as data for reports and as a picture."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 from shapely.geometry import Polygon, box
 
 from sim.report.data import FloorPlan, PlannedLeaf, PlannedOpening, PlannedRoom
-from sim.report.drawing import Drawing
+from sim.report.drawing import Drawing, Mark
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
 from sim.report.png import to_image
@@ -38,11 +40,22 @@ def plan_svg(house: House) -> str:
 def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
     """A picture of the plans of all storeys, side by side from the lowest up; large houses are drawn at a smaller scale."""
     drawings = _drawings(house)
-    area = max(float(np.prod(drawing.high - drawing.low)) for drawing in drawings)
-    scale = int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
+    scale = min(_scale(drawing, pixels_per_metre) for drawing in drawings)
     pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
     height = max(len(picture) for picture in pictures)
     return np.hstack([np.pad(p, ((height - len(p), 0), (0, 0), (0, 0)), constant_values=255) for p in pictures])
+
+
+def marked_plan_image(house: House, level: int, marks: Sequence[Mark], width_px: int = 480) -> UInt8[np.ndarray, "h w 3"]:
+    """A picture of the plan of one storey with further marks, about `width_px` pixels wide."""
+    drawing = _drawings(house)[level].with_marks(marks)
+    return to_image(drawing, pixels_per_metre=_scale(drawing, round(width_px / float(drawing.high[0] - drawing.low[0]))))
+
+
+def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
+    """A scale, or the largest at which a drawing has no more than `_MOST_PIXELS`."""
+    area = float(np.prod(drawing.high - drawing.low))
+    return int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
 
 
 def _drawings(house: House) -> list[Drawing]:

@@ -81,7 +81,7 @@ def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iter
     table, wrong = data.keyframes, data.keyframes.wrong
     for k in np.flatnonzero(table.storeys == level):
         pose = table.optimised_poses[k]
-        colour = colours[data.label_names[table.predicted_labels[k]]]
+        colour = colours[data.shown_labels[table.predicted_labels[k]]]
         yield Mark("line", "heading", pose[:2, 3] + np.outer([0, _HEADING_M], pose[:2, 0]), colour)
         style, text = "wrong" if wrong[k] else "right", describe(data, int(k))
         yield Mark("dot", style, pose[None, :2, 3], colour, text, keyframe=int(k))
@@ -91,7 +91,7 @@ def describe(data: ReportData, k: int) -> str:
     """Describe a keyframe in one line: time, true and predicted room, and position errors."""
     table = data.keyframes
     rows = table.true_labels, table.baseline_labels, table.predicted_labels
-    true, before, after = (data.label_names[labels[k]] for labels in rows)
+    true, before, after = (data.shown_labels[labels[k]] for labels in rows)
     off, drift = (
         np.linalg.norm((poses[k] - table.true_poses[k])[:3, 3]) for poses in (table.optimised_poses, table.odometry_poses)
     )

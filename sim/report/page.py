@@ -10,7 +10,7 @@ import jinja2
 
 from lexis.files.replace import replaced_file
 from sim.report.confusion import confusion
-from sim.report.data import ReportData, SampleFrame
+from sim.report.data import NO_LABEL, UNKNOWN, ReportData, SampleFrame
 from sim.report.drawing import Drawing
 from sim.report.figures import SECTIONS, figure, figures, shown
 from sim.report.findings import findings
@@ -62,7 +62,7 @@ def write_report(path: Path, data: ReportData) -> None:
 def render_report(data: ReportData) -> str:
     """Render the report as the text of an HTML page."""
     result = data.result
-    colours = label_colours([*data.label_names, *(room.label for plan in data.plans for room in plan.rooms)])
+    colours = label_colours([*data.shown_labels, *(room.label for plan in data.plans for room in plan.rooms)])
     drawings = [plan_drawing(plan, colours).with_marks(run_marks(data, plan.level, colours)) for plan in data.plans]
     right, wrong = _samples(data)
     return _ENVIRONMENT.get_template("report.html").render(
@@ -75,7 +75,7 @@ def render_report(data: ReportData) -> str:
         failed=data.failed,
         colours={name: colours[name] for name in _present(data)},
         timeline=timeline_svg(data, colours),
-        confusion=confusion(data.keyframes, data.label_names),
+        confusion=confusion(data.keyframes, data.shown_labels),
         right=right,
         wrong=wrong,
         sections=[(name, figures(result, name)) for name in SECTIONS if figures(result, name)],
@@ -111,7 +111,8 @@ def _present(data: ReportData) -> list[str]:
     table = data.keyframes
     used = {int(i) for rows in (table.true_labels, table.baseline_labels, table.predicted_labels) for i in rows}
     planned = {room.label for plan in data.plans for room in plan.rooms}
-    return list(dict.fromkeys([*(data.label_names[i] for i in sorted(used)), *sorted(planned)]))
+    unlabelled = [NO_LABEL] if UNKNOWN in used else []
+    return list(dict.fromkeys([*(data.label_names[i] for i in sorted(used - {UNKNOWN})), *sorted(planned), *unlabelled]))
 
 
 def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -121,7 +122,7 @@ def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any
 
 
 def _sample(data: ReportData, sample: SampleFrame) -> dict[str, Any]:
-    table, names, k = data.keyframes, data.label_names, sample.keyframe
+    table, names, k = data.keyframes, data.shown_labels, sample.keyframe
     return {
         "keyframe": k,
         "uri": data_uri(sample.image),

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+from sim.report.data import NO_LABEL
+
 _USUAL = {
     "kitchen": "#e8891c",
     "dining room": "#c9485b",
@@ -17,6 +19,7 @@ _USUAL = {
     "meeting room": "#9b4dca",
     "open-plan office": "#63a0f4",
     "garden": "#86b817",
+    NO_LABEL: "#a3a8ad",
 }
 _OTHERS = (
     "#00a39a", "#a65628", "#d81b78", "#7a9a01", "#4b3f9e", "#ff6f4d", "#577590", "#b07aa1", "#2a7f3f", "#94672a", "#c14d9b",

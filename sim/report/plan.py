@@ -21,7 +21,7 @@ _GLYPH_ASPECT = 0.58  # width over height of an average letter
 
 
 def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
-    """Draw a storey. `colours` maps room labels to colours. Raises `SimError` if the storey has no rooms."""
+    """Draw the plan of a storey. `colours` maps room labels to colours. Raises `SimError` for a storey without rooms."""
     if not plan.rooms:
         raise SimError(f"plan of storey {plan.level}: it has no rooms; at least one is needed")
     corners = np.concatenate([room.outline for room in plan.rooms])

@@ -16,7 +16,7 @@ from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import SHARE
 
 SUBSTANTIAL = 0.2
-"""Least share of a true room's keyframes in a predicted room lying mostly elsewhere that is reported as a loss."""
+"""A partial loss needs at least this share of a true room's keyframes in a predicted room that lies mostly elsewhere."""
 
 Groups: TypeAlias = dict[str, tuple[str, ...]]
 """Maps the name of a true room to names of predicted rooms, or the name of a predicted room to names of true rooms."""
@@ -29,10 +29,10 @@ class RoomErrors:
     splits: Groups
     """True rooms, each with two or more predicted rooms that have more than half of their keyframes in the true room."""
     merges: Groups
-    """Predicted rooms, each with two or more true rooms that have more than half of their keyframes in this room."""
+    """Predicted rooms, each with two or more true rooms that have more than half of their keyframes in it."""
     partial_losses: Groups
-    """True rooms that are part of no merge, each with the predicted rooms that hold at least `SUBSTANTIAL` of its keyframes
-    but lie mostly in other true rooms."""
+    """True rooms that are part of no merge, each with those predicted rooms that hold at least the share `SUBSTANTIAL` of
+    its keyframes, but lie mostly in other true rooms."""
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
@@ -53,7 +53,7 @@ def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
 
 
 def surplus(groups: Groups) -> int:
-    """Count the rooms of all groups without the first of each, which is how result.json counts splits and merges."""
+    """Count the rooms in all groups, but not the first of each group. result.json counts splits and merges in this way."""
     return sum(len(names) - 1 for names in groups.values())
 
 

@@ -23,7 +23,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
     rows = {"true room": table.true_labels, "image alone": table.baseline_labels, "refined": table.predicted_labels}
     body: list[str] = []
     for i, (name, labels) in enumerate(rows.items()):
-        body += _strip(i * (_STRIP + _GAP), name, labels, edges, data.label_names, colours)
+        body += _strip(i * (_STRIP + _GAP), name, labels, edges, data.shown_labels, colours)
     body += _wrong(3 * (_STRIP + _GAP), edges, data)
     body += _error_chart(data)
     body += _loop_ticks(data)

@@ -1,7 +1,8 @@
-"""SLAM systems that the harness knows: LEXIS, and plain ones to compare with.
+"""Adapters for the SLAM systems that ship with the harness: LEXIS, and two simple baselines.
 
-`lexis` is the adapter of LEXIS. `odometry_only` is no SLAM at all, and `geometric_rooms` finds floors and rooms from
-positions alone; both fail where a SLAM must not.
+`lexis` is the adapter of LEXIS, and `true_stages` puts the truth in the place of its stages. `odometry_only` passes the
+odometry on without any SLAM, and `geometric_rooms` finds floors and rooms from positions alone. Both fail in situations that
+a SLAM has to master.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Rooms without language: floors by the height of the odometry's trajectory, rooms by where keyframes are close together."""
+"""A baseline without language: floors by the height of the odometry's trajectory, rooms as groups of nearby keyframes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,37 +14,38 @@ from sim.harness.estimate import Estimate
 ROOM_M = 5.0
 """Largest distance between two keyframes of one room [m]."""
 CLIMB_M = 0.25
-"""Least change of height between the keyframes before and after a keyframe on stairs, which are 1 m of path apart [m]."""
+"""Least difference in height between the keyframes before and after a keyframe on stairs [m]; they are 1 m of path apart."""
 STOREY_M = 0.6
 """Least gap in height between two floors, and between a floor and a landing of the stairs [m]."""
 LANDING_SHARE = 0.05
-"""Share of the level keyframes below which a group of equal height is a landing of the stairs."""
+"""Keyframes of equal height are a landing of the stairs, not a floor, if they are less than this share of all keyframes off
+the steps."""
 STAIRS = -1
-"""What an estimate states as the floor of a keyframe on stairs."""
+"""Floor number of a keyframe on stairs, in an estimate."""
 
 
 class GeometricRooms:
-    """Claims the odometry's poses, floors by height, and room instances by position; it knows neither walls nor labels.
+    """Claims the odometry's poses, floors by height and room instances by position, but no labels.
 
-    Poses alone show no doors, so the rule is plain: on each floor, and on the stairs, keyframes form rooms in which no two
-    keyframes are more than `ROOM_M` apart. It fails for rooms longer than that, which it splits; for small rooms side by
-    side, which it merges; and on walks so long that the drift of the height hides the storeys. It claims no labels.
+    Poses show no walls or doors, so the rule is simple: on each floor, and on the stairs, keyframes form rooms in which no
+    two keyframes are more than `ROOM_M` apart. The rule splits longer rooms, merges small rooms side by side, and fails on
+    walks so long that the drift of the height hides the storeys.
     """
 
     def __init__(self) -> None:
-        """Wait for `start`."""
+        """Create the adapter; a run begins with `start`."""
         self._odometry = OdometryOnly()
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
-        """Begin a run; neither the camera nor the names of rooms matter."""
+        """Begin a run. The camera and the names of rooms are ignored."""
         self._odometry.start(camera, room_names)
 
     def process(self, observation: Observation) -> None:
-        """Advance along the odometry's path. Raises `ObservationError` as `OdometryOnly` does."""
+        """Add an odometry pose. Raises `ObservationError` for a frame out of order or a pose that is not a rigid motion."""
         self._odometry.process(observation)
 
     def finish(self) -> Estimate:
-        """Poses, floors and rooms of all keyframes. Raises `SimError` if no observation was usable."""
+        """Return the poses, floors and rooms of all keyframes. Raises `SimError` if no observation was usable."""
         poses = self._odometry.finish()
         assert poses.T_W_B is not None  # OdometryOnly claims them
         positions = poses.T_W_B[:, :3, 3]
@@ -53,7 +54,7 @@ class GeometricRooms:
 
 
 def floors_by_height(heights: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Number of the floor of keyframes at these heights [m], 0 for the lowest; `STAIRS` on steps and landings."""
+    """Compute the floor of every keyframe from its height [m]: 0 for the lowest floor, `STAIRS` for steps and landings."""
     floors = np.full(len(heights), STAIRS)
     level = ~_climbs(heights)
     if not level.any():
@@ -73,7 +74,7 @@ def _climbs(heights: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
 
 
 def rooms_by_distance(positions: Float64[np.ndarray, "n 3"], floors: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Number of the room of every keyframe: clusters of one floor, at most `ROOM_M` across [m], by complete linkage."""
+    """Compute a room number for every keyframe: clusters on one floor, at most `ROOM_M` wide (complete linkage)."""
     rooms = np.zeros(len(floors), int)
     count = 0
     for floor in np.unique(floors):

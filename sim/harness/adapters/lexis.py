@@ -1,7 +1,8 @@
-"""LEXIS as a SLAM under test."""
+"""The adapter that runs LEXIS as the SLAM under test."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.map.folder import save_map
 from lexis.perception import Encoder
+from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.planner import plan
+from lexis.semantics import Labeller
 from lexis.slam import Slam
 from lexis.types import Camera, LexisMap, LoopArrays, Observation
 from lexis.verification import Verifier, verify
@@ -21,26 +24,55 @@ from sim.harness.slam_under_test import FeatureInput
 
 
 class Lexis:
-    """Runs `lexis.slam.Slam`, and keeps its map."""
+    """Runs `lexis.slam.Slam` for the harness, and keeps the finished map."""
 
     def __init__(
-        self, encoder: str | Encoder = "mini", config: Config | None = None, loops: bool = True, refine: bool = True
+        self,
+        encoder: str | Encoder = "mini",
+        config: Config | None = None,
+        loops: bool = True,
+        refine: bool = True,
+        *,
+        place_recogniser: PlaceRecogniser = propose,
+        verifier: Verifier | None = None,
+        labeller: Labeller | None = None,
     ) -> None:
-        """Prepare a run; an encoder that is given by name is loaded once, when the first run starts."""
+        """Prepare a run; an encoder that is given by name is loaded once, when the first run starts.
+
+        Each of the last three arguments replaces a stage of `Slam`. Without a `verifier`, PnP verifies loops in runs on
+        images, and the feature sensor verifies them in runs on percepts.
+        """
         self._encoder, self.config = encoder, _switched(config or Config(), loops, refine)
+        self._place_recogniser, self._verifier, self._labeller = place_recogniser, verifier, labeller
         self._slam: Slam | None = None
         self._map: LexisMap | None = None
 
     @property
     def encoder(self) -> Encoder:
-        """The vision-language model; loading it takes seconds."""
+        """The vision-language model. The first access may load it, which takes seconds."""
         if isinstance(self._encoder, str):
             self._encoder = load(self._encoder)
         return self._encoder
 
+    def with_stages(
+        self,
+        encoder: str | Encoder | None = None,
+        place_recogniser: PlaceRecogniser | None = None,
+        verifier: Verifier | None = None,
+        labeller: Labeller | None = None,
+    ) -> "Lexis":
+        """Return a LEXIS with the same settings that has not run yet; the arguments replace its encoder or stages."""
+        return Lexis(
+            encoder or self._encoder,
+            self.config,
+            place_recogniser=place_recogniser or self._place_recogniser,
+            verifier=verifier or self._verifier,
+            labeller=labeller or self._labeller,
+        )
+
     @property
     def map(self) -> LexisMap:
-        """The map of the run that finished last. Raises LexisError before."""
+        """The map of the latest run. Raises LexisError until this run is finished."""
         if self._map is None:
             raise LexisError("LEXIS has no map yet; valid: after finish()")
         return self._map
@@ -50,20 +82,21 @@ class Lexis:
         self._start(camera, room_names, verify)
 
     def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
-        """Begin a run on percepts. Raises `SimError` unless these are those of this encoder."""
+        """Begin a run on percepts of the feature sensor. Raises `SimError` if they simulate another encoder."""
         features.check(self.encoder)
         self._start(camera, room_names, features.verifier)
 
     def _start(self, camera: Camera, room_names: Sequence[str], verifier: Verifier) -> None:
         self._map = None
-        self._slam = Slam(camera, self.encoder, room_names, self.config, verifier)
+        stages = self._verifier or verifier, self._place_recogniser, self._labeller
+        self._slam = Slam(camera, self.encoder, room_names, self.config, *stages)
 
     def process(self, observation: Observation) -> None:
         """Map the next observation."""
         self._running.process(observation)
 
     def finish(self) -> Estimate:
-        """Complete the map, and claim all that it says."""
+        """Complete the map, and return its contents as claims."""
         self._map = self._running.finish()
         return estimate_of(self._map)
 
@@ -74,16 +107,16 @@ class Lexis:
         return self._slam
 
     def plan(self, start: str, goal: str) -> Sequence[int]:
-        """Keyframes of the shortest path between rooms of two labels."""
+        """Return the indices of the keyframes on the shortest path from a room labelled `start` to one labelled `goal`."""
         return plan(self.map, start, goal, self.config.planner).keyframes
 
     def save(self, folder: Path) -> None:
-        """Write the map to the folder `map`."""
+        """Write the map to the subfolder `map` of `folder`."""
         save_map(self.map, folder / "map")
 
 
 def estimate_of(map: LexisMap) -> Estimate:
-    """The claims of a map, one row for each keyframe."""
+    """Convert a LEXIS map to claims, with one row for each keyframe."""
     loops = LoopArrays.of(map.loops)
     return Estimate(
         frames=np.array([keyframe.observation_index for keyframe in map.keyframes], int),
@@ -100,8 +133,12 @@ def estimate_of(map: LexisMap) -> Estimate:
     )
 
 
+@lru_cache(maxsize=1)
 def load(name: str) -> Encoder:
-    """The encoder of that name; `ORACLE` is the one that is told the truth."""
+    """Load an encoder by name; `ORACLE` names the error-free encoder for tests.
+
+    The encoder that was loaded last is kept, because tests run many houses with one encoder. Encoders have no state.
+    """
     if name == ORACLE:
         return Oracle()
     from lexis.encoder.open_clip_encoder import load_encoder  # torch takes seconds, and the oracle does without

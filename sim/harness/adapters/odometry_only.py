@@ -1,4 +1,4 @@
-"""No SLAM at all: the poses of the odometry are claimed as they are. Every SLAM has to be better than this."""
+"""A baseline that is no SLAM: it claims the poses of the odometry unchanged. Every SLAM has to be better than this."""
 
 from collections.abc import Sequence
 
@@ -15,17 +15,17 @@ SPACING_M = 0.5
 
 
 class OdometryOnly:
-    """Claims the odometry's pose of a keyframe every `SPACING_M` of its path, and nothing else.
+    """Claims the odometry's pose of a keyframe every `SPACING_M` of the path, and nothing else.
 
-    It fails where the odometry drifts: its error is that of the odometry, whatever the house is.
+    It fails where the odometry drifts, because its error is the odometry's error in every house.
     """
 
     def __init__(self) -> None:
-        """Wait for `start`."""
+        """Create the adapter; a run begins with `start`."""
         self._begin()
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
-        """Begin a run; neither the camera nor the names of rooms matter."""
+        """Begin a run. The camera and the names of rooms are ignored."""
         self._begin()
 
     def _begin(self) -> None:
@@ -34,7 +34,7 @@ class OdometryOnly:
         self._path_m = 0.0
 
     def process(self, observation: Observation) -> None:
-        """Advance along the odometry's path. Raises `ObservationError` for a frame of the past and an unusable pose."""
+        """Add an odometry pose. Raises `ObservationError` for a frame out of order or a pose that is not a rigid motion."""
         if not is_pose(observation.T_O_B):
             raise ObservationError(f"observation {observation.index}: T_O_B is unusable; valid: a finite rigid motion")
         if self._last is not None:
@@ -47,7 +47,7 @@ class OdometryOnly:
             self._keyframes[observation.index] = observation.T_O_B.astype(float)
 
     def finish(self) -> Estimate:
-        """The poses of all keyframes. Raises `SimError` if no observation was usable."""
+        """Return the poses of all keyframes. Raises `SimError` if no observation was usable."""
         if not self._keyframes:
             raise SimError("OdometryOnly: was given no usable observation; valid: one or more")
         return Estimate(np.array(list(self._keyframes)), T_W_B=np.array(list(self._keyframes.values())))

@@ -3,36 +3,32 @@
 import runpy
 
 import pytest
-from helpers.planted import OpenPlanBug, planted
+from helpers.open_flat import OPEN_FLAT
 
+from sim.bench.planted_bugs import open_plan, planted
 from sim.cli import main
+from sim.errors import GraphicsError
 from sim.harness import Claim, FailureTest, Scenario, blame, reduce, write_failure
+from sim.harness.blame_table import BlameTable
 from sim.harness.failure_folder import Replay
-from worlds.presets import sample_from_rooms
-
-SCENARIO = Scenario(
-    house=sample_from_rooms(("kitchen", "living room"), seed=4, openness=0.6),
-    seed=5,
-    length_m=20.0,
-    frame_rate_hz=2.0,
-    fidelity="features",
-    encoder="oracle",
-)
+from sim.harness.reductions import STEPS
+from sim.harness.why_page import wrong_frame_page
 
 
 @pytest.fixture(scope="module")
 def failure(tmp_path_factory):
     out = tmp_path_factory.mktemp("failures") / "failure"
-    test = FailureTest(Claim.parse("labels.accuracy < 0.9"), planted(OpenPlanBug))
-    reduction = reduce(SCENARIO, test, 1e9)
-    replay = Replay("from helpers.planted import OpenPlanBug, planted", "planted(OpenPlanBug)(scenario, None)")
+    test = FailureTest(Claim.parse("labels.accuracy < 0.9"), planted(open_plan))
+    reduction = reduce(OPEN_FLAT, test, 1e9)
+    replay = Replay("from sim.bench.planted_bugs import no_bug, open_plan, planted", "planted(open_plan)(scenario, None)")
     write_failure(out, reduction, test, blame(reduction.scenario, test), replay)
     return out, reduction
 
 
 def test_the_folder_is_complete_and_the_scenarios_load(failure):
     out, reduction = failure
-    for name in ("house.json", "result.json", "report.html", "test_replay.py", "why.md"):
+    pictures = ("first-wrong.png", "first-wrong-plan.png")
+    for name in ("house.json", "result.json", "report.html", "test_replay.py", "why.md", *pictures):
         assert (out / name).is_file()
     assert Scenario.load(out / "scenario.json") == reduction.scenario
     assert Scenario.load(out / "original.json") == reduction.original
@@ -41,8 +37,34 @@ def test_the_folder_is_complete_and_the_scenarios_load(failure):
 def test_why_names_frame_step_and_cure(failure):
     text = (failure[0] / "why.md").read_text()
     assert "Mended by: openness 0." in text and "Not mended by" not in text.partition("openness 0.")[0]
-    assert "claimed living room" in text or "claimed kitchen" in text or "claimed corridor" in text
-    assert "- simpler openings: without the opening" in text
+    assert ": labelled " in text and "![the image of the camera](first-wrong.png)" in text
+    assert "- without the opening" in text
+
+
+def test_no_scenario_is_run_twice_and_the_values_are_those_of_the_runs(tmp_path):
+    ran = []
+
+    def runner(scenario, progress):
+        ran.append(scenario.content_hash)
+        return planted(open_plan)(scenario, progress)
+
+    test = FailureTest(Claim.parse("labels.accuracy < 0.9"), runner)
+    reduction = reduce(OPEN_FLAT, test, 1e9, steps={name: STEPS[name] for name in ("drop rooms", "drop drift")})
+    write_failure(tmp_path / "failure", reduction, test, BlameTable(()))
+    assert len(set(ran)) == len(ran) > 2
+    kept, text = test.observe(reduction.scenario), (tmp_path / "failure" / "why.md").read_text()
+    assert kept.run.scenario == reduction.scenario and len(set(ran)) == len(ran)
+    assert f"is **{kept.value:.4g}** in" in text and f"it is {reduction.signature.value:.4g}." in text
+
+
+def test_without_opengl_the_page_does_without_the_image(failure, monkeypatch):
+    def lost(run, frame):
+        raise GraphicsError("no off-screen OpenGL: install EGL")
+
+    monkeypatch.setattr("sim.harness.why_page.camera_image", lost)
+    page = wrong_frame_page(planted(open_plan)(failure[1].scenario, None), "labels.accuracy")
+    assert list(page.pictures) == ["first-wrong-plan.png"]
+    assert "The image of the camera is left out: no off-screen OpenGL: install EGL." in page.lines[-1]
 
 
 def test_the_replay_fails_now_and_passes_once_mended(failure):
@@ -50,7 +72,7 @@ def test_the_replay_fails_now_and_passes_once_mended(failure):
     with pytest.raises(AssertionError, match=r"labels.accuracy is 0.*; wanted: labels.accuracy >= 0.9"):
         runpy.run_path(str(path))["test_replay"]()
     mended = path.with_name("test_mended.py")
-    mended.write_text(path.read_text().replace("OpenPlanBug", "Planted"))
+    mended.write_text(path.read_text().replace("planted(open_plan)", "planted(no_bug)"))
     runpy.run_path(str(mended))["test_replay"]()
 
 
@@ -65,7 +87,7 @@ def test_the_replay_fails_now_and_passes_once_mended(failure):
     ],
 )
 def test_bad_input_is_named_in_one_line(arguments, message, tmp_path, capsys):
-    SCENARIO.save(tmp_path / "scenario.json")
+    OPEN_FLAT.save(tmp_path / "scenario.json")
     try:
         status = main(["shrink", str(tmp_path), "-o", str(tmp_path / "out"), *arguments])
     except SystemExit as stopped:
@@ -75,7 +97,7 @@ def test_bad_input_is_named_in_one_line(arguments, message, tmp_path, capsys):
 
 
 def test_the_command_shrinks_a_failure_of_lexis(tmp_path, capsys):
-    SCENARIO.save(tmp_path / "scenario.json")
+    OPEN_FLAT.save(tmp_path / "scenario.json")
     claim = "labels.accuracy <= 1"  # true of every run
     assert main(["shrink", str(tmp_path), "--fails", claim, "--deadline", "60s", "-o", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out

@@ -4,8 +4,8 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from helpers.planted import DriftBug, FloorBug, OpenPlanBug, Planted, planted
 
+from sim.bench.planted_bugs import drift, floors, no_bug, open_plan, planted
 from sim.errors import SimError
 from sim.harness import Claim, FailureTest, Scenario, Signature, blame, reduce
 from sim.harness.reducer import is_valid
@@ -18,9 +18,9 @@ FLAT = Scenario(
 )
 TALL = replace(FLAT, house=sample_from_rooms(LABELS, seed=4, storeys=2), odometry="degraded")
 BUGS = {
-    "open plan": (FLAT, "labels.accuracy < 0.9", OpenPlanBug, {"openness 0"}),
-    "floors": (TALL, "floors.accuracy < 0.9", FloorBug, set()),
-    "drift": (TALL, "trajectory.ate_m > 0.02", DriftBug, {"perfect odometry"}),
+    "open plan": (FLAT, "labels.accuracy < 0.9", open_plan, {"openness 0"}),
+    "floors": (TALL, "floors.accuracy < 0.9", floors, set()),
+    "drift": (TALL, "trajectory.ate_m > 0.02", drift, {"perfect odometry"}),
 }
 
 
@@ -103,6 +103,23 @@ def test_the_best_so_far_is_kept_on_interruption():
     assert size(reduction.scenario) < size(reduction.original) and "interrupted" in reduction.note
 
 
+def test_no_candidate_is_listed_after_the_time_is_up(monkeypatch):
+    asked = []
+    hashes = Scenario.content_hash.fget
+    monkeypatch.setattr(Scenario, "content_hash", property(lambda scenario: asked.append(scenario) or hashes(scenario)))
+    reduction = reduce(FLAT, lambda scenario: Signature("claim", "always"), deadline_s=0.0, clock=lambda: 0.0)
+    assert reduction.ended == "deadline" and reduction.passing == () and len(asked) == 1
+
+
+def test_the_passing_neighbours_are_those_of_the_smallest_scenario():
+    fails = Counted()
+    reduction = reduce(FLAT, fails)
+    tried = {change.scenario.content_hash: change.step for change in reduction.passing}
+    near = {c.content_hash: name for name, step in STEPS.items() for c in step(reduction.scenario)}
+    assert tried and tried.items() <= near.items()
+    assert [*tried.values()] == sorted(tried.values(), key=list(STEPS).index)
+
+
 def test_a_failure_with_another_signature_and_an_exception_do_not_count():
     def fails(scenario):
         if len(scenario.house.storeys[0].rooms) < 4:
@@ -164,6 +181,16 @@ def test_where_images_need_more_the_search_walks_back_up():
     assert reduction.confirmed and reduction.scenario.fidelity == "render" and size(reduction.scenario).rooms == 3
 
 
+def test_what_passed_on_features_is_next_to_the_result_on_images():
+    needs = lambda scenario: len(scenario.house.storeys[0].rooms) >= 3  # noqa: E731
+    fails = lambda scenario: Signature("claim", "3 rooms") if needs(scenario) else None  # noqa: E731
+    reduction = reduce(RENDERED, fails)
+    assert reduction.confirmed and reduction.searched_on == "features"
+    assert {change.step for change in reduction.passing} == {"drop rooms"}
+    larger, change = reduction.last_passing
+    assert needs(larger) and not needs(change.scenario) and change.step == "drop rooms"
+
+
 def test_a_failure_of_images_alone_is_searched_on_images():
     reduction = reduce(RENDERED, on({"render"}))
     assert reduction.searched_on == "render" and size(reduction.scenario).rooms == 1
@@ -178,11 +205,10 @@ def test_what_could_not_be_confirmed_in_time_is_said():
 
 
 def test_an_exception_of_the_slam_is_a_failure_too():
-    class Crashes(Planted):
-        def process(self, observation):
-            raise ZeroDivisionError
+    def crashes(run):
+        raise ZeroDivisionError
 
-    test = FailureTest.parse("crash", planted(Crashes))
+    test = FailureTest.parse("crash", planted(crashes))
     scenario = with_listed_house(FLAT)
     assert test(scenario) == Signature("exception", "ZeroDivisionError")
-    assert FailureTest.parse("crash", planted(Planted))(scenario) is None
+    assert FailureTest.parse("crash", planted(no_bug))(scenario) is None

@@ -11,12 +11,13 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Scenario
 from sim.harness import house_reductions as steps
-from sim.harness.reductions import STEPS, difference, size, with_listed_house
-from sim.harness.walk import walk
+from sim.harness.reductions import STEPS, difference, for_images, size, with_listed_house
+from sim.harness.walk import shortest_walk_m, walk
 from sim.render.rig import RigConfig
 from worlds.presets import sample_from_rooms, sample_house
 from worlds.spec import HouseSpec
 from worlds.strategies import houses
+from worlds.validation import built_and_checked
 
 RICH = Scenario(
     house=sample_house("home", 7),
@@ -30,6 +31,7 @@ RICH = Scenario(
     fidelity="features",
 )
 LISTED = with_listed_house(RICH)
+LONG = with_listed_house(Scenario(house=sample_from_rooms(("kitchen", "bedroom", "office"), seed=21), length_m=60.0))
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -105,3 +107,28 @@ def test_differences_name_what_changed():
     ids = {r.id for storey in LISTED.house.storeys for r in storey.rooms} - {room.id}
     said = difference(LISTED, replace(LISTED, house=steps.keep_rooms(LISTED.house, ids)))
     assert f"without {room.label} {room.id!r}" in said
+
+
+def test_with_images_the_steps_that_save_images_come_first():
+    steps = for_images(STEPS)
+    assert list(steps)[1:4] == ["fewer frames", "smaller rig", "shorten the tour"] and steps.keys() > STEPS.keys()
+    least = next(steps["fewer frames and shortest tour"](LONG))
+    assert size(least) < size(LONG) and least.length_m == math.ceil(shortest_walk_m(LONG)) < LONG.length_m
+    walk(least)  # a tour of that length exists
+    assert list(steps["drop rooms"](LONG)) == list(STEPS["drop rooms"](LONG))
+    short, plain = next(steps["drop rooms"](least)), next(STEPS["drop rooms"](least))
+    assert short == replace(plain, length_m=short.length_m) and short.length_m < plain.length_m
+    assert short.length_m == max(4.0, math.ceil(shortest_walk_m(plain)))
+    kept = {name: step for name, step in STEPS.items() if name != "shorten the tour"}
+    assert next(for_images(kept)["drop rooms"](least)) == plain  # a step that is left out is not taken by others
+
+
+def test_no_tour_is_requested_that_is_shorter_than_the_shortest():
+    lengths = [candidate.length_m for candidate in STEPS["shorten the tour"](LONG)]
+    assert lengths[0] == min(lengths) == math.ceil(shortest_walk_m(LONG)) and len(set(lengths)) == len(lengths) > 1
+
+
+def test_two_storeys_shrink_at_once_to_a_staircase_and_what_carries_it():
+    first = next(STEPS["drop rooms"](LISTED)).house
+    built_and_checked(first)
+    assert len(first.storeys) == 2 and sum(len(storey.rooms) for storey in first.storeys) <= 5

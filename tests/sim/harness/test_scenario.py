@@ -106,7 +106,9 @@ def test_a_bad_file_is_named(tmp_path):
 
 
 def test_the_hash_stays_the_same_in_a_file(tmp_path):
-    scenario = unchecked(Scenario, length_m=15, frame_rate_hz=4)
+    storey = HOUSE.storeys[0]
+    house = HOUSE.model_copy(update={"storeys": (storey.model_copy(update={"height_m": 3}),)})
+    scenario = unchecked(Scenario, house=house, length_m=15, frame_rate_hz=4)
     scenario.save(tmp_path / "scenario.json")
     again = Scenario.load(tmp_path / "scenario.json")
     assert again == scenario and again.content_hash == scenario.content_hash

@@ -1,6 +1,7 @@
 """A SLAM that is not LEXIS: what it claims is judged, what it does not claim is null, and mistakes of adapters are named."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ from sim.errors import SimError
 from sim.faults.delivery import Dropped
 from sim.harness import Estimate, LoopClaims, Scenario, check, run, try_plans, write_run
 from sim.harness.figures import evaluate
+from sim.harness.first_wrong import first_wrong
+from sim.harness.report_data import report_data
 from sim.harness.results import FloorFigures, LabelFigures, LoopFigures, RoomFigures
+from sim.report.findings import findings
 from worlds.presets import sample_from_rooms
 
 SCENARIO = Scenario(
@@ -66,12 +70,40 @@ def test_the_truth_is_perfect():
     assert result.trajectory.ate_m < 1e-9 and result.rooms.splits == result.rooms.merges == 0
 
 
+def test_a_frame_without_a_label_is_wrong_and_shown_without_one():
+    finished = run(SCENARIO, Recorder())
+    labels = np.where(finished.true_rooms == finished.true_rooms[0], -1, finished.true_labels)
+    finished = run(SCENARIO, Recorder(T_W_B=poses, labels=labels, baseline_labels=labels, rooms=finished.true_rooms))
+    result = evaluate(finished)
+    assert result.labels.accuracy == result.labels.accuracy_baseline == np.mean(labels >= 0) < 1.0
+    assert result.labels.accuracy_graded == result.labels.accuracy
+    assert first_wrong(finished).what.startswith("no label, is ")
+    assert first_wrong(finished, "labels.accuracy").what == first_wrong(finished).what
+    assert -1 not in finished.estimate.named_rooms(finished.room_names)
+    told = " ".join(finding.text for finding in findings(report_data(finished, result)))
+    assert "have no label" in told and "are labelled" not in told
+
+
+def test_the_report_finds_no_fault_in_what_is_not_claimed():
+    finished = run(SCENARIO, Recorder(T_W_B=poses))
+    told = " ".join(finding.text for finding in findings(report_data(finished, evaluate(finished))))
+    assert "label" not in told and "merge" not in told and "Refinement" not in told
+    rooms = run(SCENARIO, Recorder(rooms=finished.true_rooms))
+    assert "merge" not in " ".join(finding.text for finding in findings(report_data(rooms, evaluate(rooms))))
+    labels = run(SCENARIO, Recorder(labels=finished.true_labels))
+    assert "Refinement" not in " ".join(finding.text for finding in findings(report_data(labels, evaluate(labels))))
+
+
 def test_a_folder_is_written_for_any_claims(tmp_path):
-    for name, claims in {"nothing": {}, "poses": {"T_W_B": poses}}.items():
+    for name, claims in {
+        "nothing": {},
+        "poses": {"T_W_B": poses},
+        "no label": {"labels": every(-1), "rooms": every(-1)},
+    }.items():
         finished = run(SCENARIO, Recorder(**claims))
         write_run(finished, evaluate(finished), try_plans(finished), tmp_path / name)
         assert (tmp_path / name / "report.html").exists() and not (tmp_path / name / "map").exists()
-        assert (tmp_path / name / "trajectory.tum").exists() == bool(claims)
+        assert (tmp_path / name / "trajectory.tum").exists() == ("T_W_B" in claims)
 
 
 def test_refused_observations_are_counted_under_faults_and_fatal_without():
@@ -92,6 +124,27 @@ def test_claims_of_another_size_are_named():
         unchecked(Estimate, frames=np.arange(5), labels=np.zeros(3, int))
 
 
+@pytest.mark.parametrize(
+    ("claims", "message"),
+    [
+        ({"frames": [0, 1]}, "frames is a list; valid: an array of whole numbers, one for each frame"),
+        ({"labels": [0] * 5}, "labels is a list; valid: an array of whole numbers of shape (n)"),
+        ({"labels": np.array(["kitchen"] * 5)}, "labels is <U7 (5,); valid: an array of whole numbers of shape (n)"),
+        ({"rooms": np.zeros(5)}, "rooms is float64 (5,); valid: an array of whole numbers of shape (n)"),
+        ({"T_W_B": np.zeros((5, 3, 4))}, "T_W_B has shape (5, 3, 4); valid: (5, 4, 4)"),
+        ({"T_W_B": np.zeros((5, 4, 4))}, "T_W_B is no rigid motion in row 0; valid: rotation and translation"),
+        ({"similarities": np.zeros(5)}, "similarities is float64 (5,); valid: an array of numbers of shape (n, any)"),
+    ],
+)
+def test_claims_of_another_form_are_named(claims, message):
+    with pytest.raises(SimError, match=re.escape(message)):
+        unchecked(Estimate, **{"frames": np.arange(5)} | claims)
+
+
+def every(value):
+    return lambda slam: np.full(len(slam.frames), value)
+
+
 def one_loop(**changes):
     values = {"query": np.array([5]), "match": np.array([0]), "T_match_query": np.eye(4)[None], "weights": np.ones(1)}
     return LoopClaims(**values | changes)
@@ -106,6 +159,14 @@ def one_loop(**changes):
         ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
         ({"loops": one_loop(query=np.array([10**6]))}, "loops and candidates refer to rows 0 to 1000000; valid: 0 to"),
         ({"candidates": ((0, (-1,)),)}, "loops and candidates refer to rows -1 to 0; valid"),
+        ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
+        ({"baseline_labels": every(3)}, "baseline_labels has 3 in row 0; valid: -1 to 2, since there are 3 room names"),
+        ({"rooms": every(-2)}, "rooms has -2 in row 0; valid: numbers from 0, or -1 for none"),
+        ({"floors": every(-2)}, "floors has -2 in row 0; valid: numbers from 0, or -1 for none"),
+        (
+            {"similarities": lambda slam: np.zeros((len(slam.frames), 2))},
+            "similarities has 2 columns; valid: 3, one for each",
+        ),
     ],
 )
 def test_claims_that_cannot_be_are_named(claims, message):

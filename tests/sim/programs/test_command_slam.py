@@ -125,6 +125,17 @@ def test_a_recording_without_truth_differs_in_the_truth_alone(form, tmp_path, un
     assert len(open_dataset(tmp_path / "False")) == len(open_dataset(tmp_path / "True"))
 
 
+LOOPS = """
+from scipy.spatial.transform import Rotation
+
+(q, *query), (m, *match) = ([float(word) for word in poses[k].split()] for k in (20, 10))
+turn = Rotation.from_quat(match[3:]).inv()
+step = [*turn.apply([a - b for a, b in zip(query, match)][:3]), *(turn * Rotation.from_quat(query[3:])).as_quat()]
+loops = [{"query": q, "match": m, "T_match_query": [x + error, *rest]} for x, *rest in [step] for error in (0.0, 0.6)]
+(out / "loops.json").write_text(json.dumps({"version": 1, "loops": loops}))
+"""
+
+
 QUIET = "import sys; sys.exit(0)"
 
 
@@ -173,7 +184,7 @@ TIMES = RecordedTimes(1e9 + 0.25 * np.arange(10), np.array([AT_REST, AT_REST, *r
 NAMES = ("kitchen", "bedroom")
 
 
-def claimed(folder, stamps, frames=None):
+def claimed(folder, stamps, frames=None, loops=None):
     """The estimate of a program that writes a pose for each of these stamps, in frame periods after the first."""
     poses = np.tile(np.eye(4), (len(stamps), 1, 1))
     poses[:, 0, 3] = stamps
@@ -181,7 +192,19 @@ def claimed(folder, stamps, frames=None):
     if frames is not None:
         entries = [{**entry, "stamp": 1e9 + 0.25 * entry["stamp"]} for entry in frames]
         (folder / "rooms.json").write_text(json.dumps({"version": 1, "frames": entries}))
+    if loops is not None:
+        (folder / "loops.json").write_text(json.dumps({"version": 1, **loops}))
     return read_estimate(folder, TIMES, NAMES)
+
+
+def at(period):
+    """The stamp that is this many frame periods after the first [s]."""
+    return 1e9 + 0.25 * period
+
+
+def loop(query, match, quaternion=(0.0, 0.0, 0.0, 1.0), **more):
+    """A loop closure in which the later body is 1 m, 2 m and 3 m from the earlier one; times in frame periods."""
+    return {"query": at(query), "match": at(match), "T_match_query": [1.0, 2.0, 3.0, *quaternion], **more}
 
 
 def test_poses_belong_to_the_frames_that_are_nearest_in_time(tmp_path):
@@ -220,3 +243,46 @@ def test_wrong_claims_are_named(stamps, frames, message, tmp_path):
     with pytest.raises(SimError) as caught:
         claimed(tmp_path, stamps, frames)
     assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_loops_and_candidates_refer_to_the_keyframes(tmp_path):
+    keyframes = [{"stamp": 3.0, "room": 0}, {"stamp": 5.1, "room": 0}, {"stamp": 7.0, "room": 0}]
+    candidates = [{"query": at(7.1), "matches": [at(5), at(3)]}]
+    claims = {"loops": [loop(7, 3, weight=0.5), loop(5, 3.1)], "candidates": candidates}
+    estimate = claimed(tmp_path, range(10), keyframes, claims)
+    assert estimate.loops.query.tolist() == [2, 1] and estimate.loops.match.tolist() == [0, 0]
+    assert estimate.loops.weights.tolist() == [0.5, 1.0] and estimate.candidates == ((2, (1, 0)),)
+    np.testing.assert_array_equal(estimate.loops.T_match_query[0, :3], np.c_[np.eye(3), [1.0, 2.0, 3.0]])
+
+
+def test_an_empty_list_of_loops_is_a_claim_and_candidates_are_optional(tmp_path):
+    estimate = claimed(tmp_path, range(10), loops={"loops": []})
+    assert len(estimate.loops.query) == 0 and estimate.candidates is None
+    assert claimed(tmp_path, range(10)).loops is not None  # the file is still there
+    (tmp_path / "loops.json").unlink()
+    assert claimed(tmp_path, range(10)).loops is None
+
+
+@pytest.mark.parametrize(
+    ("loops", "message"),
+    [
+        ([loop(4, 4.6)], "stamp 1000000001.150000 is none of the claimed frames; valid: frames of rooms.json, or"),
+        ([loop(3, 40)], "stamp 1000000010.000000 is none of the claimed frames"),
+        ([loop(3, 4)], "to 1000000001.000000 s does not lead to an earlier frame; valid: match before query"),
+        ([loop(4, 3, (0.0, 0.0, 0.0, 2.0))], "has not the norm 1; valid: a unit quaternion"),
+        ([loop(4, 3, (1.0,))], "loops.0.T_match_query: "),
+        ([loop(4, 3, weight=1.5)], "loops.0.weight: "),
+    ],
+)
+def test_wrong_loops_are_named(loops, message, tmp_path):
+    with pytest.raises(SimError) as caught:
+        claimed(tmp_path, [2, 3, 4], loops={"loops": loops})
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_the_loops_of_a_program_are_compared_with_the_truth(tmp_path, unlit):
+    (block,) = (block for block in blocks("sim/pages/your-slam.md") if block.language == "py")
+    content = block.content + LOOPS
+    result = evaluate(run_command(replace(SCENARIO, odometry="perfect"), program(tmp_path, content)))
+    assert (result.loops.verified, result.loops.true, result.loops.false) == (2, 1, 1)
+    assert result.loops.proposed is None

@@ -1,0 +1,79 @@
+"""`TrueStages`: stages of LEXIS that know the truth, to find the stage that is to blame for a failure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+
+from lexis.config import PlaceRecognitionConfig, VerificationConfig
+from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
+from lexis.evaluation.relative import separation
+from lexis.maths.se3 import between
+from lexis.place_recognition import old_enough
+from lexis.pose_graph import PoseGraph
+from lexis.room_labels import Labels
+from lexis.types import Camera, Keyframe, LoopEdge, Poses, RoomInstance
+from sim.harness.scenario import Scenario
+from sim.harness.walk import walk
+from worlds.truth import room_at
+
+_INLIERS = 1000
+"""Number of inliers that a true loop edge states; it is large, so that LEXIS accepts the edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrueStages:
+    """The true pose and label of every frame of a tour, in the form of three stages of `lexis.slam.Slam`."""
+
+    T_W_B: Poses
+    labels: Int[np.ndarray, "n"]
+    """True label of every frame, as an index into the room names that the SLAM is told."""
+
+    @staticmethod
+    def of(scenario: Scenario) -> "TrueStages":
+        """Collect the truth along the tour of a scenario. Raises the errors of `sim.harness.walk.walk`."""
+        walked = walk(scenario)
+        names, rooms = walked.house.spec.room_labels, walked.house.rooms
+        inside = room_at(walked.house, walked.tour.T_W_B[:, :3, 3])
+        return TrueStages(walked.tour.T_W_B, np.array([names.index(rooms[room].label) for room in inside], int))
+
+    def propose(
+        self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
+    ) -> tuple[int, ...]:
+        """Propose keyframes that are old enough and were truly taken at the place of the query, the closest first."""
+        old = np.flatnonzero(old_enough(query.id, graph.stamps, graph.path_m, config))
+        distances_m, there = self._compared(query, [graph.keyframes[k] for k in old])
+        closest = old[there][np.argsort(distances_m[there], kind="stable")]
+        return tuple(closest[: config.candidates].tolist())
+
+    def verify(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> list[LoopEdge]:
+        """Confirm the candidates that were truly taken at the place of the query, each with its true relative pose."""
+        sigmas = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3)
+        matches = [graph.keyframes[k] for k in candidates]
+        _, there = self._compared(query, matches)
+        relative = between(self.T_W_B[_frames(matches)], self.T_W_B[query.observation_index])
+        edges = [
+            LoopEdge(query.id, match, pose, np.diag(sigmas**2), _INLIERS)
+            for match, pose, right in zip(candidates, relative, there, strict=True)
+            if right
+        ]
+        return edges[: config.max_edges]
+
+    def label(self, keyframes: Sequence[Keyframe]) -> Labels:
+        """The true label of every keyframe."""
+        return np.asarray(self.labels[_frames(keyframes)])
+
+    def _compared(
+        self, query: Keyframe, others: Sequence[Keyframe]
+    ) -> tuple[Float64[np.ndarray, "n"], Bool[np.ndarray, "n"]]:
+        """True distance of other keyframes from the query [m], and whether they are at one place and look the same way."""
+        frames = _frames(others)
+        distances_m, angles_rad = separation(self.T_W_B, np.full_like(frames, query.observation_index), frames)
+        return distances_m, (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
+
+
+def _frames(keyframes: Sequence[Keyframe]) -> Int[np.ndarray, "n"]:
+    return np.array([keyframe.observation_index for keyframe in keyframes], int)

@@ -1,0 +1,66 @@
+"""Tells the pytest plugin about runs that a test starts by itself: `sim.harness.run` stores the latest run here.
+
+pytest loads this module at every start, so it loads nothing heavy.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sim.harness.planning import Trial
+    from sim.harness.results import RunResult
+    from sim.harness.runner import Run
+    from sim.harness.scenario import Scenario
+
+
+@dataclass(eq=False)
+class LastRun:
+    """The run that began last, with all results so far."""
+
+    instead: "Scenario | None" = None
+    """The scenario that is run in place of every other, for replays; None: every run gets its own scenario."""
+    scenario: "Scenario | None" = None
+    """The scenario of the last run; None if no run has begun."""
+    done: float | None = None
+    """Share of the frames that the SLAM has processed, in [0, 1]; None until the SLAM is started."""
+    run: "Run | None" = None
+    """The last run; None if it was not completed."""
+    result: "RunResult | None" = None
+    """The figures of `run`, if they were computed."""
+    trials: "Sequence[Trial]" = ()
+    """The plans of `run` that were driven before the figures were computed."""
+
+    def begin(self, scenario: "Scenario") -> "Scenario":
+        """Record that a run begins, and forget the previous run.
+
+        Returns the scenario to run: `instead` if it is set, otherwise `scenario`.
+        """
+        self.scenario = self.instead or scenario
+        self.done, self.run, self.result, self.trials = None, None, None, ()
+        return self.scenario
+
+    def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
+        """Note the figures of a run, unless another run has begun since."""
+        if run is self.run:
+            self.result, self.trials = result, trials
+
+
+_WATCHED: ContextVar[LastRun | None] = ContextVar("lexis_last_run", default=None)
+
+
+@contextmanager
+def watched(last: LastRun) -> Iterator[None]:
+    """Note the runs that begin in the block, in this thread, in `last`."""
+    token = _WATCHED.set(last)
+    try:
+        yield
+    finally:
+        _WATCHED.reset(token)
+
+
+def last_run() -> LastRun:
+    """Return the object that stores the current run; outside a block of `watched`, an object that nobody reads."""
+    return _WATCHED.get() or LastRun()

@@ -1,0 +1,165 @@
+"""The page why.md of a failure: what fails, where the run first went wrong, what mends it, and how to replay it."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from sim.errors import GraphicsError
+from sim.harness.blame_table import BlameTable
+from sim.harness.failure_signature import FailureTest, Observed
+from sim.harness.first_wrong import first_wrong
+from sim.harness.frame_pictures import camera_image, place_image
+from sim.harness.reducer import Reduction
+from sim.harness.reductions import ScenarioSize, difference
+from sim.harness.runner import Run
+from sim.render.image_files import encoded
+
+_LISTED = 8
+"""Largest number of passing scenarios, one step smaller than the smallest failing one, that the page lists."""
+_IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
+_UNITS = {"length_m": "length of the tour [m]", "area_m2": "area of the rooms [m²]"}
+_REPLAY_LINES = (
+    "## Replay",
+    "",
+    "Run `pytest PATH/test_replay.py`, with the path of this folder, where the failure was found: in the folder of your",
+    "tests, or where `lexis-sim shrink` was started. The test fails as long as the failure exists. `report.html` shows the",
+    "whole run, `scenario.json` describes it, and `original.json` is the scenario in which the failure was found.",
+)
+"""The last section of why.md."""
+_RANKED = ("opening_ranks", "labels", "appearance", "rig")
+"""Entries of `ScenarioSize` that only rank scenarios: their numbers mean nothing to a reader."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """Lines of Markdown, and the pictures that they show."""
+
+    lines: tuple[str, ...]
+    pictures: Mapping[str, bytes]
+    """Contents of the picture files, by file name."""
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """Contents of why.md and of the picture files, by file name."""
+        return {"why.md": ("\n".join(self.lines) + "\n").encode(), **self.pictures}
+
+
+def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed) -> Page:
+    """The page about a claim that is true of a run; `smallest` is the run of the smallest scenario."""
+    assert test.claim is not None
+    figure = test.claim.figure
+    head = [f"# {test.claim}", "", *_failure(reduction, test, smallest)]
+    return _page(head, smallest.run, figure, _search_sections(reduction, blamed, figure))
+
+
+def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: BlameTable | None) -> Page:
+    """The page about a test that fails; `reduction` and `blamed` are None if no smaller scenario was searched for."""
+    return _page([f"# {name} fails"], run, None, () if reduction is None else _search_sections(reduction, blamed))
+
+
+def _page(head: Sequence[str], run: Run, figure: str | None, sections: Iterable[str]) -> Page:
+    """A page from its first lines, the first wrong frame of a run, the sections about a search, and the replay."""
+    place = wrong_frame_page(run, figure)
+    return Page((*head, "", *place.lines, "", *sections, *_REPLAY_LINES), place.pictures)
+
+
+def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Iterator[str]:
+    assert test.claim is not None
+    original, figure = reduction.signature.value, test.claim.figure
+    yield f"`{figure}` is **{_number(smallest.value)}** in this scenario; a SLAM without the failure has"
+    yield f"`{test.claim.opposite}`. In the scenario in which the failure was found, it is {_number(original)}."
+
+
+def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
+    """The section about the first wrong frame, with a picture from the camera if images can be rendered, and a plan."""
+    frame = first_wrong(run, figure)
+    title = "## Where it first went wrong"
+    if frame is None:
+        return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
+    lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}."]
+    if frame.similarities:
+        lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
+    pictures = {_PLAN: encoded(place_image(run, frame.frame), ".png")}
+    shown = f"![the place on the plan]({_PLAN})"
+    caption = "The plan shows the walk up to this frame in grey, and the camera's field of view in red."
+    try:
+        pictures[_IMAGE] = encoded(camera_image(run, frame.frame), ".png")
+        shown = f"![the image of the camera]({_IMAGE}) {shown}"
+        if run.scenario.fidelity == "features":
+            caption += " The SLAM was given features; the image was rendered for this page."
+    except GraphicsError as error:
+        caption += f" The image of the camera is left out: {error}."
+    return Page((*lines, "", shown, "", caption), pictures)
+
+
+def _search_sections(reduction: Reduction, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
+    """What mends the failure, if that was tried, what the failure needs, and how small it is; a blank line ends each."""
+    if blamed is not None:
+        yield from _mends(blamed, figure)
+        yield ""
+    yield from _needs(reduction)
+    yield ""
+    yield from _sizes(reduction, figure)
+    yield ""
+
+
+def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
+    """List the substitutions with what became of the failure and, if a figure is given, its value in each run."""
+    yield "## What mends it"
+    yield ""
+    yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
+    if not any(row.verdict in _VERDICTS for row in blamed.rows):
+        return
+    yield ""
+    yield f"| the same scenario with | the failure is |{f' {figure} |' * bool(figure)}"
+    yield "|---|---|" + "---|" * bool(figure)
+    for row in blamed.rows:
+        if row.verdict in _VERDICTS:
+            said = _VERDICTS[row.verdict] + (f": {row.detail}" if row.detail else "")
+            yield f"| {row.substitution} | {said} |{f' {_number(row.value)} |' * bool(figure)}"
+    if same := blamed.named("changes nothing"):
+        yield ""
+        yield f"These would change nothing in this scenario: {', '.join(same)}."
+
+
+_VERDICTS = {"mends": "**gone**", "does not mend": "still there", "cannot be told": "unknown"}
+
+
+def _needs(reduction: Reduction) -> Iterator[str]:
+    yield "## What the failure needs"
+    yield ""
+    if not reduction.passing:
+        yield "No scenario that is one step smaller passes."
+        if reduction.last_passing is not None:
+            larger, change = reduction.last_passing
+            yield f"In a larger scenario, this change made the failure go away: {difference(larger, change.scenario)}."
+        return
+    yield "The failure goes away with any one of these changes:"
+    yield ""
+    unique = list(dict.fromkeys(difference(reduction.scenario, change.scenario) for change in reduction.passing))
+    yield from (f"- {text}" for text in unique[:_LISTED])
+    if len(unique) > _LISTED:
+        yield f"- and {len(unique) - _LISTED} more"
+
+
+def _sizes(reduction: Reduction, figure: str) -> Iterator[str]:
+    before, after = reduction.sizes
+    yield "## How small it is"
+    yield ""
+    yield reduction.note
+    if before.furniture and not after.furniture and figure.startswith(("labels", "rooms")):
+        yield 'No furniture is left by which an encoder could recognise a room; `--keep "drop furniture"` keeps it.'
+    yield ""
+    yield from _size_table(before, after)
+
+
+def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:
+    """The sizes of the original and of the smallest scenario; what is zero in both is left out."""
+    yield "| | original | smallest |"
+    yield "|---|---|---|"
+    for name, old, new in zip(ScenarioSize._fields, before, after, strict=True):
+        if name not in _RANKED and (old or new):
+            yield f"| {_UNITS.get(name, name)} | {old:g} | {new:g} |"
+
+
+def _number(value: float | None) -> str:
+    return "null" if value is None else f"{value:.4g}"

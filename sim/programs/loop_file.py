@@ -1,0 +1,88 @@
+"""The file `loops.json`, in which a program states its loop closures and, if it wants, the revisits that it proposed."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from pydantic import BaseModel, ConfigDict, Field
+
+from lexis.files.reading import FileKind, read_model
+from lexis.maths.quaternions import poses_of
+from sim.errors import SimError
+from sim.harness.estimate import LoopClaims
+
+LOOPS = "loops.json"
+"""File with loop closures and candidates; see `LoopFile`."""
+_LOOPS_FILE = FileKind("loops.json as in sim/pages/your-slam.md", 100_000_000, SimError)
+_UNIT = 0.01
+"""Largest accepted deviation of a quaternion's norm from 1."""
+
+RowsOf: TypeAlias = Callable[[Sequence[float]], Int[np.ndarray, "k"]]
+"""Finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the estimate."""
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class LoopClaim(_Strict):
+    """One loop closure between two frames."""
+
+    query: float
+    """Stamp of the later frame [s]."""
+    match: float
+    """Stamp of the earlier frame [s]."""
+    T_match_query: Annotated[list[float], Field(min_length=7, max_length=7)]
+    """Measured pose of the later body in the earlier body's frame: tx ty tz qx qy qz qw [m]."""
+    weight: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
+    """Final confidence of the program in the loop."""
+
+
+class RevisitClaim(_Strict):
+    """The earlier frames that one frame may revisit, as the program proposed them before verification."""
+
+    query: float
+    """Stamp of the later frame [s]."""
+    matches: list[float]
+    """Stamps of the earlier frames, the most similar one first [s]."""
+
+
+class LoopFile(_Strict):
+    """The content of loops.json."""
+
+    version: Literal[1]
+    loops: list[LoopClaim]
+    """Loop closures; an empty list claims that there are none."""
+    candidates: list[RevisitClaim] | None = None
+    """Proposed revisits; absent if the program does not claim them."""
+
+
+def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
+    """Read loops.json as the fields of `Estimate` that it claims: `loops`, and `candidates` if it lists them.
+
+    Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop whose match is not earlier than
+    its query, and a quaternion whose norm is not 1.
+    """
+    file = read_model(path, _LOOPS_FILE, LoopFile)
+    query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
+    rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
+    _check(file.loops, query <= match, np.linalg.norm(rows[:, 3:], axis=1))
+    claims: dict[str, Any] = {
+        "loops": LoopClaims(query, match, poses_of(rows), np.array([loop.weight for loop in file.loops], float))
+    }
+    if file.candidates is not None:
+        queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
+        matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
+        claims["candidates"] = tuple(zip(queries, matches, strict=True))
+    return claims
+
+
+def _check(loops: Sequence[LoopClaim], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:
+    for loop, is_forward, norm in zip(loops, forward.tolist(), norms.tolist(), strict=True):
+        place = f"{LOOPS}: the loop from {loop.query:.6f} to {loop.match:.6f} s"
+        if is_forward:
+            raise SimError(f"{place} does not lead to an earlier frame; valid: match before query")
+        if abs(norm - 1.0) > _UNIT:
+            raise SimError(f"{place}: qx qy qz qw has not the norm 1; valid: a unit quaternion")

@@ -1,0 +1,94 @@
+"""Blame by substitution: for a LEXIS with one planted bug, the stage with the bug is the one whose truth mends it."""
+
+import numpy as np
+
+from lexis.evaluation.loops import true_edges
+from lexis.types import LoopEdge
+from sim.feature_sensor.oracle import Oracle
+from sim.harness import Claim, FailureTest, Scenario, blame, run
+from sim.harness.adapters import Lexis
+from sim.harness.adapters.true_stages import TrueStages
+from sim.harness.house_reductions import keep_furniture
+from worlds.presets import sample_from_rooms
+
+SCENARIO = Scenario(
+    house=keep_furniture(sample_from_rooms(("kitchen", "bedroom"), seed=21, openness=0.0), set()),
+    seed=5,
+    length_m=40.0,
+    frame_rate_hz=2.0,
+    odometry="degraded",
+    fidelity="features",
+    encoder="oracle",
+)
+STAGES = ("oracle encoder", "true labels", "oracle place recognition", "oracle verification", "oracle loops", "loops off")
+
+
+class Swapped(Oracle):
+    """An encoder that mixes up the words for kitchens and bedrooms."""
+
+    def encode_rooms(self, names):
+        return super().encode_rooms([{"kitchen": "bedroom", "bedroom": "kitchen"}.get(name, name) for name in names])
+
+
+def credulous(query, candidates, graph, camera, config):
+    """A verifier that confirms every candidate, and takes it for the very place of the query."""
+    return [LoopEdge(query.id, match, np.eye(4), 1e-4 * np.eye(6), 100) for match in candidates]
+
+
+def blind(query, label, rooms, graph, config):
+    """A place recognition that proposes nothing."""
+    return ()
+
+
+def one_label(keyframes):
+    """A labeller that takes every room for the first."""
+    return np.zeros(len(keyframes), int)
+
+
+def blamed(claim, **stages):
+    """What the table says of each stage of a LEXIS in which some stages are replaced."""
+    settings = {"encoder": "oracle"} | stages
+    test = FailureTest(Claim.parse(claim), lambda scenario, progress: run(scenario, Lexis(**settings), progress))
+    assert test(SCENARIO) is not None
+    return {row.substitution: row.verdict for row in blame(SCENARIO, test, is_lexis=True).rows}
+
+
+def test_an_encoder_that_swaps_two_labels():
+    said = blamed("labels.accuracy < 0.5", encoder=Swapped())
+    mending = {name for name in said if said[name] == "mends"}
+    assert mending == {"oracle encoder", "true labels"}
+
+
+def test_a_verifier_that_accepts_everything():
+    said = blamed("loops.precision < 0.9", verifier=credulous)
+    assert {name for name in STAGES if said[name] == "mends"} == {"oracle verification", "oracle loops"}
+    assert said["oracle encoder"] == "changes nothing" and said["loops off"] == "cannot be told"
+
+
+def test_a_place_recognition_that_proposes_nothing():
+    said = blamed("loops.recall < 0.2", place_recogniser=blind)
+    assert {name for name in STAGES if said[name] == "mends"} == {"oracle place recognition", "oracle loops"}
+
+
+def test_labels_that_are_lost_before_clustering():
+    said = blamed("rooms.pq < 0.7", labeller=one_label)
+    assert {name for name in STAGES if said[name] == "mends"} == {"true labels"}
+
+
+def test_the_true_stages_close_true_loops_between_revisits_alone():
+    truth = TrueStages.of(SCENARIO)
+    finished = run(SCENARIO, Lexis("oracle", place_recogniser=truth.propose, verifier=truth.verify))
+    claims = finished.estimate.loops
+    assert len(claims.query) > 5
+    assert true_edges(claims.query, claims.match, claims.T_match_query, finished.true_poses).all()
+    everything = lambda query, label, rooms, graph, config: tuple(range(query.id))  # noqa: E731
+    verified = run(SCENARIO, Lexis("oracle", place_recogniser=everything, verifier=truth.verify)).estimate.loops
+    apart = finished.true_poses[verified.query, :3, 3] - finished.true_poses[verified.match, :3, 3]
+    assert len(verified.query) > 5 and np.linalg.norm(apart, axis=1).max() <= 1.0
+
+
+def test_a_lexis_with_other_stages_keeps_its_settings():
+    lexis = Lexis("oracle", refine=False, place_recogniser=blind)
+    other = lexis.with_stages(labeller=one_label)
+    assert other.config == lexis.config and run(SCENARIO, other).estimate.loops.query.size == 0
+    assert (other.map.labels == 0).all()
