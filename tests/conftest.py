@@ -1,12 +1,16 @@
 """Settings and fixtures of all tests: single-threaded libraries, fixed Hypothesis examples, a generator with a fixed seed.
 
-This file must not import the project at module level: jaxtyping's import hook, which checks shapes at run time, is
-installed later.
+jaxtyping's import hook, which checks shapes at run time, is installed before anything else loads the project. What pytest
+has loaded by then, as our own plugin, has no arrays.
 """
 
 import os
 
 os.environ.update(OMP_NUM_THREADS="1", OMP_WAIT_POLICY="PASSIVE", GOMP_SPINCOUNT="0")
+
+from jaxtyping import install_import_hook
+
+install_import_hook(["lexis", "sim", "worlds"], "beartype.beartype")
 
 import cv2
 import numpy as np

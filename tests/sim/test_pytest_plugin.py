@@ -1,13 +1,23 @@
 """The pytest plugin in pytest sessions of its own, with a SLAM that takes no time."""
 
+import importlib
+import itertools
 import json
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
+import types
+from functools import partial
 
 import pytest
 from helpers.documentation import ROOT
+
+import sim.harness.reducer
+import sim.harness.reductions
+import sim.pytest_plugin.protocol
+from sim.harness.world_tests import FreshWorld
 
 pytest_plugins = ["pytester"]
 
@@ -38,9 +48,18 @@ class Lost(Stub):
 def slam():
     return Stub()
 
-small = worlds(max_rooms=2, n=1, frame_rate_hz=2, encoder="oracle")
+small = worlds(max_rooms=2, n=1, frame_rate_hz=2.0, encoder="oracle")
 """
 FAILS = """
+class TestBroken:
+    @pytest.fixture
+    def slam(self):
+        raise RuntimeError("no SLAM")
+
+    @small
+    def test_broken(self, run):
+        pass
+
 class TestLost:
     @pytest.fixture
     def slam(self):
@@ -72,19 +91,43 @@ import types
 from sim.harness.world_tests import FreshWorld
 FreshWorld.scenario = lambda self: types.SimpleNamespace(seed=self.seed)
 """
-"""A conftest for tests that look at names and seeds of houses only."""
+"""A conftest for tests in processes of their own that look at names and seeds of houses only."""
+PLUGIN = ("-p", "no:lexis", "-p", "sim.pytest_plugin")
 
 
 @pytest.fixture
-def inner(pytester, monkeypatch):
-    """Run pytest in a process of its own, in a folder of its own, with the plugin."""
+def start(pytester, monkeypatch):
+    """Run pytest in a folder of its own and a process of its own, with the plugin."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
 
-    def run(*args, plugin=("-p", "no:lexis", "-p", "sim.pytest_plugin")):
+    def run(*args, plugin=PLUGIN):
         return pytester.runpytest_subprocess(*plugin, "-p", "no:cacheprovider", "--strict-markers", *args)
 
     return run
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """Load what cannot be loaded twice, before `pytester` notes which modules are to stay."""
+    for module in ("sim.harness.failed_test", "sim.harness.first_wrong", "sim.harness.reducer", "worlds.strategies"):
+        importlib.import_module(module)
+
+
+@pytest.fixture
+def inner(loaded, pytester, start):
+    """Run pytest in a folder of its own and in this process."""
+
+    def run(*args):
+        return pytester.runpytest_inprocess(*PLUGIN, "-p", "no:cacheprovider", "--strict-markers", *args)
+
+    return run
+
+
+@pytest.fixture
+def light(monkeypatch):
+    """Let the scenarios of fresh houses consist of a seed, for tests that look at nothing else."""
+    monkeypatch.setattr(FreshWorld, "scenario", lambda self: types.SimpleNamespace(seed=self.seed))
 
 
 def ids(result):
@@ -101,7 +144,7 @@ def test_importing_the_plugin_and_decorating_a_test_load_nothing_heavy():
 def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     pytester.makepyfile(test_slam=SLAM + FAILS)
     result = inner("--no-lexis-shrink", "--junitxml=junit.xml", "--lexis-out", "kept")
-    result.assert_outcomes(passed=1, failed=1, errors=1)
+    result.assert_outcomes(passed=1, failed=2, errors=1)
     result.stdout.fnmatch_lines(
         [
             "RuntimeError: lost",
@@ -123,7 +166,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
         consecutive=True,
     )
     result.stdout.no_fnmatch_line("*def test_labels*")
-    assert 'errors="1" failures="1"' in (pytester.path / "junit.xml").read_text()
+    assert 'errors="1" failures="2"' in (pytester.path / "junit.xml").read_text()
 
     folder, lost = sorted(pytester.path.glob("kept/*"), key=lambda path: "Lost" in path.name)
     assert {"scenario.json", "result.json", "report.html", "test_replay.py"} <= {path.name for path in folder.iterdir()}
@@ -131,25 +174,15 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     claimed = json.loads((folder / "result.json").read_text())
     assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]
 
-    replay = str(folder / "test_replay.py")
-    inner(replay).stdout.fnmatch_lines([f"*assert {claimed['labels']['accuracy']} > 0.99", f"*folder: *kept/{folder.name}"])
+    replayed = inner(str(folder / "test_replay.py"))
+    replayed.stdout.fnmatch_lines([f"*assert {claimed['labels']['accuracy']} > 0.99", f"*folder: *kept/{folder.name}"])
     monkeypatch.setenv("LIMIT", "0.0")
-    inner(replay).assert_outcomes(passed=1)
+    moved = (pytester.path / "a folder").joinpath("moved")
+    shutil.copytree(folder, moved)
+    inner("test_slam.py::test_labels", "--lexis-replay", str(moved)).assert_outcomes(passed=1)
     assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
 
 
-REDUCER = """
-import sys, types
-from dataclasses import replace
-
-def reduce(scenario, fails):
-    signature = fails(scenario)
-    shorter = replace(scenario, length_m=60.0)
-    assert fails(shorter) == signature != fails(replace(shorter, odometry="perfect")) != None
-    return types.SimpleNamespace(scenario=shorter)
-
-sys.modules["sim.harness.reducer"] = types.SimpleNamespace(reduce=reduce)
-"""
 DRIFTS = """
 @small
 def test_drift(run):
@@ -160,24 +193,91 @@ def test_drift(run):
 """
 
 
-def test_a_failure_is_stored_in_the_smallest_scenario_that_fails_in_the_same_way(pytester, inner):
-    pytester.makeconftest(REDUCER)
+def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, monkeypatch):
+    steps = {name: sim.harness.reductions.STEPS[name] for name in ("drop drift", "shorten the tour")}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
     pytester.makepyfile(test_slam=SLAM + DRIFTS)
     result = inner()
     result.assert_outcomes(failed=1)
     assert result.stdout.str().count("ran\n") == 1
     (folder,) = (pytester.path / ".lexis-failures").iterdir()
     small, original = (json.loads((folder / f"{name}.json").read_text()) for name in ("scenario", "original"))
-    assert small["length_m"] == 60.0 and small | {"length_m": None} == original
+    assert small["length_m"] < 20.0 and small["odometry"] == original["odometry"] != "perfect"
     assert json.loads((folder / "result.json").read_text())["scenario"] == folder.name[-16:]
+    why = (folder / "why.md").read_text()
+    assert "Mended by: nothing. Not mended by: no clutter" in why
+    assert "| perfect odometry | unknown: it fails differently: raises ValueError" in why
+    assert "| length of the tour [m] |" in why and "(first-wrong-plan.png)" in why
 
 
-CLOCK = """
-import itertools, types
-import sim.pytest_plugin
-clock = itertools.count()
-sim.pytest_plugin.time = types.SimpleNamespace(monotonic=lambda: next(clock))
+INTERRUPTED = """
+executions = []
+
+@worlds(max_rooms=2, n=2, fidelity="layout")
+def test_interrupted(scenario):
+    executions.append(scenario)
+    if len(executions) == INTERRUPTED_AT:
+        raise KeyboardInterrupt
+    assert len(executions) > 5
 """
+
+
+@pytest.mark.parametrize("at", [2, 3])
+def test_after_ctrl_c_in_shrinking_the_failure_is_shown_and_pytest_stops(pytester, inner, at):
+    pytester.makepyfile(test_slam=LAYOUT.partition("@")[0] + INTERRUPTED.replace("INTERRUPTED_AT", str(at)))
+    result = inner()
+    assert result.ret == pytest.ExitCode.INTERRUPTED
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines([f"AssertionError: assert {at - 1} > 5"])
+
+
+def test_a_failure_that_does_not_come_back_is_shown_as_it_was_found(pytester, inner):
+    once = "\n@small\ndef test_once(run, done=[]):\n    done.append(run)\n    assert len(done) > 1\n"
+    pytester.makepyfile(test_slam=SLAM + once)
+    result = inner()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["AssertionError: assert 1 > 1", "folder: .lexis-failures/test_slam-test_once-*"])
+
+
+PLAIN = """
+from hypothesis import given, settings, strategies as st
+from sim import Scenario, check
+from worlds import sample_from_rooms
+
+HOUSES = [sample_from_rooms(("kitchen", "bedroom"), seed=seed) for seed in (21, 22)]
+
+def accuracy(house):
+    scenario = Scenario(house=house, length_m=15.0, frame_rate_hz=2.0, fidelity="features", encoder="oracle")
+    return check(scenario, Stub()).labels.accuracy
+
+def test_plain():
+    assert accuracy(HOUSES[int(os.environ.get("HOUSE", 1))]) > float(os.environ.get("LIMIT", 0.99))
+
+@settings(deadline=None, max_examples=5, database=None)
+@given(house=st.sampled_from(HOUSES))
+def test_drawn(house):
+    assert accuracy(house) > 0.99 or house is HOUSES[0]
+    print("ran")
+"""
+
+
+def test_a_run_that_a_test_starts_by_itself_is_stored_and_replayed(pytester, inner, monkeypatch):
+    pytester.makepyfile(test_slam=SLAM + PLAIN)
+    result = inner("--lexis-out=kept", "--junitxml=junit.xml")
+    result.assert_outcomes(failed=2)
+    assert (pytester.path / "junit.xml").read_text().count("replay: pytest -p sim.pytest_plugin test_slam.py::test_") == 2
+    folders = {path.name.split("-")[1]: path for path in pytester.path.glob("kept/*")}
+    for name in ("test_plain", "test_drawn"):
+        assert {"scenario.json", "result.json", "report.html", "test_replay.py"} <= {p.name for p in folders[name].iterdir()}
+        assert json.loads((folders[name] / "scenario.json").read_text())["house"]["name"] == "rooms-22"
+
+    monkeypatch.setenv("HOUSE", "0")
+    replayed = inner("--lexis-out=kept", f"--lexis-replay={folders['test_plain']}")
+    replayed.assert_outcomes(failed=2)
+    assert "Failing test case" in result.stdout.str() and "Failing test case" not in replayed.stdout.str()
+    assert len({path.name[-16:] for path in pytester.path.glob("kept/*")}) == 1
+
+
 COUNTED = """
 import os
 from pathlib import Path
@@ -195,8 +295,9 @@ def test_counted(scenario, slam):
 """
 
 
-def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, monkeypatch):
-    pytester.makeconftest(LIGHT + CLOCK)
+def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, light, monkeypatch):
+    clock = itertools.count()
+    monkeypatch.setattr(sim.pytest_plugin.protocol, "time", types.SimpleNamespace(monotonic=lambda: next(clock)))
     pytester.makepyfile(test_slam=LAYOUT.partition("@")[0] + COUNTED)
     inner("--lexis-budget", "8s").assert_outcomes(passed=2)
     seeds = (pytester.path / "seeds").read_text().split()
@@ -209,10 +310,10 @@ def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, mo
     assert f"assert {seeds[2]} != {seeds[2]}" in result.stdout.str()
 
 
-def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, inner):
+def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, start, inner):
     pytester.makeconftest(LIGHT)
     pytester.makepyfile(test_houses=LAYOUT)
-    result = inner("-p", "xdist", "-n", "2", "--lexis-profile", "lexis-nightly", "-v")
+    result = start("-p", "xdist", "-n", "2", "--lexis-profile", "lexis-nightly", "-v")
     result.assert_outcomes(passed=3)
     seed = re.search(r"--lexis-seed (\d+) \(lexis-nightly\)", result.stdout.str())[1]
     ran = set(re.findall(r"PASSED test_houses.py::test_house\[(.*?)\]", result.stdout.str()))
@@ -234,7 +335,7 @@ def test_the_nightly_profile_replays_stored_failures_of_the_same_test_first(pyte
 def test_wrong_options_and_tests_are_told_in_one_line(pytester, inner):
     pytester.makepyfile(test_houses=LAYOUT)
     for option, value, message in (
-        ("--lexis-budget", "5 m", "'5 m' is no time; valid: a number with s, m or h, such as 5m"),
+        ("--lexis-budget", "5 m", "'5 m'; valid: a time such as 90s, 3m or 1h"),
         (
             "--lexis-replay",
             "gone",
@@ -250,7 +351,7 @@ def test_wrong_options_and_tests_are_told_in_one_line(pytester, inner):
     inner().stdout.fnmatch_lines(["*test_plain: the test has no houses; valid: a test that is decorated with @worlds*"])
 
 
-def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester, inner, monkeypatch):
+def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester, start, monkeypatch):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     ((name, module),) = project["entry-points"]["pytest11"].items()
     folder = pytester.path / "trial-1.0.dist-info"
@@ -260,8 +361,8 @@ def test_the_entry_point_loads_the_plugin_and_no_lexis_switches_it_off(pytester,
     pytester.syspathinsert()
     pytester.makepyfile(test_houses=LAYOUT)
     monkeypatch.delenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD")
-    assert len(ids(inner("--collect-only", "-q", plugin=()))) == 3
+    assert len(ids(start("--collect-only", "-q", plugin=()))) == 3
     pytester.makepyfile(test_houses="def test_plain():\n    pass\n")
-    result = inner("-p", "no:lexis", plugin=())
+    result = start("-p", "no:lexis", plugin=())
     result.assert_outcomes(passed=1)
     result.stdout.no_fnmatch_line("*lexis-seed*")

@@ -1,0 +1,135 @@
+"""One execution of a test: its runs and the reason of its failure are noted."""
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+from os.path import relpath
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import pytest
+from _pytest.runner import runtestprotocol
+
+from sim.harness.last_run import LastRun, watched
+from sim.harness.world_tests import World
+from sim.pytest_plugin.drawn_tests import replay_of_draws
+from sim.pytest_plugin.options import replayed_file
+
+if TYPE_CHECKING:
+    from sim.harness.runner import Run
+    from sim.harness.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Raised:
+    """An exception that the SLAM has raised in the fixture `run`."""
+
+    error: Exception
+    traceback: TracebackType | None
+    """The traceback from the fixture to the line that raised the exception."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a test failed: an exception that the test's body or the SLAM has raised."""
+
+    kind: str
+    where: str
+    """File and line at which the exception was raised."""
+    statement: str
+    message: str
+
+
+@dataclass(eq=False)
+class Execution:
+    """One execution of a test, with all results so far."""
+
+    world: World | None = None
+    """The world in which a decorated test runs; None for other tests."""
+    scenario: "Scenario | None" = None
+    """The scenario of a decorated test; None until it is built."""
+    last: LastRun = field(default_factory=LastRun)
+    raised: Raised | None = None
+    failure: Reason | None = None
+    """Why the test failed; None if it passed."""
+
+    @property
+    def tested(self) -> "Scenario | None":
+        """The scenario in which the test was executed.
+
+        For a test that is not decorated, it is the scenario of its last run; None if the SLAM was not started in it.
+        """
+        if self.world is not None:
+            return self.scenario
+        return None if self.last.done is None else self.last.scenario
+
+    @property
+    def run(self) -> "Run | None":
+        """The completed run of the scenario `tested`; None if there is none."""
+        run = self.last.run
+        return run if run is not None and run.scenario == self.tested else None
+
+
+EXECUTION = pytest.StashKey[Execution]()
+"""Key under which pytest stores the current execution of a test."""
+
+
+def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tuple[list[pytest.TestReport], Execution]:
+    """Set up, run and tear down a decorated test with all its fixtures in one world."""
+    item._report_sections.clear()  # otherwise what every execution prints piles up
+    execution = item.stash[EXECUTION] = Execution(world)
+    try:
+        return runtestprotocol(item, log=False, nextitem=nextitem), execution
+    except KeyboardInterrupt:  # pytest goes no further, and the fixtures would stay
+        item.session._setupstate.teardown_exact(nextitem)
+        raise
+    finally:
+        del item.stash[EXECUTION]
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
+    """Note the runs in fixtures. An exception of the SLAM in the fixture `run` is kept, and the test fails with it."""
+    if EXECUTION not in item.stash:
+        item.stash[EXECUTION] = Execution()
+    execution = item.stash[EXECUTION]
+    replayed = replayed_file(item.config)
+    if execution.world is None and replayed is not None:
+        execution.last.instead = _scenario_in(replayed)
+    with watched(execution.last):
+        try:
+            yield
+        except Exception as error:
+            if execution.raised is None or execution.raised.error is not error:
+                raise
+
+
+def _scenario_in(file: Path) -> "Scenario":
+    from sim.harness.scenario import Scenario
+
+    return Scenario.load(file)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Note the runs in a test. If the SLAM raised an exception in the fixture `run`, raise it and skip the body."""
+    __tracebackhide__ = True
+    execution = item.stash[EXECUTION]
+    if execution.raised is not None:
+        raise execution.raised.error.with_traceback(execution.raised.traceback)
+    with watched(execution.last), replay_of_draws(item, execution.last.instead):
+        yield
+
+
+def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> Reason:
+    """Describe the failure, with the last line of the user's own code in the traceback."""
+    own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
+    entry = own[-1] if own else error.traceback[-1]
+    where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"
+    lines = error.exconly(tryshort=True).splitlines()
+    said = next((k for k, line in enumerate(lines) if line.lstrip().startswith("+")), len(lines))
+    return Reason(error.typename, where, " ".join(str(entry.statement).split()), "\n".join(lines[:said]))
+
+
+def _is_own(path: Path, project: Path) -> bool:
+    return path.is_relative_to(project) and "site-packages" not in path.parts

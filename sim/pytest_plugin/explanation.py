@@ -1,0 +1,91 @@
+"""What pytest shows of a failure: what failed, where it first went wrong, the folder of the failure, and the replay."""
+
+import shlex
+from os.path import relpath
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from _pytest._code.code import ExceptionRepr
+
+from lexis.errors import one_line
+from sim.harness.world_tests import StoredWorld
+from sim.pytest_plugin.collection import family_of, name_of, parameters_of
+from sim.pytest_plugin.execution import Execution
+from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
+
+if TYPE_CHECKING:
+    from sim.harness.failed_test import FinishedRun, Search
+    from sim.harness.scenario import Scenario
+
+
+def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport, search: "Search | None" = None) -> None:
+    """Write the folder of a failure, and add to the report what failed, where, in which folder, and how to replay it.
+
+    For a decorated test this text replaces the traceback, unless the user has chosen a style with `--tb`. A test that is not
+    decorated keeps its traceback. `search` is the search that found the scenario, if there was one.
+    """
+    failure, scenario = execution.failure, execution.tested
+    assert failure is not None and scenario is not None
+    lines = [failure.message, f"    {failure.where}: {failure.statement}"]
+    rest = _lines(item, execution, scenario, search)
+    if family_of(item) is not None and item.config.option.tbstyle == "auto":
+        report.longrepr = "\n".join([*lines, *rest])
+    elif isinstance(report.longrepr, ExceptionRepr):  # whose sections junit shows too
+        report.longrepr.addsection("lexis", "\n".join(rest))
+    else:
+        report.sections.append(("lexis", "\n".join(rest)))
+
+
+def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
+    """The first wrong place, the folder and the command that replays the failure."""
+    place = _first_wrong(execution, scenario)
+    lines = [f"first wrong: {place}"] if place else []
+    try:
+        folder = _folder(item, execution, scenario, search)
+    except Exception as error:  # a SLAM's save() raises anything, and the failure of the test must not be lost
+        return [*lines, f"folder: cannot be written: {one_line(f'{type(error).__name__}: {error}', 160)}"]
+    here = item.config.invocation_params.dir
+    test = relpath(item.path, here) + "".join(name_of(item).partition("::")[1:])
+    shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
+    command = shlex.join(["pytest", *loading_options(item.config), test, "--lexis-replay", str(shown)])
+    return [*lines, f"folder: {shown}", f"replay: {command}"]
+
+
+def _first_wrong(execution: Execution, scenario: "Scenario") -> str:
+    """Room and time of the first error; "" if nothing is known about them."""
+    from sim.harness.first_wrong import first_wrong, raised_at
+
+    if execution.run is not None:
+        return str(first_wrong(execution.run) or "")
+    return str(raised_at(scenario, execution.last.done)) if execution.last.done else ""
+
+
+def _folder(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> Path:
+    """Write the folder of a failure, unless it is the folder that is being replayed."""
+    from sim.harness.failed_test import folder_of, write_failed_test
+
+    folder = folder_of(out_folder(item.config), name_of(item), scenario, parameters_of(item))
+    replayed = _replayed(item, execution)
+    if replayed is not None and replayed.parent.name == folder.name:
+        return replayed.parent
+    write_failed_test(folder, name_of(item), loading_options(item.config), scenario, _finished(execution), search)
+    return folder
+
+
+def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
+    """The scenario file that this execution replays, if it does."""
+    if execution.world is None:
+        return replayed_file(item.config)
+    return execution.world.file if isinstance(execution.world, StoredWorld) else None
+
+
+def _finished(execution: Execution) -> "FinishedRun | None":
+    """The run with its figures, which a test need not have computed."""
+    from sim.harness.failed_test import FinishedRun
+    from sim.harness.figures import evaluate
+
+    if execution.run is None:
+        return None
+    result, trials = execution.last.result, execution.last.trials
+    return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)

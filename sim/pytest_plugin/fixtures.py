@@ -1,0 +1,60 @@
+"""The fixtures of decorated tests: the scenario, its house, the SLAM under test, and the evaluated run."""
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from sim.errors import SimError
+from sim.pytest_plugin.collection import family_of
+from sim.pytest_plugin.execution import EXECUTION, Execution, Raised
+
+if TYPE_CHECKING:
+    from sim.harness.results import RunResult
+    from sim.harness.scenario import Scenario
+    from sim.harness.slam_under_test import SlamUnderTest
+    from worlds.house import House
+
+
+@pytest.fixture
+def scenario(request: pytest.FixtureRequest) -> "Scenario":
+    """The scenario of a test that is decorated with `worlds`."""
+    execution: Execution = request.node.stash[EXECUTION]
+    if execution.world is None:
+        raise SimError(f"{request.node.nodeid}: the test has no houses; valid: a test that is decorated with @worlds(...)")
+    scenario = execution.scenario = execution.world.scenario()
+    return scenario
+
+
+@pytest.fixture
+def house(scenario: "Scenario") -> "House":
+    """The house of the scenario, built and checked."""
+    from sim.harness.parts import house_spec
+    from worlds.validation import built_and_checked
+
+    return built_and_checked(house_spec(scenario))
+
+
+@pytest.fixture
+def slam(scenario: "Scenario") -> "SlamUnderTest":
+    """The SLAM under test. Override this fixture to test your own; here it is LEXIS."""
+    from sim.harness.adapters.lexis import Lexis
+
+    return Lexis(scenario.encoder)
+
+
+@pytest.fixture
+def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTest") -> "RunResult":
+    """The result of running the SLAM on the scenario. If the SLAM raises an exception, the test fails with it."""
+    from sim.harness.figures import evaluate
+    from sim.harness.planning import try_plans
+    from sim.harness.runner import run as run_scenario
+
+    execution: Execution = request.node.stash[EXECUTION]
+    family = family_of(request.node)
+    try:
+        finished = run_scenario(scenario, slam)
+        return evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
+    except Exception as error:
+        if execution.last.done is not None:  # otherwise the scenario cannot be run, for which no SLAM is to blame
+            execution.raised = Raised(error, error.__traceback__)
+        raise

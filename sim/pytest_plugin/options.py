@@ -1,0 +1,123 @@
+"""The options of the plugin, and what follows from them: the seed of all houses, the markers and the folders of failures."""
+
+import argparse
+import secrets
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sim.durations import duration_s
+from sim.harness.world_tests import SCENARIO, TIERS
+
+DEFAULT_SEED = 7
+PROFILES = ("lexis-pr", "lexis-nightly")
+MODULE = "sim.pytest_plugin"
+SEED = pytest.StashKey[int]()
+"""Key under which pytest stores the seed of all houses of the session."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the plugin's command-line options to pytest."""
+    group = parser.getgroup("lexis", "simulated houses (LEXIS-sim)")
+    group.addoption(
+        "--lexis-seed",
+        type=_seed,
+        metavar="N",
+        help=f"seed of all houses (default: {DEFAULT_SEED}, or fresh with lexis-nightly)",
+    )
+    group.addoption(
+        "--lexis-profile",
+        choices=PROFILES,
+        default=PROFILES[0],
+        help="lexis-pr: the same houses every time. lexis-nightly: fresh houses every time, and stored failures first "
+        "(default: %(default)s)",
+    )
+    group.addoption(
+        "--lexis-budget",
+        type=duration_s,
+        metavar="TIME",
+        help="go on with further houses inside every test until all tests together have used this time: 90s, 5m or 1h",
+    )
+    group.addoption(
+        "--lexis-replay",
+        type=Path,
+        metavar="PATH",
+        help="run on this scenario alone: a scenario file or the folder of a failure",
+    )
+    group.addoption(
+        "--lexis-out",
+        type=Path,
+        default=Path(".lexis-failures"),
+        metavar="DIR",
+        help="where the folders of failures are written (default: %(default)s)",
+    )
+    group.addoption(
+        "--lexis-shrink",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="make the scenario of a failure as small as possible (default: yes, unless --lexis-replay is given)",
+    )
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r:.60}; valid: a whole number from 0")
+    return int(text)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the markers, and decide on the seed, which the workers of xdist get from the process that starts them."""
+    for tier in TIERS:
+        config.addinivalue_line("markers", f"{tier}: a test in simulated houses, on the tier {tier!r} of LEXIS-sim")
+    nightly = config.option.lexis_profile == "lexis-nightly"
+    given = getattr(config, "workerinput", {}).get("lexis_seed", config.option.lexis_seed)
+    fresh = secrets.randbelow(2**31) if nightly else DEFAULT_SEED
+    config.stash[SEED] = fresh if given is None else given
+    if (replayed := replayed_file(config)) is not None and not replayed.is_file():
+        raise pytest.UsageError(
+            f"--lexis-replay: {replayed} does not exist; valid: a scenario file or the folder of a failure"
+        )
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell a worker of xdist the seed: all workers have to collect the same tests."""
+    node.workerinput["lexis_seed"] = node.config.stash[SEED]
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    """Say how the houses of this session are drawn."""
+    seed, profile = config.stash[SEED], config.option.lexis_profile
+    return f"lexis: --lexis-seed {seed} ({profile}), failures go to {config.option.lexis_out}"
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out the folders of failures. Their tests run only if they are named on the command line."""
+    return True if collection_path == out_folder(config) else None
+
+
+def replayed_file(config: pytest.Config) -> Path | None:
+    """The scenario file that `--lexis-replay` names; None without the option."""
+    path: Path | None = config.option.lexis_replay
+    if path is None:
+        return None
+    path = config.invocation_params.dir / path
+    return path / SCENARIO if path.is_dir() else path
+
+
+def out_folder(config: pytest.Config) -> Path:
+    """The folder that holds the folders of all failures."""
+    return Path(config.invocation_params.dir / config.option.lexis_out)
+
+
+def wants_to_shrink(config: pytest.Config) -> bool:
+    """Whether failing scenarios are made smaller: by default yes, except in a replay; under a debugger never."""
+    option: bool | None = config.option.lexis_shrink
+    wanted = config.option.lexis_replay is None if option is None else option
+    return wanted and not config.option.usepdb
+
+
+def loading_options(config: pytest.Config) -> list[str]:
+    """The options with which a pytest command loads this plugin; empty unless the user has loaded it by `-p`."""
+    return ["-p", MODULE] if MODULE in config.option.plugins else []

@@ -1,0 +1,71 @@
+"""How tests are run and reported.
+
+A decorated test runs in its own house, in further ones within the budget, and in smaller ones if it fails.
+"""
+
+import time
+from collections.abc import Generator
+from itertools import count
+
+import pytest
+
+from sim.harness.world_tests import FreshWorld, WorldFamily
+from sim.pytest_plugin.collection import SHARE_S, family_of, world_of
+from sim.pytest_plugin.execution import EXECUTION, Execution, execute, reason_of
+from sim.pytest_plugin.explanation import add_text
+from sim.pytest_plugin.options import SEED, wants_to_shrink
+from sim.pytest_plugin.shrinking import shrunk
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+    """Run a decorated test, and report one outcome for all its executions."""
+    family = family_of(item)
+    if family is None:
+        return None
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    reports, execution = _within_budget(item, nextitem, family)
+    original = execution.scenario
+    if execution.failure is not None and original is not None:
+        search = None
+        if wants_to_shrink(item.config):
+            execution, search = shrunk(item, nextitem, execution, original)
+        add_text(item, execution, next(report for report in reports if report.failed), search)
+    for report in reports:
+        item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
+
+
+def _within_budget(
+    item: pytest.Item, nextitem: pytest.Item | None, family: WorldFamily
+) -> tuple[list[pytest.TestReport], Execution]:
+    """Reports of the first execution that does not pass, or of the last one within the budget."""
+    config = item.config
+    ends_s = time.monotonic() + config.stash.get(SHARE_S, 0.0)
+    first = world_of(item)
+    reports, execution = execute(item, nextitem, first)
+    if not isinstance(first, FreshWorld):
+        return reports, execution
+    for further in count(1):
+        if not all(report.passed for report in reports) or time.monotonic() >= ends_s:
+            break
+        world = family.draw(config.stash[SEED], first.index + further * family.n)
+        reports, execution = execute(item, nextitem, world)
+    return reports, execution
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Note why a test itself failed, not a fixture. For a test that is not decorated, explain the failure at once."""
+    report = yield
+    execution = item.stash.get(EXECUTION, None)
+    if execution is not None and call.when == "teardown" and execution.world is None:
+        del item.stash[EXECUTION]  # a run takes much memory
+    elif execution is not None and call.when == "call" and report.failed and call.excinfo is not None:
+        execution.failure = reason_of(item, call.excinfo)
+        if execution.world is None and execution.tested is not None:
+            add_text(item, execution, report)
+    return report

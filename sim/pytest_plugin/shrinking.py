@@ -1,0 +1,90 @@
+"""Shrinking: a failing test is executed in smaller and smaller scenarios, as long as it fails in the same way."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+
+from sim.errors import SimError
+from sim.pytest_plugin.execution import Execution, execute
+
+if TYPE_CHECKING:
+    from sim.harness.blame_table import BlameTable
+    from sim.harness.failed_test import Search
+    from sim.harness.failure_signature import Signature
+    from sim.harness.reducer import Fails, Reduction
+    from sim.harness.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """A scenario that is at hand, as a `World`."""
+
+    chosen: "Scenario"
+    name: str = "chosen"
+
+    def scenario(self) -> "Scenario":
+        """Return the stored scenario."""
+        return self.chosen
+
+
+def shrunk(
+    item: pytest.Item, nextitem: pytest.Item | None, found: Execution, scenario: "Scenario"
+) -> "tuple[Execution, Search | None]":
+    """Search for the smallest scenario in which the test fails in the same way; return the execution there, and the search.
+
+    If the failure does not recur, the execution is `found`, and the search is None. After Ctrl-C, the smallest failure so
+    far is returned, and pytest is told to stop after this test.
+    """
+    from sim.harness.failed_test import Search
+    from sim.harness.reducer import reduce
+    from worlds.errors import WorldsError
+
+    signature, last = _signature(found), found
+
+    def fails(candidate: "Scenario") -> "Signature | None":
+        nonlocal last
+        _, tried = execute(item, nextitem, _Chosen(candidate))
+        if _signature(tried) == signature:
+            last = tried
+        return _signature(tried)
+
+    try:
+        reduction = reduce(scenario, fails)
+    except (SimError, WorldsError):  # it does not fail again, or its house has no list of furniture
+        return found, None
+    except KeyboardInterrupt:  # before the reducer has anything to keep
+        _stop(item)
+        return found, None
+    if last.scenario != reduction.scenario and fails(reduction.scenario) != signature:
+        return found, None
+    smallest, blamed = last, None
+    if reduction.ended == "interrupted":
+        _stop(item)
+    else:
+        blamed = _blamed(item, smallest, reduction, fails)
+    return smallest, Search(scenario, reduction, blamed)
+
+
+def _blamed(item: pytest.Item, smallest: Execution, reduction: "Reduction", fails: "Fails") -> "BlameTable | None":
+    from sim.harness.adapters.lexis import Lexis
+    from sim.harness.blame_table import blame_outside
+
+    is_lexis = smallest.run is not None and isinstance(smallest.run.slam, Lexis)
+    try:
+        return blame_outside(reduction.scenario, fails, reduction.signature, is_lexis)
+    except KeyboardInterrupt:
+        _stop(item)
+        return None
+
+
+def _stop(item: pytest.Item) -> None:
+    item.session.shouldstop = "interrupted while a failing scenario was made smaller"
+
+
+def _signature(execution: Execution) -> "Signature | None":
+    """The signature of a failure: the type of the exception and the line that raised it."""
+    from sim.harness.failure_signature import Signature
+
+    failure = execution.failure
+    return None if failure is None else Signature("exception", f"{failure.kind} at {failure.where}")
