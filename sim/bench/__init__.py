@@ -1,8 +1,10 @@
 """Benchmarks behind `lexis-sim bench`: each module prints one table of figures over several houses.
 
-`speed` (with `memory`, `overlap` and `plain`) measures time; `segmentation` measures the whole chain, `planning` driven
-plans, `queries` the `everyday_questions`, `fidelity` the agreement of the feature sensor with renders, and the subpackage
-`encoders` the vision-language models. `houses` chooses the houses of a benchmark.
+`speed` (with `memory`, `overlap` and `plain`) measures time, `throughput` houses per second; `segmentation` measures the
+labels, rooms, loops and plans of whole runs, `planning` compares plans that are driven with different pose estimates,
+`queries` asks the `everyday_questions`, `fidelity` compares the feature sensor with renders, and the subpackage `encoders`
+compares vision-language models. `houses` chooses the houses of a benchmark. `shrinking` proves the reducer on the
+`failing_scenarios`, in which `planted_bugs` show.
 """
 
 import lazy_loader

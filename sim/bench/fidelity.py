@@ -36,9 +36,9 @@ _FRAME_RATE_HZ = 1.3
 _SPEED_FRAMES, _WARM_UP = 2000, 100
 _IMAGE_PX = (480, 360)
 _LOOKS = (("texture", "poor"), ("light", "dim"), ("light", "evening"))
-"""Appearances, as (field, value) of a house's appearance, that the feature sensor ignores."""
+"""Unusual looks, which the feature sensor ignores: settings of a house's appearance, as (field, value)."""
 _LOOKS_SHARE = 5
-"""Number of mixed houses for which one house of each look is added."""
+"""For every `_LOOKS_SHARE` houses with usual looks, one house with each look of `_LOOKS` is added."""
 _NO_LANDMARKS = Config(landmarks=LandmarkConfig(akaze_threshold=0.1, max_features=8))
 """Settings of LEXIS that find hardly any key points, which saves time. Loops are off, so key points are not needed."""
 
@@ -63,13 +63,13 @@ class Agreement:
 
     houses: int
     rho: float | None
-    """Spearman's rank correlation; None for fewer than three houses, or if all houses have the same value in a fidelity."""
+    """Spearman's rank correlation; None for fewer than three houses, or if one fidelity gives all houses the same value."""
     rendered: float
     """Mean of the figure over rendered runs."""
     features: float
     """Mean of the figure over runs with features."""
     mean_difference: float
-    """Mean absolute difference between the two."""
+    """Mean over the houses of the absolute difference between the rendered run and the run with features."""
 
 
 def mixed_houses(count: int, first_seed: int) -> list[tuple[str, Scenario]]:
@@ -110,19 +110,19 @@ def compare(
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
-    """Number of views of a furnished home for which the feature sensor draws an embedding, per second of processor time."""
+    """Measure for how many views of a furnished home the feature sensor draws an embedding per second of processor time."""
     walked = walk(Scenario(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
     poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
     sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), build_rig(Scenario().rig).front, first_seed)
     houses = [walked.house] * _SPEED_FRAMES
-    collections.deque(sensor.percepts(houses[:_WARM_UP], poses), maxlen=0)
+    collections.deque(sensor.tour(houses[:_WARM_UP], poses).percepts(), maxlen=0)
     start = time.process_time()
-    collections.deque(sensor.percepts(houses, poses), maxlen=0)
+    collections.deque(sensor.tour(houses, poses).percepts(), maxlen=0)
     return _SPEED_FRAMES / (time.process_time() - start)
 
 
 def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:
-    """Compare the pairs (rendered, features) of one figure over houses."""
+    """Compute the agreement in one figure from a pair (rendered, features) for each house."""
     rendered, features = np.array(pairs).T
     ranked = len(pairs) > 2 and np.ptp(rendered) > 0.0 and np.ptp(features) > 0.0
     rho = float(spearmanr(rendered, features).statistic) if ranked else None

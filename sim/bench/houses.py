@@ -9,7 +9,7 @@ from worlds.variant import variant
 
 
 def configs(config: Scenario, seeds: Sequence[int], openness: float | None = None) -> Iterator[Scenario]:
-    """Yield one configuration for each seed, all else as in `config`.
+    """Yield one scenario for each seed; all other settings are those of `config`.
 
     If `openness` is given, inner walls of every house are opened or closed until the house has that openness. Raises
     `WorldsError` if it is outside [0, 1].

@@ -31,11 +31,11 @@ class Overlap:
     lexis: Seconds
     both: Seconds
     busiest: float
-    """The longer of the times of rendering and of LEXIS while both ran: `render_s` or `slam_s` of a run's result [s]."""
+    """Time of the busier of the two while both ran in parallel: the larger of `render_s` and `slam_s` of the run [s]."""
 
     @property
     def of_the_busiest(self) -> float:
-        """Wall time of both in parallel divided by `busiest`; any excess over 1 was spent waiting for each other."""
+        """Wall time of both in parallel, divided by `busiest`; what exceeds 1 was spent waiting for each other."""
         return self.both.wall / self.busiest
 
     @property
@@ -58,7 +58,7 @@ def measure_overlap(config: Scenario, frames: int, repetitions: int) -> list[Ove
     session = Session(walked.house, part, reported, camera, config.faults, config.seed)
 
     def lexis(observations: Iterable[Observation]) -> float:
-        """Run LEXIS; return the time spent in its stages [s]."""
+        """Run LEXIS; return the total time spent in its stages [s]."""
         slam = Slam(camera, encoder, walked.house.spec.room_labels)
         for observation in observations:
             slam.process(observation)

@@ -22,7 +22,7 @@ _MAX_GEOMS = 20_000
 
 
 def unmerged(house: House) -> Visuals:
-    """The same quads as `visuals(house)`, but each face of the building and each part of an object as a separate visual."""
+    """The same quads as in `visuals(house)`, but each face of the building and each part of an object is its own visual."""
     seen = visuals(house)
     things = [*house.furniture, *house.leaves, *house.windows]
     parts_of = {thing.id: thing.parts for thing in things}

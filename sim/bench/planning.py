@@ -30,7 +30,7 @@ DRIVERS: "MappingProxyType[str, tuple[Steering, bool]]" = MappingProxyType(
         "odometry, blind": ("odometry", True),
     }
 )
-"""Source of waypoints and pose, and whether the robot is blind, by name. All drivers follow the plans of LEXIS."""
+"""Drivers by name: the source of waypoints and pose, and whether the robot is blind. All drivers follow plans of LEXIS."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class PlanningRow:
 def drive_houses(
     config: Scenario, seeds: Sequence[int], pictures: Path | None = None, openness: float | None = None
 ) -> Iterator[PlanningRow]:
-    """Make one run per seed, all else as in `config`, and let every driver drive all plans of the run.
+    """Make one run per seed, with all other settings from `config`, and let every driver drive all plans of the run.
 
     For `openness` see `sim.bench.houses.configs`. `pictures` is a folder for PNGs of the failed drives of the driver LEXIS.
     Raises `SimError` if that folder cannot be made.

@@ -47,17 +47,17 @@ class QueriesRow:
     questions: int
     """Number of questions with a right answer in the map."""
     ranked_first: float | None
-    """Share of these questions for which the room ranked first is a right answer."""
+    """Share of `questions` for which the room that is ranked first is a right answer."""
     answered: float | None
-    """Share of these questions for which the room ranked first is a right answer and probable enough to be reported."""
+    """Share of `questions` for which the room that is ranked first is right, and probable enough to be reported."""
     vain: int
     """Number of questions without a right answer in the map."""
     refused: float | None
-    """Share of these questions for which "unknown" is reported."""
+    """Share of the `vain` questions for which "unknown" is reported."""
 
 
 def ask_houses(config: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
-    """Make one run per seed, all else as in `config`; yield (seed, name of the set of questions, answers)."""
+    """Make one run per seed, with all other settings from `config`; yield (seed, name of the set of questions, answers)."""
     encoder = load_encoder(config.encoder)
     slam, calibration = Lexis(encoder), find_calibration(encoder)
     for seed in seeds:
@@ -83,7 +83,7 @@ def ask_one(
 
 
 def answering_rooms(question: EverydayQuestion, house: House) -> Bool[np.ndarray, "rooms"]:
-    """Whether each room of the house is a right answer to the question."""
+    """For each room of the house, whether it is a right answer to the question."""
     holding = {thing.room for thing in objects(house) if thing.kind in question.kinds}
     answers = np.array([room.label in question.labels or room.id in holding for room in house.rooms])
     return ~answers if question.negated else answers
@@ -96,7 +96,7 @@ def true_rooms(house: House, lexis_map: LexisMap, T_W_B: Float64[np.ndarray, "n 
 
 
 def row_of(answered: Sequence[Answered]) -> QueriesRow:
-    """Summarise answers."""
+    """Compute the figures of several answers."""
     asked = [one for one in answered if one.has_answer]
     vain = [one for one in answered if not one.has_answer]
     return QueriesRow(

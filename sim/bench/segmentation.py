@@ -14,7 +14,7 @@ from sim.harness.loops import edge_truth
 
 @dataclass(frozen=True)
 class SegmentationRow:
-    """The figures of one house."""
+    """The figures of a run in one house: labels, rooms, floors, loops and plans."""
 
     baseline: float | None
     """Label accuracy before refinement."""
@@ -23,16 +23,16 @@ class SegmentationRow:
     pq: float | None
     """Panoptic quality of rooms."""
     floors: float | None
-    """Floor accuracy."""
+    """Share of keyframes with the right floor."""
     odometry_m: float | None
     """ATE of the odometry [m]."""
     ate_m: float | None
     """ATE of the optimised trajectory [m]."""
     false_loops: int
     heavy_false_loops: int
-    """Number of false edges whose weight after optimisation is above 0.5."""
+    """Number of false loop edges whose weight after optimisation is above 0.5."""
     loop_recall: float | None
-    """Share of revisits with a true edge; None if there were no revisits."""
+    """Share of revisits with a true loop edge; None if there were no revisits."""
     plans: float | None
     """Share of plans whose drive reached the goal; None if there were no plans."""
 
@@ -40,7 +40,7 @@ class SegmentationRow:
 def run_houses(
     config: Scenario, seeds: Sequence[int], openness: float | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
-    """Make one run per seed, all else as in `config`; yield (seed, figures). For `openness` see `sim.bench.houses`."""
+    """Make one run for each scenario of `sim.bench.houses.configs`, which has the same arguments; yield (seed, figures)."""
     slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
         finished = run(own, slam)

@@ -32,7 +32,7 @@ _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, default
 
 @dataclass(frozen=True)
 class SpeedFigure:
-    """Median and worst value of a measured figure over repetitions, in the unit of its section."""
+    """Median and worst value of a figure over repeated measurements, in the unit of its section."""
 
     name: str
     median: float
@@ -44,7 +44,7 @@ class SpeedFigure:
 
 @dataclass(frozen=True)
 class Section:
-    """Figures that share a title and a unit."""
+    """A table of speed figures that share a title and a unit."""
 
     title: str
     unit: str
@@ -54,7 +54,7 @@ class Section:
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
     """Measure, section by section, the speed of the simulator.
 
-    Measured are `houses` houses of a preset, with seeds from `seed` upwards; the scene, the frames and the memory of one
+    It measures `houses` houses of a preset, with seeds from `seed` upwards; the scene, the frames and the memory of one
     house; and rendering and LEXIS in the run of the demo.
     """
     yield _houses(preset, houses, seed)

@@ -1,8 +1,8 @@
 """`lexis-sim bench encoders`: how well vision-language models name the rooms of test houses.
 
 `measure` computes the figures of one encoder on the walks of `runs`: labels, `retrieval` of revisited places and answers to
-`questions`. `ceiling` says how much a single image can tell at best, `times` measures inference, and `table` prints and
-plots the paper's Table I. `texts` embeds every text once.
+`questions`. `ceiling` estimates the best accuracy that single images allow, `times` measures inference, and `table` prints
+and plots the paper's Table I. `texts` embeds every text once.
 """
 
 import lazy_loader

@@ -2,8 +2,8 @@
 
 The input of the forest is the true share of the image that shows each kind of thing. A perfect score is impossible: a camera
 that looks through an opening shows mostly the next room, but by the paper's definition only the room that contains the
-camera is right. So the benchmark groups frames by the share of the image that their own room fills. It also reports the
-score of an ideal observer that knows the room label of every pixel and names the label that fills most of the image.
+camera is right. So the benchmark groups frames by the share of the image that the camera's room fills. It also reports the
+score of an ideal observer, which knows the room label of every pixel and names the label that fills most of the image.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,15 +20,19 @@ from sim.training.frames import Frames, frames_by_house
 from worlds.labels import ROOM_LABELS
 
 Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
-"""Predicts the label of every frame's room, as an index into `ROOM_LABELS`, among the labels that occur in the frames."""
+"""A function that predicts for every frame the label of the camera's room, as an index into `ROOM_LABELS`. It chooses only
+among labels of rooms in which at least one of the frames was taken."""
 OWN_ROOM = (0.25, 0.5, 0.75)
-"""Bounds between the bands of frames: shares of the image that show rooms of the camera's own label."""
+"""Limits between bands of frames, by the share of the image that shows rooms with the label of the camera's room."""
 _TREES = 100
 
 
 @dataclass(frozen=True)
 class Band:
-    """The frames whose own room fills between `low` and `high` of the image."""
+    """The frames in which rooms with the label of the camera's room fill a share of the image between `low` and `high`.
+
+    The share `low` itself counts; the share `high` counts only if it is 1.
+    """
 
     low: float
     high: float
@@ -65,17 +69,17 @@ def ceiling_of(work: Path) -> Ceiling:
 
 
 def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
-    """The share of the image that shows rooms of the camera's own label, including the objects in them."""
+    """For each frame, the share of the image that shows rooms with the label of the camera's room, with their objects."""
     return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
 
 
 def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
-    """Whether rooms of the camera's own label fill at least as much of the image as rooms of any other label."""
+    """For each frame, whether no other label's rooms fill more of the image than rooms with the camera room's label."""
     return np.asarray(own_room(frames) >= frames.views.max(axis=1))
 
 
 def by_own_room(own: Float[np.ndarray, "n"], right: Mapping[str, Bool[np.ndarray, "n"]]) -> list[Band]:
-    """Share of right answers by the share of the image that the camera's own room fills; the last band has all frames."""
+    """Compute the shares of right answers for each band between the limits `OWN_ROOM`, and last for all frames together."""
     edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
     inside = [(low, high, np.digitize(own, OWN_ROOM) == i) for i, (low, high) in enumerate(pairwise(edges))]
     return [

@@ -1,6 +1,7 @@
-"""`lexis-sim bench encoders`: how well an encoder labels, retrieves and calibrates on keyframes of test houses.
+"""`lexis-sim bench encoders`: how well an encoder labels keyframes of test houses, finds revisits and answers questions.
 
-Everything is measured on the embeddings alone, before any refinement by LEXIS.
+It also says how well the encoder's probabilities are calibrated. Everything is measured on the embeddings alone, before any
+refinement by LEXIS.
 """
 
 from collections import defaultdict
@@ -27,7 +28,7 @@ _NAME_SETS = 12
 
 @dataclass(frozen=True)
 class EncoderRow:
-    """The figures of one encoder on one house, all in [0, 1]; None if the house lacks the questions or revisits."""
+    """Figures of one encoder on one house, in [0, 1]; a figure is None if the house has no such questions or revisits."""
 
     accuracy: float
     """Zero-shot label accuracy among the labels of the house."""
@@ -41,17 +42,18 @@ class EncoderRow:
     held_out_names: float
     """Mean label accuracy if rooms are given random names that were never used in training."""
     things: float | None
-    """Share of questions for a thing that rank a room of the right label first. The thing stands in rooms of one label."""
+    """Share of right answers to questions for a thing that the house has in rooms of one label only. An answer is right if
+    the room that is ranked first has this label."""
     typical_things: float | None
-    """Share of questions for things that are typical of a room label that rank a room of that label first."""
+    """Share of right answers to questions for things typical of a room label: the room ranked first has this label."""
     activities: float | None
-    """Share of questions for activities that are typical of a room label that rank a room of that label first."""
+    """Share of right answers to questions for activities typical of a room label: the room ranked first has this label."""
     held_out_questions: float | None
-    """Mean of these three shares (things, typical things, activities) for questions in words never used in training."""
+    """Mean of `things`, `typical_things` and `activities`, but for questions in words that were never used in training."""
     trained_looks: float
-    """Label accuracy in pairs of texture and lighting that occur together in training."""
+    """Label accuracy in houses with a texture and a lighting that occur together in training."""
     held_out_looks: float
-    """Label accuracy in pairs of the same textures and lightings that never occur together in training."""
+    """Label accuracy with the same textures and lightings, but in pairs that never occur together in training."""
     trained_variants: float
     """Label accuracy with furniture in trained colours only."""
     held_out_variants: float
@@ -75,18 +77,18 @@ class EncoderFigures:
     confidence: Float[np.ndarray, "n"]
     """Probability of the label that was predicted for each frame."""
     right: Bool[np.ndarray, "n"]
-    """Whether each frame's predicted label is right."""
+    """For each frame, whether the predicted label is right."""
     ceiling_right: Bool[np.ndarray, "n"] | None
-    """Whether the ceiling classifier labels each frame right."""
+    """For each frame, whether the ceiling classifier predicts the right label; None without the classifier."""
     found: Mapping[str, Bool[np.ndarray, "revisits"]]
-    """Whether each revisit was found, by the name of the recall in `EncoderRow`."""
+    """For each revisit, whether it was found; the keys are the names of the recalls in `EncoderRow`."""
     own_room: Float[np.ndarray, "n"]
-    """The share of the image that shows rooms of the camera's own label."""
+    """For each frame, the share of the image that shows rooms with the label of the camera's room."""
     prevails: Bool[np.ndarray, "n"]
-    """Whether rooms of the camera's own label fill at least as much of the image as rooms of any other label."""
+    """For each frame, whether no other label's rooms fill more of the image than rooms with the camera room's label."""
     asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
-    """Loss of label accuracy by (label, held-out name) if only the rooms of that label are given that name."""
+    """Loss of label accuracy if only the rooms of one label get another name; the keys are (label, held-out name)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +214,10 @@ def _held_out_losses(
 
 
 def worst_names(houses: Sequence[EncoderFigures]) -> list[tuple[str, str, float]]:
-    """(label, held-out name, mean loss over houses with rooms of the label) for every name with a loss, worst first."""
+    """List (label, held-out name, mean loss) of all names that cost label accuracy, worst first.
+
+    The mean is over the houses that have rooms of the label.
+    """
     losses: dict[tuple[str, str], list[float]] = defaultdict(list)
     for house in houses:
         for key, loss in house.held_out_losses.items():

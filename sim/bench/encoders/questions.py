@@ -37,10 +37,10 @@ from worlds.labels import ROOM_LABELS
 from worlds.truth import objects
 
 SEEN, SEEN_IN = 0.01, 3
-"""Questions about a thing need at least `SEEN_IN` images in which the thing fills more than a share of `SEEN`."""
+"""Questions ask for a thing only if at least `SEEN_IN` images show it, each on more than the share `SEEN` of its pixels."""
 TRAINED, HELD_OUT_WORDS, HELD_OUT_FRAMES = WORDINGS = "trained", "held-out words", "held-out frames"
 THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
-"""Things that truly stand in the room; things that are typical of it; activities that are typical of it."""
+"""Topics of questions: things that truly stand in a room, things typical of a room, activities typical of a room."""
 
 
 class RoomQuestion(NamedTuple):
@@ -52,19 +52,19 @@ class RoomQuestion(NamedTuple):
     """The kind of thing or the phrase that the question is about."""
     text: str
     answer: str
-    """The label of the right rooms."""
+    """The label of the rooms that are right answers."""
 
 
 @dataclass(frozen=True)
 class AnsweredQuestion:
-    """A question, and the label of the room that it ranks first."""
+    """A question, and the label of the room that was ranked first (`said`)."""
 
     question: RoomQuestion
     said: str
 
     @property
     def right(self) -> bool:
-        """Whether the label of the room that is ranked first is the right answer."""
+        """Whether the room that was ranked first has the right label."""
         return self.said == self.question.answer
 
 
@@ -104,7 +104,10 @@ def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
 
 
 def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
-    """Map from kinds of furniture that are visible and stand in rooms of a single label to this label."""
+    """Return the kinds of furniture that stand in rooms of a single label, each with this label.
+
+    Kinds that too few images of the run show (see `SEEN`) are left out.
+    """
     house = run.house
     labels: dict[str, set[str]] = {}
     for thing in objects(house):
@@ -119,13 +122,13 @@ def standing_in_one(run: EncoderRun) -> Mapping[str, str]:
 
 
 def share_right(asked: Iterable[AnsweredQuestion], topic: str, wording: str) -> tuple[float | None, int]:
-    """Share of right answers to questions of one topic and wording, and number of questions; the share of none is None."""
+    """Share of right answers to questions of one topic and wording (None without questions), and number of questions."""
     right = [a.right for a in asked if (a.question.topic, a.question.wording) == (topic, wording)]
     return (float(np.mean(right)) if right else None), len(right)
 
 
 def failures(asked: Sequence[AnsweredQuestion]) -> list[Failure]:
-    """Group questions by topic, wording, thing and right label; return groups with wrong answers, worst first."""
+    """Group questions by topic, wording, thing and right label; return the groups with wrong answers, the worst first."""
     groups: dict[tuple[str, str, str, str], list[AnsweredQuestion]] = {}
     for one in asked:
         topic, wording, about, _, answer = one.question

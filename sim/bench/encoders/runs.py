@@ -23,11 +23,11 @@ from worlds.house import House, build_house
 from worlds.truth import room_at
 
 TRAINED_LOOKS = tuple((HELD_OUT_LOOKS[i][0], HELD_OUT_LOOKS[1 - i][1]) for i in (0, 1))
-"""The same textures and lightings as in `HELD_OUT_LOOKS`, but in pairs that occur in training."""
+"""Pairs of texture and lighting that occur in training, with the same textures and lightings as in `HELD_OUT_LOOKS`."""
 _MOST = 400
-"""Largest number of keyframes of a walk."""
+"""Largest number of keyframes that are measured on one walk."""
 _LOOKED_AT = 60
-"""Number of keyframes of a walk that are rendered again in every look."""
+"""Number of keyframes of a walk that are rendered again with other textures, lightings and furniture colours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,18 +38,18 @@ class EncoderRun:
     stamps: Float64[np.ndarray, "n"]
     """Time stamps of the keyframes [s]."""
     room: Int[np.ndarray, "n"]
-    """The room that contains the camera, as an index into the house's rooms."""
+    """For each keyframe, the room that contains the camera, as an index into the house's rooms."""
     frames: Frames
     looked_at: Int[np.ndarray, "k"]
     """Indices of the keyframes that were rendered in other looks too."""
     held_out_looks: UInt8[np.ndarray, "looks k h w 3"]
     """Images of the keyframes `looked_at` in pairs of texture and lighting that never occur in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
-    """Images with the same textures and lightings in pairs that occur in training."""
+    """Images of the keyframes `looked_at` with the same textures and lightings, but in pairs that occur in training."""
     held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
-    """Images with furniture in colours that never occur in training."""
+    """Images of the keyframes `looked_at` with furniture in colours that never occur in training."""
     trained_variants: UInt8[np.ndarray, "1 k h w 3"]
-    """Images with furniture in trained colours only."""
+    """Images of the keyframes `looked_at` with furniture in trained colours only."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -63,13 +63,13 @@ class EncoderRun:
 
 
 _OWN = tuple(f.name for f in fields(EncoderRun) if f.name not in ("draw", "frames"))
-"""Fields of a run that are cached in addition to its frames. The draw is not cached, since it is known."""
+"""Fields of a run that are cached in addition to its frames. The `draw` is not cached, because the caller supplies it."""
 
 
 def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) -> Iterator[EncoderRun]:
     """Yield one run per seed, along the same walk that `lexis-sim run` takes.
 
-    Keyframes have the spacing of LEXIS's; on long walks they are farther apart, so that there are at most 400. If a `folder`
+    Keyframes are spaced as in LEXIS; on long walks they are farther apart, so that there are at most 400. If a `folder`
     is given, it is a cache: runs are loaded from it, and new ones are saved in it. Raises `SimError` if a file there cannot
     be read, or was made from other houses or with other settings.
     """

@@ -25,18 +25,18 @@ class Accuracy:
 
     @property
     def mean(self) -> float:
-        """Mean over the runs."""
+        """Mean label accuracy over the runs."""
         return float(np.mean(self.runs))
 
     @property
     def std(self) -> float:
-        """Standard deviation over the runs."""
+        """Standard deviation of the label accuracy over the runs."""
         return float(np.std(self.runs))
 
 
 @dataclass(frozen=True, eq=False)
 class TableRow:
-    """The row of one encoder."""
+    """The row of one encoder in the table: accuracy by preset, and times."""
 
     encoder: str
     weights: str
@@ -48,7 +48,7 @@ class TableRow:
 
     @property
     def cpu(self) -> Timing | None:
-        """Times on one core with default options; None if they could not be measured."""
+        """Times of the encoder on one core with default options; None if they could not be measured."""
         found = self.times.get("cpu")
         return found if isinstance(found, Timing) else None
 

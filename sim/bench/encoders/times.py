@@ -28,7 +28,8 @@ WAYS = {
     "gpu fp16": EncoderOptions(device="cuda", precision="fp16"),
     "gpu fp16 compiled": EncoderOptions(device="cuda", precision="fp16", compiled=True),
 }
-"""Options by name. Images are encoded one at a time on one thread; by default with 32-bit floats and uncompiled."""
+"""Options for loading an encoder, by name. Images are encoded one at a time on one thread, by default with 32-bit floats and
+uncompiled."""
 _WARM_UP, _TIMES = 2, 9
 
 
@@ -45,7 +46,7 @@ class Timing:
 
 
 def timed(model: str, way: str, image: Image) -> Timing | str:
-    """Times of a model with the options `WAYS[way]`, or the reason why the model does not run with these options here."""
+    """Times of a model with the options `WAYS[way]`, or the reason why the model does not run with them on this machine."""
     options = WAYS[way]
     if options.device != "cpu" and not torch.cuda.is_available():
         return "no GPU"
@@ -58,7 +59,10 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """Times of an open_clip architecture with random weights by name in `WAYS`; a failure gives its reason instead."""
+    """Measure an open_clip architecture with random weights.
+
+    The keys are the names `ways`. A value is a text with the reason if the architecture could not be measured in that way.
+    """
     try:
         with random_weights(architecture) as model:
             return {way: timed(model, way, image) for way in ways}

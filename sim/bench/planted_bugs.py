@@ -1,0 +1,227 @@
+"""Planted bugs: systems that claim the truth about a run, except for one thing that each of them gets wrong.
+
+They judge the harness: the reducer has to find the smallest scenario in which a bug shows. A planted bug knows the ground
+truth, which no real SLAM does. It is silent where the scenario lacks what triggers it, such as an open boundary or stairs.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+
+from lexis.maths.paths import arc_length
+from lexis.types import Camera, Observation
+from sim.harness.estimate import Estimate
+from sim.harness.failure_signature import Runner
+from sim.harness.runner import Progress, Run, run
+from sim.harness.scenario import Scenario
+from worlds.truth import boundary_openness, room_graph
+
+Bug = Callable[[Run], Estimate]
+"""Makes claims about a finished run; the estimate of that run holds none yet."""
+
+_OPEN_SHARE = 0.5
+_SMALL_M2 = 6.0
+_WET = ("bathroom", "toilet")
+_CLUTTERED = 5
+_LONG_M = 30.0
+_JUMP_M = 1.0
+_GAP_S = 1.2
+_TILT_RAD = 0.01
+
+
+class _NoClaims:
+    """A SLAM that claims nothing about the frames that it was given."""
+
+    def __init__(self) -> None:
+        self._frames: set[int] = set()
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run. The camera and the names of rooms are ignored."""
+
+    def process(self, observation: Observation) -> None:
+        """Note the number of the frame."""
+        self._frames.add(observation.index)
+
+    def finish(self) -> Estimate:
+        """Return the numbers of all frames."""
+        return Estimate(np.array(sorted(self._frames), int))
+
+
+def planted(bug: Bug) -> Runner:
+    """Make the function that runs a planted bug on a scenario, as `FailureTest` wants it."""
+
+    def runner(scenario: Scenario, progress: Progress | None = None) -> Run:
+        finished = run(scenario, _NoClaims(), progress)
+        return replace(finished, estimate=bug(finished))
+
+    return runner
+
+
+def no_bug(run: Run) -> Estimate:
+    """Claim true poses, labels, rooms and floors."""
+    return replace(run.estimate, T_W_B=run.true_poses, labels=run.true_labels, rooms=run.true_rooms, floors=run.true_storeys)
+
+
+def open_plan(run: Run) -> Estimate:
+    """Swap the labels of two rooms where more than half of the boundary between them is open."""
+    labels, rooms = run.true_labels, run.true_rooms
+    for pair, share in boundary_openness(run.house).items():
+        if share > _OPEN_SHARE:
+            a, b = map(_indices(run).__getitem__, pair)
+            labels[rooms == a], labels[rooms == b] = _label(run, b), _label(run, a)
+    return replace(no_bug(run), labels=labels)
+
+
+def small_rooms(run: Run) -> Estimate:
+    """Give every room of less than 6 m² the label of a neighbour from which a door leads into it."""
+    labels, rooms, place = run.true_labels, run.true_rooms, _indices(run)
+    for passage in room_graph(run.house).passages:
+        for small, other in (passage.rooms, passage.rooms[::-1]):
+            if _area_m2(run, place[small]) < _SMALL_M2:
+                labels[rooms == place[small]] = _label(run, place[other])
+    return replace(no_bug(run), labels=labels)
+
+
+def corners(run: Run) -> Estimate:
+    """Label every room with more than four corners as some other room."""
+    angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the first corner counts twice
+    return replace(no_bug(run), labels=_mislabelled(run, np.array(angular)))
+
+
+def clutter(run: Run) -> Estimate:
+    """Label every room with five pieces of furniture or more as some other room."""
+    pieces = [piece.room for piece in run.house.furniture]
+    full = [pieces.count(room.id) >= _CLUTTERED for room in run.house.rooms]
+    return replace(no_bug(run), labels=_mislabelled(run, np.array(full)))
+
+
+def floors(run: Run) -> Estimate:
+    """Take every floor for the lowest one."""
+    return replace(no_bug(run), floors=np.zeros_like(run.true_storeys))
+
+
+def third_floor(run: Run) -> Estimate:
+    """Take every floor above the second one for the second one."""
+    return replace(no_bug(run), floors=np.minimum(run.true_storeys, 1))
+
+
+def ring(run: Run) -> Estimate:
+    """Merge into one room all rooms that lie on a ring of connected rooms, or on a way between two such rings."""
+    rooms, place = run.true_rooms, _indices(run)
+    beside = {
+        room: {o for p in room_graph(run.house).passages if room in p.rooms for o in p.rooms} - {room} for room in place
+    }
+    while ends := [room for room, others in beside.items() if len(others) < 2]:
+        for end in ends:
+            for other in beside.pop(end):
+                beside[other].discard(end)
+    members = [place[room] for room in beside]
+    rooms[np.isin(rooms, members)] = min(members, default=-1)
+    return replace(no_bug(run), rooms=rooms)
+
+
+def twins(run: Run) -> Estimate:
+    """Take all rooms of one label for one room."""
+    return replace(no_bug(run), rooms=run.true_labels)
+
+
+def revisits(run: Run) -> Estimate:
+    """Take a room that is entered again for a new one."""
+    return replace(no_bug(run), rooms=np.cumsum(np.diff(run.true_rooms, prepend=-1) != 0))
+
+
+def drift(run: Run) -> Estimate:
+    """Claim the poses of the odometry."""
+    return replace(no_bug(run), T_W_B=run.odometry_poses)
+
+
+def kidnap(run: Run) -> Estimate:
+    """Miss every step of more than a metre that the odometry does not report."""
+    jumps = (_steps_m(run.true_poses) > _JUMP_M) & (_steps_m(run.odometry_poses) < _JUMP_M)
+    return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, jumps))
+
+
+def gaps(run: Run) -> Estimate:
+    """Miss the motion wherever no observation arrives for more than 1.2 s."""
+    return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, np.diff(run.stamps) > _GAP_S))
+
+
+def long_walks(run: Run) -> Estimate:
+    """Notice no motion after 30 m of walk."""
+    travelled_m = arc_length(run.true_poses[:, :3, 3])
+    return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, travelled_m[1:] > _LONG_M))
+
+
+def gait(run: Run) -> Estimate:
+    """Push the position aside by a metre for each 0.1 rad that the body rolls."""
+    poses = run.true_poses.copy()
+    roll_rad = np.arcsin(np.clip(poses[:, 2, 1], -1.0, 1.0))
+    poses[:, 0, 3] += np.where(np.abs(roll_rad) > _TILT_RAD, 10.0 * roll_rad, 0.0)
+    return replace(no_bug(run), T_W_B=poses)
+
+
+def wet_rooms(run: Run) -> Estimate:
+    """Raise ZeroDivisionError in a bathroom or a toilet."""
+    if any(run.room_names[label] in _WET for label in run.true_labels):
+        raise ZeroDivisionError("the area of a wet room")
+    return no_bug(run)
+
+
+def nan_poses(run: Run) -> Estimate:
+    """Raise FloatingPointError where a pose of the odometry is not finite."""
+    if not all(np.isfinite(given.T_O_B).all() for given in run.given.values()):
+        raise FloatingPointError("the odometry is not finite")
+    return no_bug(run)
+
+
+BUGS: Mapping[str, Bug] = MappingProxyType(
+    {
+        bug.__name__.replace("_", " "): bug
+        for bug in (
+            no_bug,
+            *(open_plan, small_rooms, corners, clutter),
+            *(floors, third_floor),
+            *(ring, twins, revisits),
+            *(drift, kidnap, gaps, long_walks, gait),
+            *(wet_rooms, nan_poses),
+        )
+    }
+)
+"""All planted bugs by name: none, those of labels, floors, room instances, poses, and those that raise an exception."""
+
+
+def _indices(run: Run) -> dict[str, int]:
+    """Index into `house.rooms` by the id of a room."""
+    return {room.id: k for k, room in enumerate(run.house.rooms)}
+
+
+def _label(run: Run, room: int) -> int:
+    """Index into `room_names` of the label of a room."""
+    return run.room_names.index(run.house.rooms[room].label)
+
+
+def _area_m2(run: Run, room: int) -> float:
+    return float(run.house.rooms[room].polygon.area)
+
+
+def _mislabelled(run: Run, wrong: Bool[np.ndarray, "rooms"]) -> Int[np.ndarray, "n"]:
+    """The true labels, but the next one in the list of names where the camera is in a room that is wrong."""
+    shift = wrong[run.true_rooms] if len(run.room_names) > 1 else np.zeros(len(run.true_rooms), bool)
+    return np.asarray((run.true_labels + shift) % len(run.room_names))
+
+
+def _steps_m(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "m"]:
+    """Distances between the positions of successive poses [m]."""
+    return np.asarray(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1))
+
+
+def _without_steps(poses: Float64[np.ndarray, "n 4 4"], missed: Bool[np.ndarray, "m"]) -> Float64[np.ndarray, "n 4 4"]:
+    """The poses, moved back by the steps between successive poses that are missed; orientations stay."""
+    lost = np.zeros((len(poses), 3))
+    lost[1:] = np.cumsum(np.diff(poses[:, :3, 3], axis=0) * missed[:, None], axis=0)
+    moved = poses.copy()
+    moved[:, :3, 3] -= lost
+    return moved

@@ -1,0 +1,221 @@
+"""Proof of the reducer: scenarios in which planted bugs show are reduced, and the laws of a reduction are checked."""
+
+import multiprocessing
+import runpy
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import repeat
+from pathlib import Path
+
+import numpy as np
+
+from sim.bench.failing_scenarios import FAMILIES, Family, failing_scenario
+from sim.harness.blame_table import BlameTable
+from sim.harness.failure_folder import Replay, replay_test, write_failure
+from sim.harness.failure_signature import FailureTest
+from sim.harness.reducer import Reduction, is_valid, reduce
+from sim.harness.scenario import Scenario
+from sim.harness.walk import walk
+
+_NO_BUG = "no bug"
+_PYTEST_FAILED = 1
+"""Exit status of pytest where a test failed."""
+
+
+@dataclass(frozen=True)
+class ProofPlan:
+    """The scenarios that a proof reduces, its limits, and the folder of its files."""
+
+    seed: int
+    """Seed of the scenarios."""
+    deadline_s: float
+    """Time for the reduction of one scenario [s]."""
+    most_rooms: int
+    """Greatest number of rooms in a house, without corridors, halls and stairs."""
+    out: Path
+    """Folder for the failure folders of reductions; only those that break a law are kept."""
+    pytests: int
+    """Every test_replay.py is called in this process. For one in `pytests` scenarios (0: none), pytest runs it as well."""
+
+
+@dataclass(frozen=True)
+class ReductionProof:
+    """How the reduction of one scenario went."""
+
+    number: int
+    family: Family
+    rooms: tuple[int, int]
+    """Number of rooms before and after."""
+    walk_m: tuple[float, float]
+    """Lengths of the tours before and after [m]."""
+    tried: int
+    """Number of candidates (smaller scenarios) that were tried."""
+    seconds: float
+    """Wall time of the reduction [s]."""
+    in_time: bool
+    """Whether the search ended before the deadline."""
+    broken: tuple[str, ...]
+    """The laws that the reduction breaks."""
+
+
+def family_of(number: int) -> Family:
+    """The family of the scenario with this number: the families take turns."""
+    return FAMILIES[number % len(FAMILIES)]
+
+
+def prove(plan: ProofPlan, scenarios: int, processes: int) -> Iterator[ReductionProof]:
+    """Reduce scenarios 0, 1, ... in several processes and check the laws; yield the proofs in order.
+
+    Raises `SimError` if no failing scenario is found for a family.
+    """
+    if processes == 1:
+        yield from map(prove_one, range(scenarios), repeat(plan))
+        return
+    context = multiprocessing.get_context("spawn")  # a forked process would inherit the locks of running threads
+    with ProcessPoolExecutor(processes, context) as pool:
+        try:
+            yield from pool.map(prove_one, range(scenarios), repeat(plan))
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
+    """Draw one scenario, reduce it, and check the laws. Its failure folder is kept only if a law is broken."""
+    family = family_of(number)
+    scenario = failing_scenario(family, plan.seed, number, plan.most_rooms)
+    test = family.test()
+    start = time.perf_counter()
+    reduction = reduce(scenario, test, plan.deadline_s)
+    seconds = time.perf_counter() - start
+    folder = folder_of(number, plan)
+    own_pytest = plan.pytests > 0 and (number + 1) % plan.pytests == 0
+    broken = tuple(broken_laws(reduction, test, family.bug, folder, own_pytest))
+    if broken:
+        scenario.save(folder.with_suffix(".json"))
+    elif folder.is_dir():
+        shutil.rmtree(folder)
+    before, after = reduction.sizes
+    lengths = _length_m(reduction.original), _length_m(reduction.scenario)
+    in_time = reduction.ended == "smallest"
+    return ReductionProof(number, family, (before.rooms, after.rooms), lengths, reduction.tried, seconds, in_time, broken)
+
+
+def folder_of(number: int, plan: ProofPlan) -> Path:
+    """The failure folder of a scenario; the scenario itself is kept beside it, with the suffix .json."""
+    return plan.out / f"{family_of(number).bug.replace(' ', '-')}-{number}"
+
+
+def _length_m(scenario: Scenario) -> float:
+    return float(walk(scenario).tour.length_m)
+
+
+def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path, own_pytest: bool) -> Iterator[str]:
+    """Yield the laws that a reduction breaks, in words, and write its failure folder to `folder`.
+
+    The laws: the smallest scenario is valid, fails with the signature of the original, and is no larger than the original.
+    The test in the folder fails, and passes for the SLAM without the bug.
+    """
+    if not is_valid(reduction.scenario):
+        yield "valid: the house of the smallest scenario breaks a rule"
+        return
+    before, after = reduction.sizes
+    if after > before:
+        yield f"no larger: {after} is larger than {before}"
+    if (found := replace(test)(reduction.scenario)) != reduction.signature:  # a new test, which has kept no run
+        yield f"same signature: {found} instead of {reduction.signature}"
+        return
+    replay = Replay("from sim.bench.planted_bugs import BUGS, planted", f"planted(BUGS[{bug!r}])(scenario)")
+    _write(folder, reduction, test, replay)
+    yield from broken_replays(folder, bug, own_pytest)
+
+
+def _write(folder: Path, reduction: Reduction, test: FailureTest, replay: Replay) -> None:
+    """Write the folder of a failure; if the SLAM raises an exception, there is no run to show, only one to replay."""
+    if test.claim is not None:
+        write_failure(folder, reduction, test, BlameTable(()), replay)
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    reduction.scenario.save(folder / "scenario.json")
+    (folder / "test_replay.py").write_text(replay_test(test, replay))
+
+
+def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
+    """Yield the laws that the test in a failure folder breaks, in words."""
+    replay = folder / "test_replay.py"
+    if not _fails(replay):
+        yield "replays: test_replay.py passes, although the bug is there"
+    mended = folder / "test_mended.py"
+    mended.write_text(replay.read_text().replace(repr(bug), repr(_NO_BUG)))
+    if _fails(mended):
+        yield "replays: test_replay.py fails without the bug"
+    if own_pytest and (status := _pytest_status(replay)) != _PYTEST_FAILED:
+        yield f"replays: pytest test_replay.py ends with status {status} instead of {_PYTEST_FAILED}"
+
+
+def _fails(file: Path) -> bool:
+    """Whether the test in a file raises anything, if it is called in this process."""
+    try:
+        runpy.run_path(str(file))["test_replay"]()
+    except Exception:
+        return True
+    return False
+
+
+def _pytest_status(file: Path) -> int:
+    return subprocess.run([sys.executable, "-m", "pytest", "-q", file.name], cwd=file.parent, capture_output=True).returncode
+
+
+@dataclass(frozen=True)
+class ReductionSummary:
+    """Sizes and times of the reductions of one family: median, 90 % quantile and worst."""
+
+    family: str
+    scenarios: int
+    in_time: int
+    """How many searches ended before the deadline."""
+    broken: int
+    """How many reductions break a law."""
+    least_rooms: int | None
+    """Least number of rooms in which the bug can show; None for all families together."""
+    rooms_before: float
+    """Median number of rooms of the original scenarios."""
+    rooms: tuple[float, float, float]
+    walk_before_m: float
+    """Median length of the original tours [m]."""
+    walk_m: tuple[float, float, float]
+    tried: tuple[float, float, float]
+    seconds: tuple[float, float, float]
+
+
+def summaries(proofs: Sequence[ReductionProof]) -> Iterator[ReductionSummary]:
+    """One summary for each family that occurs, and one for all of them."""
+    for family in FAMILIES:
+        if members := [proof for proof in proofs if proof.family == family]:
+            yield _summary(family.bug, family.rooms, members)
+    yield _summary("all", None, proofs)
+
+
+def _summary(name: str, least_rooms: int | None, proofs: Sequence[ReductionProof]) -> ReductionSummary:
+    def spread(value: Callable[[ReductionProof], float]) -> tuple[float, float, float]:
+        values = [float(value(proof)) for proof in proofs]
+        median, most, worst = np.quantile(values, [0.5, 0.9, 1.0], method="higher").tolist()
+        return median, most, worst
+
+    return ReductionSummary(
+        name,
+        len(proofs),
+        sum(proof.in_time for proof in proofs),
+        sum(bool(proof.broken) for proof in proofs),
+        least_rooms,
+        spread(lambda proof: proof.rooms[0])[0],
+        spread(lambda proof: proof.rooms[1]),
+        spread(lambda proof: proof.walk_m[0])[0],
+        spread(lambda proof: proof.walk_m[1]),
+        spread(lambda proof: proof.tried),
+        spread(lambda proof: proof.seconds),
+    )

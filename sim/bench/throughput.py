@@ -1,0 +1,85 @@
+"""`lexis-sim bench throughput`: houses per second in tests that do not render, with all processor cores at work.
+
+Every worker process handles houses of its own, as the workers of a parallel pytest do. What a process does only once,
+such as to import the libraries and to load the encoder, is done before the clock starts.
+"""
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+from sim.harness.figures import evaluate
+from sim.harness.runner import run
+from sim.harness.scenario import Scenario
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+from worlds.validation import built_and_checked
+
+_ROOMS, _LENGTH_M = 7, 140.0
+"""Number of rooms, to which corridors, halls and stairs are added, and length of the tour [m], about 250 keyframes."""
+_WARM_UP_SEED = 1
+
+
+@dataclass(frozen=True)
+class Handled:
+    """A house that a worker process has tested: the time, and the number of frames."""
+
+    seconds: float
+    """Wall time for the house [s]."""
+    rooms: int
+    frames: int
+    """Frames that the SLAM made claims about, its keyframes in the case of LEXIS; 0 if no SLAM ran."""
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """The speed of tests of one kind ("layout" or "features"), in houses per second."""
+
+    tier: str
+    wanted: float
+    """Required number of houses per second."""
+    per_second: float
+    """Measured number of houses per second, by all workers together."""
+    handled: tuple[Handled, ...]
+
+
+def measure_throughput(houses: int, seed: int, workers: int | None = None) -> Iterator[Throughput]:
+    """Measure the tiers `layout` and `features` on homes with seeds from `seed` upwards, in as many processes as cores."""
+    workers = workers or os.cpu_count() or 1
+    for tier, wanted, handle in (("layout", 30.0, check_layout), ("features", 2.0, run_on_features)):
+        yield _measured(tier, wanted, handle, range(seed, seed + houses), workers)
+
+
+def check_layout(seed: int) -> Handled:
+    """Draw a house, build it and check it, as the fixture `house` does."""
+    start = time.perf_counter()
+    house = built_and_checked(_house(seed))
+    return Handled(time.perf_counter() - start, len(house.rooms), 0)
+
+
+def run_on_features(seed: int) -> Handled:
+    """Draw a house, let LEXIS map it on the feature sensor, and compute all figures except those of plans."""
+    start = time.perf_counter()
+    scenario = Scenario(
+        house=_house(seed), seed=seed, length_m=_LENGTH_M, frame_rate_hz=FEATURES_FRAME_RATE_HZ, fidelity="features"
+    )
+    finished = run(scenario)
+    evaluate(finished, [])
+    return Handled(time.perf_counter() - start, len(finished.house.rooms), len(finished.estimate.frames))
+
+
+def _house(seed: int) -> HouseSpec:
+    return sample_house("home", seed, rooms=_ROOMS)
+
+
+def _measured(tier: str, wanted: float, handle: Callable[[int], Handled], seeds: range, workers: int) -> Throughput:
+    context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
+    with ProcessPoolExecutor(workers, context, initializer=handle, initargs=(_WARM_UP_SEED,)) as pool:
+        list(pool.map(time.sleep, [0.2] * 2 * workers))  # makes the pool start all of its workers
+        start = time.perf_counter()
+        handled = tuple(pool.map(handle, seeds))
+        return Throughput(tier, wanted, len(seeds) / (time.perf_counter() - start), handled)
