@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -23,7 +24,7 @@ PACKAGES = (
 PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
 _OTHERS = ("cv2", "opencv", "scipy")
-"""Prefixes of the folders of packages that ship an OpenBLAS of their own, which numpy does not use."""
+"""How the folders of packages begin that bring a copy of OpenBLAS for themselves, which numpy does not use."""
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
@@ -55,11 +56,17 @@ def versions() -> dict[str, str | None]:
     """Return for result.json all that affects a result's last digits: packages, processor, BLAS kernels and GL back end."""
     return {
         "python": platform.python_version(),
-        **{package: version(package) for package in PACKAGES},
+        **_package_versions(),
         "machine": platform.machine(),
         "openblas_kernels": _openblas_kernels(),
         "gl": os.environ.get("MUJOCO_GL"),
     }
+
+
+@cache
+def _package_versions() -> dict[str, str]:
+    """The versions of all packages, which cannot change while this process runs; reading them takes 0.1 s."""
+    return {package: version(package) for package in PACKAGES}
 
 
 def _openblas_kernels() -> str | None:

@@ -1,4 +1,4 @@
-"""Overview pages of many houses: their floor plans, and one view of a room of each label."""
+"""Overview pages of many houses: a page of floor plans, and a page that shows one room of each label."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -30,9 +30,9 @@ _CAPTION_PX = 26
 _EYE_M = 1.5
 _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
-"""Least distance of pixels that do not reduce the score of a view [m]."""
+"""Distance from the camera below which pixels reduce the score of a view [m]."""
 _MOST_SHARE = 0.06
-"""Largest share of the image that counts in an object's score: several objects tell more than one large object."""
+"""Share of the image up to which an object adds to a view's score: several objects tell more than one large object."""
 _PITCH_RAD = math.radians(12.0)
 _ROOMS_PER_HOUSE = 2
 

@@ -13,7 +13,7 @@ Writer = Callable[[House, Path], None]
 
 
 def writer_for(path: Path, writers: Mapping[str, Writer]) -> Writer:
-    """Return the writer for the suffix of `path`. Raises `SimError` if `writers` has none."""
+    """Return the writer for the suffix of `path`. Raises `SimError` if `writers` has no writer for it."""
     if path.suffix.lower() not in writers:
         raise SimError(f"{path}: has no suffix that can be written; valid: a name with {' or '.join(writers)}")
     return writers[path.suffix.lower()]
@@ -66,4 +66,4 @@ MODELS: Mapping[str, Writer] = MappingProxyType(
 """Writers by suffix. glb: glTF. xml: MJCF, with a folder of textures beside the file. json: the ground truth. geojson: rooms
 and openings, in the format that the floor plan import reads."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
-"""Writers by suffix, which draw the floor plans of all storeys side by side."""
+"""Writers of pictures, by suffix. A picture shows the floor plans of all storeys side by side."""

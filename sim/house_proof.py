@@ -42,11 +42,11 @@ class Case:
 
 @dataclass(frozen=True)
 class Proof:
-    """The result of checking one house."""
+    """The result of checking one generated house."""
 
     case: Case
     seconds: float
-    """Processor time for plan, openings, stairs, windows, furniture, truth and validation [s]. Other load does not count."""
+    """Processor time of this process for plan, openings, stairs, windows, furniture, truth and validation [s]."""
     failure: str | None
     """Why the house is invalid or differs when generated again; None if it passed."""
 
@@ -59,7 +59,10 @@ class _Made:
 
 
 def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
-    """List `count` houses with seeds from `seed` up, cycling through presets; every other round varies openness, clutter."""
+    """List `count` houses with seeds from `seed` up, cycling through presets.
+
+    Every other round through the presets also varies openness and clutter.
+    """
     rounds = ((i, i // len(presets)) for i in range(count))
     return [
         Case(
@@ -73,7 +76,10 @@ def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
 
 
 def prove(wanted: Sequence[Case], processes: int) -> Iterator[Proof]:
-    """Check houses in `processes` (at least two, as each house is generated in two) and yield the results in order."""
+    """Check houses in several processes, and yield the results in order.
+
+    At least two processes are used, even for `processes` below 2, because each house is generated in two of them.
+    """
     # Spawned processes start as another run would: with another hash seed and with empty caches.
     context = multiprocessing.get_context("spawn")
     workers = max(1, processes // 2)

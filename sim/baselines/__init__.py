@@ -1,6 +1,6 @@
 """Other methods that LEXIS is compared with.
 
-`orb_words` is place recognition by ORB and a bag of visual words, and `orb_vocabulary` learns its words.
+`orb_words` is place recognition by ORB and a bag of visual words, and `orb_vocabulary` learns the visual words.
 """
 
 import lazy_loader

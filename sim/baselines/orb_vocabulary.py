@@ -18,7 +18,7 @@ _FILE = "orb-words.npz"
 
 
 def orb_vocabulary(work: Path | None = None) -> OrbWords:
-    """Learn the vocabulary, which takes less than a minute, or load it from the work folder; a new one is saved there.
+    """Load the vocabulary from the work folder; if it is missing, learn it (less than a minute) and save it there.
 
     Raises `SimError` if the file there cannot be read, or was made from other houses or with other settings.
     """

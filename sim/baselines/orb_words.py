@@ -32,13 +32,13 @@ class OrbWords:
     """A vocabulary of visual words, which converts images to tf-idf histograms."""
 
     words: UInt8[np.ndarray, "words 32"]
-    """Binary descriptors, eight bits to a byte."""
+    """Binary descriptor of every word, eight bits to a byte."""
     weights: Float32[np.ndarray, "words"]
     """Inverse document frequency of every word: log(number of images / number of images with the word)."""
 
     @staticmethod
     def learned(images: Iterable[Image], rng: np.random.Generator, words: int = WORDS) -> "OrbWords":
-        """Learn a vocabulary from images. Raises `SimError` if they have fewer different descriptors than `words`."""
+        """Learn `words` visual words from images. Raises `SimError` if the images have fewer different descriptors."""
         found = [orb_descriptors(image) for image in images]
         every = np.concatenate(found) if found else np.zeros((0, _BYTES), np.uint8)
         sample = np.unique(every[rng.permutation(len(every))[:_MOST_DESCRIPTORS]], axis=0)

@@ -28,7 +28,7 @@ FAULTS: Mapping[str, type[Fault]] = MappingProxyType(
 
 
 def parse_fault(text: str) -> Fault:
-    """Parse a fault: `name`, `name:value` with its first field's value, or `name:value,field=value,...`.
+    """Parse a fault: `name`, `name:value` with the value of the fault's first field, or `name:value,field=value,...`.
 
     Values have the units of the fields. Raises `SimError` for an unknown name or field, for a field that is given twice, and
     for a value that is no number or out of range.
@@ -51,7 +51,7 @@ def parse_fault(text: str) -> Fault:
 
 
 def written(fault: Fault) -> str:
-    """Write a fault in the notation of `parse_fault`, with all fields that are set."""
+    """Convert a fault to text in the notation of `parse_fault`, with all fields that are not None."""
     values = {of.name: getattr(fault, of.name) for of in settings(type(fault))}
     return f"{fault.name}:{','.join(f'{name}={value:g}' for name, value in values.items() if value is not None)}"
 

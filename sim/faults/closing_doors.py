@@ -14,10 +14,10 @@ from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
-"""Distances of the body at which a door is fully open and fully closed [m]. The first exceeds a leaf's width, so that no
-leaf swings through the body."""
+"""Distances between body and door at which a door is fully open and fully closed [m]. The first exceeds a leaf's width, so
+that no leaf swings through the body."""
 _REACH_M = 3.0
-"""Largest height of a body above a door's lower end at which both are on one storey [m]."""
+"""A body is on the storey of a door if it is at most this far above the door's lower end [m]."""
 
 
 @dataclass(frozen=True, eq=False)

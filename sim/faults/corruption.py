@@ -17,7 +17,7 @@ def fault_rng(seed: int, place: int) -> np.random.Generator:
 
 
 def corrupted(stream: Stream, faults: Sequence[Fault], seed: int) -> Stream:
-    """Apply those `faults` that change observations, in order; faults of the world only count for the positions."""
+    """Apply the faults of the stream, in order. Faults of the world are skipped, but they take a position in the order."""
     for place, fault in enumerate(faults):
         if isinstance(fault, StreamFault):
             stream = fault.apply(stream, fault_rng(seed, place))

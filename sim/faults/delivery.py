@@ -14,7 +14,7 @@ from sim.truth import Stream, Truth
 
 @dataclass(frozen=True)
 class Dropped(StreamFault):
-    """Frames are lost. The odometry continues, so the next frame's covariance covers the gap; that frame is marked."""
+    """Frames are lost. The odometry continues. The first frame after a gap is marked, and its covariance covers the gap."""
 
     name = "dropped"
     share: float = setting(0.1, 0.0, 1.0)
@@ -64,7 +64,7 @@ class Frozen(StreamFault):
     share: float = setting(0.05, 0.0, 1.0)
     """Share of the frames that show an old image."""
     burst: int = setting(10, 1)
-    """Number of frames in a row that show the image of the frame before them."""
+    """Number of consecutive frames that repeat the last image before them."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream with frozen images."""

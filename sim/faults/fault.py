@@ -1,4 +1,7 @@
-"""Base classes of faults: frozen dataclasses whose fields have valid ranges, named as in truth and on the command line."""
+"""Base classes of faults: frozen dataclasses whose fields have valid ranges.
+
+The truth and the command line use the `name` of a fault and the names of its fields.
+"""
 
 import math
 from abc import ABC, abstractmethod

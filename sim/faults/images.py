@@ -14,16 +14,18 @@ from sim.faults.fault import FrameFault, SpanFault, setting
 from sim.truth import Stream
 
 _GAMMA = 2.2
-"""Gamma of the camera."""
+"""Exponent of the camera's gamma curve, which maps light to grey levels."""
 _HAZE, _HAZE_LEVEL = 0.25, 190.0
-"""Share and grey level of the light that grease scatters."""
+"""Share of a greasy pixel's value that is scattered light, and the grey level of this light."""
 _PATCH, _EDGE = 0.08, 0.5
-"""Size of patches [image widths], and width of their soft edges [standard deviations of the underlying noise]."""
+"""Grease lies where smoothed noise exceeds a threshold. `_PATCH` is the standard deviation of the smoothing [image widths],
+which sets the size of the patches. `_EDGE` is the range of values around the threshold over which a patch fades in [standard
+deviations of the smoothed noise]."""
 
 
 @dataclass(frozen=True)
 class ImageFault(FrameFault):
-    """A fault that changes the images of its span."""
+    """A fault that changes all images of its time span."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
         """Return the observation with the changed image."""
@@ -40,7 +42,7 @@ class Blur(ImageFault):
 
     name = "blur"
     pixels: int = setting(9, 1, 200)
-    """Length of the line [px]."""
+    """Length of the horizontal line that each point is blurred to [px]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
         """Return the image, averaged along the line."""

@@ -13,11 +13,11 @@ from shapely.geometry import MultiPoint
 from worlds.house import Furniture, House
 
 _TRIES = 30
-"""Number of places that are tried for a piece."""
+"""Number of places that are tried for each piece of furniture."""
 _WALL_M = 0.1
 """Least distance of moved furniture from the polygon of its room, which runs along the centre of walls [m]."""
 _BODY_M = 0.3
-"""Least distance of moved furniture from the rest of the body's path [m]."""
+"""Least distance of moved furniture from the part of the path that the body still has to walk [m]."""
 _ON_FLOOR_M = 0.02
 """Largest height of the underside of a piece that stands on the floor [m]."""
 _FIXED = frozenset(
@@ -27,7 +27,7 @@ _FIXED = frozenset(
         *("tree", "hedge", "flower bed", "sandpit", "garden shed", "swing", "fume hood", "lab bench", "wall bars"),
     )
 )
-"""Kinds that are fixed in place."""
+"""Kinds of furniture that are never moved, because they are fixed in place."""
 
 
 def with_furniture_moved(

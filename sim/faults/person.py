@@ -33,7 +33,7 @@ class Looks:
 
 
 def draw_person(rng: np.random.Generator) -> Looks:
-    """Draw a person's colours, and a height between 1.55 and 1.95 m."""
+    """Choose the colours of a person, and a height between 1.55 and 1.95 m, at random."""
     skin, shirt, trousers = (shades[int(rng.integers(len(shades)))] for shades in (_SKIN, _SHIRTS, _TROUSERS))
     return Looks(float(rng.uniform(1.55, 1.95)), skin, shirt, trousers)
 
@@ -53,7 +53,7 @@ class Person(Actor):
     looks: Looks
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
-        """Return the person's body at a phase of its step, or nothing if it would run into the camera."""
+        """Return the walking person's body at time `stamp` [s], or nothing if the person would be too near the camera."""
         T_W_P = self.tour.pose_at(self.start_s + self.ahead_s + self.pace * (stamp - self.start_s))
         x, y, z = T_W_P[:3, 3]
         if np.hypot(x - T_W_B[0, 3], y - T_W_B[1, 3]) < _MANNERS_M:

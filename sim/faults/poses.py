@@ -17,14 +17,14 @@ class OdometryJump(StreamFault):
 
     name = "odometry-jump"
     at_s: float = setting(60.0, 0.0)
-    """Time of the event after the start of the tour [s]."""
+    """Time after the start of the tour at which the odometry jumps [s]."""
     distance_m: float = setting(1.0, 0.0)
     """Length of the jump [m]."""
     turn_rad: float = setting(0.2, 0.0, math.pi)
     """Change of yaw, of random sign [rad]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with all poses from the jump on moved by the same rigid motion."""
+        """Yield the stream. From the jump on, all estimated poses are displaced by one rigid motion."""
         direction, sign = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 1.0])
         move = np.eye(4)
         move[:3, :3] = exp(np.array([0.0, 0.0, sign * self.turn_rad, 0.0, 0.0, 0.0]))[:3, :3]
@@ -86,15 +86,15 @@ class OdometryNaN(SpanFault):
 
 @dataclass(frozen=True)
 class Kidnap(StreamFault):
-    """The body is moved elsewhere between two frames, which neither odometry nor clock notices.
+    """The body is moved elsewhere between two frames. Neither the odometry nor the clock notices it.
 
-    It is simulated by cutting a stretch out of the tour. All frames after it are marked: their estimated poses and their
-    stamps, also the true ones, are shifted as if the stretch had not been there.
+    It is simulated by cutting a stretch out of the tour. All frames after the stretch are marked. Their estimated
+    poses, their stamps and their true stamps are shifted as if the stretch had not been there.
     """
 
     name = "kidnap"
     at_s: float = setting(60.0, 0.0)
-    """Time of the event after the start of the tour [s]."""
+    """Time after the start of the tour at which the body is moved [s]."""
     skip_s: float = setting(20.0, 0.0)
     """Duration of the stretch that is cut out [s]. The body continues from its place at the end of this stretch."""
 

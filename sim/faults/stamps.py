@@ -14,12 +14,12 @@ from sim.truth import Stream, Truth
 class StampOffset(StreamFault):
     """The clocks of camera and odometry differ: each image gets the stamp and the pose of an earlier or later frame.
 
-    Frames at one end of the stream have no earlier or later frame as a partner and are lost.
+    Frames at one end of the stream have no such partner and are lost.
     """
 
     name = "stamp-offset"
     frames: int = setting(1, -100, 100)
-    """Frames by which the camera's clock is ahead of the odometry's; negative: behind."""
+    """Number of frames by which the camera's clock is ahead of the odometry's; negative if it is behind."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
         """Yield the stream with each image beside the stamp and pose of another frame."""

@@ -24,12 +24,13 @@ class WorldState:
 
 @dataclass(frozen=True)
 class WorldFault(Fault):
-    """A change of the world during the tour. All frames of its span are marked, whether the change is in view or not."""
+    """A change of the world during the tour. All frames while it lasts are marked, whether the change is in view or not."""
 
     at_s: float | None = setting(None, 0.0, kw_only=True)
-    """Time after the start of the tour at which the change happens [s]; None: halfway, so between two laps."""
+    """Time after the start of the tour at which the change happens [s]. None: halfway through the tour, that is
+    between the laps of a tour of two laps."""
     for_s: float = setting(np.inf, 0.0, kw_only=True)
-    """Duration of the change [s]."""
+    """Duration of the change from `at_s` [s]."""
 
     def span_s(self, tour: Tour) -> tuple[float, float]:
         """Return the start and end times of the change [s]."""
@@ -49,9 +50,9 @@ class MovedFurniture(WorldFault):
     share: float = setting(0.3, 0.0, 1.0)
     """Share of the loose pieces on the floor that are moved. Pieces without free space to move stay in place."""
     within_m: float = setting(1.5, 0.0)
-    """Largest shift [m]."""
+    """Largest shift of a piece [m]."""
     turn_rad: float = setting(0.5, 0.0, np.pi)
-    """Largest rotation [rad]."""
+    """Largest rotation of a piece [rad]."""
 
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
         """Return the world with moved furniture."""

@@ -41,7 +41,7 @@ class ImuConfig(Settings, place="imu", error=SimError):
 
 @dataclass(frozen=True, eq=False)
 class Imu:
-    """Measurements in B."""
+    """Measurements of an inertial sensor in the body frame B, and its biases."""
 
     stamps: Float64[np.ndarray, "n"]
     """Times of the measurements [s]."""
@@ -56,10 +56,10 @@ class Imu:
 
 
 def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
-    """Measurements without errors, from the motion's exact derivatives, from its start to its end.
+    """Compute error-free measurements from start to end of a motion, by its exact derivatives.
 
-    Integrated at 200 Hz to fourth order (cubics through four samples, two terms of Magnus's series for the rotation) they
-    give a minute of the trajectory back within 0.2 mm, sway or not; the trapezoidal rule gives 2-7 cm.
+    Integrated at 200 Hz to fourth order (cubics through four samples, two terms of Magnus's series for the rotation), the
+    measurements reproduce a minute of the trajectory to 0.2 mm, with or without sway; the trapezoidal rule, to 2-7 cm.
     """
     t = np.arange(round(motion.duration_s * rate_hz) + 1) / rate_hz
     force = motion.acceleration(t) + [0.0, 0.0, GRAVITY_M_S2]
@@ -68,7 +68,7 @@ def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
 
 
 def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
-    """The measurements with white noise and biases, which are drawn once by the turn-on deviations and walk from there.
+    """Add white noise and biases to measurements. Initial biases are drawn with the turn-on deviations; then they drift.
 
     Raises `SimError` where the measurements are not at the config's rate.
     """

@@ -1,6 +1,6 @@
-"""Runs as datasets for other programs: EuRoC ASL, TUM RGB-D and ROS 2 bags. The truth lies beside, in files of its own.
+"""Runs as datasets for other programs: EuRoC ASL, TUM RGB-D and ROS 2 bags. The truth is in separate files.
 
-`recording` writes a dataset, for which `take` collects what all sensors report on one tour; `euroc`, `tum_rgbd` and `ros2`
+`recording` writes a dataset, for which `take` collects the data of all sensors on one tour; `euroc`, `tum_rgbd` and `ros2`
 (with `messages`) write it in one form each; `settings` writes the calibration files of other SLAM systems, and `rooms` the
 true rooms. `lexis run` makes the same map from a recording as LEXIS makes in the live run.
 """

@@ -74,12 +74,15 @@ class Messages:
         return Messages(get_typestore(Stores.ROS2_HUMBLE), (latched,))
 
     def static_transforms(self, stamp_ns: int, cameras: Mapping[str, Camera]) -> Any:
-        """The poses of the sensors on the body."""
+        """The message with the poses of the sensors on the body."""
         places = {IMU: np.eye(4), **{name: camera.T_B_C for name, camera in cameras.items()}}
         return self._of["TFMessage"]([self._transform(stamp_ns, name, T) for name, T in places.items()])
 
     def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
-        """The calibration of a camera. P contains its baseline to the first camera: -fx * distance to the right of it."""
+        """The calibration of a camera.
+
+        Entry (0, 3) of P is -fx times the distance by which the camera is to the right of the camera `first` [px m].
+        """
         k = camera.intrinsics
         to_the_right = (inverse(first.T_B_C) @ camera.T_B_C)[0, 3]
         P = np.column_stack([k.matrix, [-k.fx * to_the_right, 0.0, 0.0]])
@@ -154,9 +157,9 @@ class Messages:
         Args:
             stamp_ns: time stamp [ns].
             T_O_B: pose of the body in the odometry frame.
-            covariance: of the pose, rotation first, perturbation on the right (body axes).
+            covariance: covariance of the pose, rotation first, perturbation on the right (body axes).
             increment: motion since the last message, in body axes.
-            increment_covariance: of the increment, rotation first, perturbation on the right.
+            increment_covariance: covariance of the increment, rotation first, perturbation on the right.
             seconds: time since the last message; 0 for the first one, which gets a twist of zero.
         """
         axes = np.kron(np.eye(2), T_O_B[:3, :3])
@@ -174,7 +177,7 @@ class Messages:
         )
 
     def matrix(self, values: Float64[np.ndarray, "rows columns"]) -> Any:
-        """A matrix in row-major order."""
+        """The message of a matrix, in row-major order."""
         sizes = (("rows", values.shape[0], values.size), ("columns", values.shape[1], values.shape[1]))
         layout = self._of["MultiArrayLayout"]([self._of["MultiArrayDimension"](*size) for size in sizes], 0)
         return self._of["Float64MultiArray"](layout, values.ravel())

@@ -25,10 +25,10 @@ Write: TypeAlias = Callable[[Path, Take, Iterable[RecordedFrame], str], None]
 
 @dataclass(frozen=True)
 class Format:
-    """A dataset format."""
+    """A dataset format: its writer, and what the format supports."""
 
     write: Write
-    """Writes a take's frames to a folder; its last argument is the kind of images, such as png."""
+    """Function that writes a take's frames to a folder; its last argument is the kind of images, such as png."""
     images: tuple[str, ...]
     """Kinds of images that the format supports."""
     depth: bool = False
@@ -60,7 +60,7 @@ def record(
 ) -> int:
     """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
 
-    The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
+    The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
 
     Args:
         config: the run to record.
@@ -68,7 +68,7 @@ def record(
         format: a key of `FORMATS`.
         images: png, jpg or, in bags only, raw.
         progress: called after every frame with the share of frames done, in [0, 1].
-        imu_config: noise of the IMU, by default that of EuRoC's.
+        imu_config: noise of the IMU; by default, the noise of EuRoC's IMU.
         distortion: lens distortion of every camera, by default none.
 
     Returns the number of bytes written. Raises `LexisError` if `out` contains anything but a recording or cannot be written;
@@ -89,7 +89,7 @@ def write_take(
     progress: Callable[[float], None] | None = None,
     note: Callable[[RecordedFrame], None] | None = None,
 ) -> None:
-    """Write a take to an empty folder; `note` is told every frame that was written.
+    """Write a take to an empty folder; `note` is called with every written frame.
 
     Without truth, `rooms.json` lists the labels that rooms may have, and the house is left out. Raises `SimError` as
     `record` does.
@@ -108,7 +108,7 @@ def write_take(
 
 
 def check_format(name: str, images: str = "png") -> Format:
-    """The format of that name. Raises `SimError` for an unknown one, and for images that it cannot hold."""
+    """Look up a format by name. Raises `SimError` for an unknown one, and for images that it cannot hold."""
     if name not in FORMATS:
         raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")
     if images not in FORMATS[name].images:

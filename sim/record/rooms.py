@@ -1,6 +1,6 @@
 """`rooms.json`: the ground truth of a recording, namely the rooms of the house and the room of every frame.
 
-LEXIS reads only the list `labels` of it, as the names of rooms, if it is called as `lexis run --rooms rooms.json`.
+`lexis run --rooms rooms.json` reads only the list `labels`, as the names of rooms.
 """
 
 import json

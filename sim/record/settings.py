@@ -1,7 +1,7 @@
 """Settings files with which other systems run on a recording: ORB-SLAM3, VINS-Fusion and OpenVINS (with Kalibr's files).
 
-Calibrations and the IMU's noise are the true ones of the recording. Tuning parameters are those that the systems ship for
-EuRoC.
+Calibrations and the IMU's noise are the true ones of the recording. Tuning parameters have the values that the systems ship
+for EuRoC.
 """
 
 from collections.abc import Mapping, Sequence

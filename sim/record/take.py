@@ -60,9 +60,16 @@ class Take:
     distortion: Distortion
     """Distortion of the lens of every camera."""
     imu: Imu
-    """IMU data. Stamps count from the start of the walk, so those of the rest before it are negative [s]."""
+    """IMU data. Stamps count from the start of the walk [s]; they are negative during the rest before the walk."""
     with_truth: bool = True
     """Whether recordings contain the true poses, for programs that evaluate themselves."""
+
+    @cached_property
+    def session(self) -> Session:
+        """The walk as a session: the images of cam0 with the odometry, and the truth of every frame."""
+        walked, config = self.walk, self.config
+        camera, bent = self.cameras["cam0"], self.distortion
+        return Session(walked.house, walked.tour, walked.odometry, camera, config.faults, config.seed, distortion=bent)
 
     @property
     def rest_frames(self) -> int:
@@ -94,7 +101,7 @@ class Take:
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
-        """Render the frames one by one: images of cam0 and of the other `cameras` named, and the depth of cam0 on request.
+        """Render the frames one by one: images of cam0 and of the further `cameras`; with `depth` also the depth of cam0.
 
         Image faults affect only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
 
@@ -103,7 +110,6 @@ class Take:
         walked, faults, seed = self.walk, self.config.faults, self.config.seed
         camera = self.cameras["cam0"]
         bent = self.distortion
-        session = Session(walked.house, walked.tour, walked.odometry, camera, faults, seed, distortion=bent)
         # The session renders in another thread, so the other cameras need world states of their own.
         rendered = rendered_camera(camera, bent) if bent else camera
         staging = WorldStates(walked.house, walked.tour, rendered, faults, seed)
@@ -112,7 +118,7 @@ class Take:
                 name: stack.enter_context(closing(FrameRenderer(staging, self.cameras[name], bent))) for name in cameras
             }
             ranging = stack.enter_context(closing(FrameRenderer(staging, camera, bent))) if depth else None
-            pairs = stack.enter_context(closing(iter(session)))
+            pairs = stack.enter_context(closing(iter(self.session)))
             for k, (observation, truth) in enumerate(pairs):
                 images = {name: painter.rgb(truth.index, truth.T_W_B) for name, painter in painters.items()}
                 frame = RecordedFrame(
@@ -137,10 +143,10 @@ def prepare(
 ) -> Take:
     """Plan the walk and simulate odometry and IMU for `config`; nothing is rendered yet.
 
-    The cameras are the pinhole cameras of the config's rig. If there is only one, a second one is added to the right of it.
+    The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
     All have the same `distortion`, by default none.
 
-    Raises what `sim.harness.run` and `Lens` raise, and `SimError` for a camera too far from the IMU.
+    Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera too far from the IMU.
     """
     imu_config, distortion = imu_config or ImuConfig(), distortion or Distortion()
     rig = build_rig(config.rig)

@@ -32,7 +32,7 @@ _HEADERS = {
 
 
 def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
-    """Write a take. `images` is png or jpg. Raises OSError."""
+    """Write a take (the sensor data of one walk) in this layout. `images` is png or jpg. Raises OSError."""
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
     write_camera(folder / CAMERA, camera, take.distortion.coefficients)
     write_rgbd_settings(folder / "settings", take)

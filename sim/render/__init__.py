@@ -1,9 +1,9 @@
-"""Rendering: a house as a MuJoCo model, and what cameras see of it off-screen.
+"""Rendering: a house as a MuJoCo model, and off-screen images of the house from various cameras.
 
-`scene` compiles a house into a model of few large meshes (`merged_meshes`) and draws only what `visibility` lets through
-doors. `raster` owns the GL context that `gl` chooses; `camera`, `rig`, `fisheye` and `lens` are kinds of cameras.
-`collision_geoms` adds what robots collide with, `actor` and `decorative_geoms` draw what moves, `mjcf` writes the model to
-files, `image_files` encodes images, and `gl_probe` and `llvm_order` work around drivers.
+`scene` compiles a house into a model of few large meshes (`merged_meshes`). `raster` draws only the rooms that `visibility`
+finds in view through openings, in a GL context of the back end that `gl` chooses. `camera`, `rig`, `fisheye` and `lens` are
+kinds of cameras. `collision_geoms` adds obstacles for robots, `actor` and `decorative_geoms` draw moving things, `mjcf`
+writes the model to files, `image_files` encodes images, and `gl_probe` and `llvm_order` work around drivers.
 """
 
 import lazy_loader

@@ -39,7 +39,7 @@ class CameraRenderer:
         self._raster = Raster(scene)
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw `solids` in all further images, in place of those given before. Their pixels have the geom id -1."""
+        """Draw `solids` in all further images, in place of the previous solids. Pixels of solids have the geom id -1."""
         self._raster.place(solids)
 
     def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
@@ -55,7 +55,7 @@ class CameraRenderer:
         return self._raster.geom_ids(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Render image, depth and geom ids of one pose, faster than one by one."""
+        """Render image, depth and geom ids of one pose, faster than in separate calls."""
         return self._raster.frame(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def close(self) -> None:

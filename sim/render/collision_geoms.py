@@ -1,4 +1,4 @@
-"""Collision geometry of a house: boxes, cylinders and ellipsoids, in a group that is hidden beside the visible meshes."""
+"""Collision geometry of a house: boxes, cylinders and ellipsoids in a geom group that viewers hide by default."""
 
 from collections.abc import Iterable
 
@@ -43,7 +43,7 @@ def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
 
 
 def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add walls, railings, door leaves at their present angle and solid furniture, named in the same form."""
+    """Add walls, railings, door leaves at their present angle and solid furniture, as static geoms named "<id>#<number>"."""
     geoms = []
     for i, wall in enumerate(house.walls):
         x0, y0, x1, y1 = wall.bounds

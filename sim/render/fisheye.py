@@ -2,7 +2,7 @@
 
 MuJoCo renders pinhole images only, whose field of view has to be well below 180 degrees. A frame is made in two steps:
 
-1. Render the faces of a cube around the camera that the field of view reaches, each as a pinhole image.
+1. Imagine a cube around the camera. Render each face of it that the field of view reaches, as a pinhole image.
 2. Look up each fisheye pixel's ray in the face that the ray passes through.
 """
 
@@ -83,10 +83,11 @@ class FisheyeRenderer:
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Render the image, the distance along each pixel's ray [m], and geom ids; black, 0 and `NO_GEOM` out of view.
+        """Render the image, the distance along each pixel's ray [m], and geom ids.
 
-        Distances are interpolated as inverse depth, which is linear in a pinhole image of a plane, so that they are exact on
-        planes. Where a pixel's four neighbours belong to several geoms, its distance and id are those of the nearest one.
+        Pixels outside of the field of view are black and have distance 0 and id `NO_GEOM`. Distances are interpolated as
+        inverse depth, which is linear in a pinhole image of a plane, so that they are exact on planes. Where a pixel's
+        four neighbours belong to several geoms, the nearest geom gives the pixel's distance and id.
         """
         n, T_W_C = self._fisheye.size_px, T_W_B @ self._fisheye.T_B_C
         rgb, depth, ids = np.zeros((n, n, 3), np.uint8), np.zeros((n, n), np.float32), np.full((n, n), NO_GEOM, np.int32)
@@ -107,7 +108,7 @@ class _Map:
     u: Float32[np.ndarray, "n n"]
     v: Float32[np.ndarray, "n n"]
     stretch: Float64[np.ndarray, "k"]
-    """Ratio of distance along the ray to depth, of the masked pixels."""
+    """Distance along the ray divided by depth, for each pixel of `mask`."""
 
     @staticmethod
     def of(rays: Float64[np.ndarray, "n n 3"], mask: Bool[np.ndarray, "n n"], face: Intrinsics) -> "_Map":

@@ -29,7 +29,7 @@ _STEPS = 50
 class Distortion:
     """Coefficients of the radial-tangential model of OpenCV and EuRoC. Raises `SimError` unless they are finite.
 
-    It is false if all coefficients are zero.
+    In a condition, a distortion is false if all its coefficients are zero.
     """
 
     k1: float = 0.0
@@ -48,7 +48,7 @@ class Distortion:
 
     @property
     def decimals(self) -> tuple[str, str, str, str]:
-        """The coefficients without exponents, because some YAML readers take 1e-05 for a string."""
+        """The coefficients as text without exponents, because some YAML readers take 1e-05 for a string."""
         k1, k2, p1, p2 = (np.format_float_positional(value, trim="0") for value in self.coefficients)
         return k1, k2, p1, p2
 

@@ -31,7 +31,7 @@ def cells_of(part: Visual, visibility: Visibility) -> Cells:
 
 
 def merge(parts: Sequence[Visual], visibility: Visibility) -> tuple[Merged, ...]:
-    """Merge `parts` and keep their order, so that among coplanar faces the same one is drawn on top."""
+    """Merge `parts` in their order, so that of coplanar faces the same one is drawn on top as without merging."""
     groups: dict[tuple[str, Cells], list[Visual]] = defaultdict(list)
     for part in parts:
         groups[part.image, cells_of(part, visibility)].append(part)

@@ -23,7 +23,7 @@ from worlds.visuals.meshes import Solid
 _HIDDEN = -1
 """Mesh id of a geom that MuJoCo shall not draw."""
 _SPARE = 1024
-"""Number of entries in an abstract scene that are reserved for the parts of moving actors."""
+"""Number of geoms for which a scene (`mujoco.MjvScene`) has spare room: the parts of moving actors."""
 NO_GEOM = -1
 
 
@@ -64,13 +64,13 @@ class Raster:
         self._open = True
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw `solids` in all further images, in place of those given before. Their pixels have the id `NO_GEOM`."""
+        """Draw `solids` in all further images, in place of the previous solids. Pixels of solids have the id `NO_GEOM`."""
         for abstract, standing in ((self._merged, len(self._scene.merged)), (self._objects, self._scene.model.ngeom)):
             abstract.ngeom = standing
             draw(abstract, solids)
 
     def rgb(self, T_W_C: Pose, intrinsics: Intrinsics) -> UInt8[np.ndarray, "h w 3"]:
-        """Render the image."""
+        """Render the RGB image from a camera pose."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         self._draw_merged(T_W_C, intrinsics, image, None)
         return np.ascontiguousarray(image[::-1])

@@ -27,7 +27,7 @@ STEREO_BASELINE_M = 0.11
 LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
-"""Largest distance of a camera from the IMU at which it is never inside an obstacle: the body keeps 0.25 m away [m]."""
+"""Distance from the IMU within which no camera gets into an obstacle [m]: the body keeps 0.25 m away from obstacles."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
@@ -111,7 +111,7 @@ def build_rig(config: RigConfig) -> Rig:
 
 
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
-    """Build a preset of `RIGS` with pinholes of that size [px] and field of view. Raises `SimError` for an unknown name."""
+    """Build a preset of `RIGS` with pinholes of this size [px] and field of view. Raises `SimError` for an unknown name."""
     if name not in RIGS:
         raise SimError(f"unknown rig {name!r}{did_you_mean(name, RIGS)}; valid: {', '.join(RIGS)}")
     return RIGS[name](wide_camera(width, height, hfov_deg))

@@ -1,7 +1,8 @@
-"""Builds the MuJoCo model of a house: one textured mesh per surface of a room and per object, with the lighting chosen.
+"""Builds the MuJoCo model of a house: a textured mesh for each surface of a room and for each object, and the lighting.
 
-The geoms serve ray casts and segmentation. The model also holds the same quads merged into few meshes without geoms, which
-`sim.render.raster` draws, because the time to render an image grows with the number of meshes.
+Each of these meshes has a geom, for ray casts and segmentation. The model also holds the faces of all of them, merged into a
+few meshes without geoms. `sim.render.raster` draws the merged meshes, because the time to render an image grows with the
+number of meshes.
 """
 
 from collections.abc import Mapping

@@ -3,7 +3,7 @@
 Cells are the rooms, and one cell for everything outdoors. Portals are the openings between cells.
 
 1. Start in each cell that holds the camera, with the camera's view as a range of azimuths and slopes.
-2. Clip the view by each opening of the cell. If some of it remains, enter the cell behind the opening with that rest.
+2. Clip the view by each opening of the cell. If some of it remains, enter the cell behind the opening with that part.
 3. Repeat until no opening leaves any of the view.
 
 The result never misses a visible cell: door leaves and furniture are ignored, and openings count as boxes slightly larger
@@ -54,7 +54,7 @@ class _View:
     up: float
 
     def through(self, box: _Box, x: float, y: float, z: float) -> "_View | None":
-        """Clip the view from a point to an opening; None if the opening is out of view."""
+        """Clip the view from the point (x, y, z) to the opening `box`. Return None if the opening is out of view."""
         across, along = max(box.x0 - x, x - box.x1, 0.0), max(box.y0 - y, y - box.y1, 0.0)
         nearest = math.hypot(across, along)
         if nearest == 0.0:

@@ -1,8 +1,8 @@
-"""A robot that drives the plans of a SLAM: a body in MuJoCo, a range scan, and pure pursuit by its own drifting estimate.
+"""A robot in MuJoCo that follows the plans of a SLAM by pure pursuit, with range scans and its own drifting pose estimate.
 
-`drive` takes the body along the waypoints; `controller` steers it along the `route` and around what the scans show
-(`scan`, `local_map`); `dead_reckoning` is what the robot believes of its pose, and `body` (with `outlines`) what MuJoCo
-says of contacts and falls.
+`drive` takes the body along the waypoints; `controller` steers it along the `route` and around the obstacles in the scans
+(`scan`, `local_map`); `dead_reckoning` estimates the robot's pose, and `body` (with `outlines`) finds contacts and missing
+ground with MuJoCo.
 """
 
 import lazy_loader

@@ -14,11 +14,11 @@ HEIGHT_M = 1.5
 STEP_M = 0.25
 """Largest height of a step that the legs can climb [m]."""
 _CLEAR_OF_GROUND_M = 0.03
-"""Height at which the body begins [m], so that it never touches the floor it stands on."""
+"""Height of the robot's underside above the ground [m], so that the robot never touches the floor that it stands on."""
 _ROBOT = "robot"
 _OBSTACLE, _GROUND = 1, 2
-"""Bits of contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them also
-collides with the ground, such as the side of a flight of stairs."""
+"""Bits of MuJoCo's contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them
+also collides with the ground, such as the side of a flight of stairs."""
 GROUND_GROUP, OUTLINE_GROUP = 4, 5
 """Geom groups for ray casts: the ground, for the standing height, and the outlines, for the range scan."""
 
@@ -51,7 +51,7 @@ class Body:
 
     @property
     def position(self) -> Float64[np.ndarray, "3"]:
-        """Centre of the foot in W [m]."""
+        """Centre of the robot's foot in W [m]."""
         return np.array(self.data.qpos)
 
     def place(self, x: float, y: float, z: float) -> tuple[str, ...]:

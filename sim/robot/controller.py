@@ -39,7 +39,7 @@ _CLOSE_M = RADIUS_M + 0.02
 _REPLAN_M = 0.16
 """Distance after which the local path is planned again [m]."""
 _ARRIVED_M, _NEARLY_M = 0.1, 0.5
-"""Largest distance from the end in the plan, and largest length of route left, at which the robot has arrived [m]."""
+"""Largest horizontal distance from the route's end, and largest length of route left, at which the robot has arrived [m]."""
 _HESITATION_S, _PATIENCE_S = 4.0, 12.0
 _SKIP_M = 0.5
 """Length of route that is skipped after `_HESITATION_S` without progress [m]. After `_PATIENCE_S` the robot gives up."""

@@ -15,7 +15,7 @@ from worlds.house import House
 from worlds.truth import NOWHERE, room_at
 
 _SCAN_EVERY_M = 0.1
-"""Distance between two scans [m]."""
+"""Distance that the robot drives between two range scans [m]."""
 _SCAN_EVERY_S = 0.5
 """Longest time between two scans, for a slow robot [s]."""
 _LEAST_TIME_S = 60.0
@@ -29,7 +29,7 @@ DROP = "drop"
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Result of a drive."""
+    """Result of a drive: the path, where it ended, and what the robot touched."""
 
     path: Float64[np.ndarray, "n 3"]
     """True position of the foot's centre in W after every step [m]."""

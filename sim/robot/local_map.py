@@ -36,7 +36,8 @@ any path that keeps the distance is preferred."""
 _CROWDING = 5.0
 """Additional cost of a metre of path at the least distance from obstacles."""
 _MISS_COST = 30.0
-"""Cost per metre between the path's end and the target. It exceeds the cost per metre at the least distance."""
+"""Cost of each metre between the local path's end and the route's end. It exceeds the cost of a metre of path at the least
+distance from obstacles."""
 _STRAYED_M = 0.3
 """Distance from the route that costs nothing, because drift explains it [m]."""
 _STRAYING = 20.0
@@ -70,7 +71,7 @@ class LocalMap:
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
     def plan_path(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan the cheapest path: clear of obstacles, close to the route, and as near to its end as is worth the cost."""
+        """Plan the cheapest path: clear of obstacles, close to the route, and as close to the route's end as is worth it."""
         cells = start + _cells() * CELL_M
         strayed = cdist(cells, route).min(axis=1)
         distance = self._distances(start)

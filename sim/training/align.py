@@ -6,7 +6,7 @@ Images are compared only with embeddings of captions, never with learned class w
 2. Things: for every kind of thing, binary cross-entropy of its presence, by the similarity to a caption that names it.
 3. Search: every caption is compared with all images of a batch, since questions are answered by the images that fit best.
 4. Places: a contrastive loss that makes images of one place similar.
-5. Dense: the losses of stage 1 are kept, so that what was learned there is not lost.
+5. Dense: the losses of stage 1 are kept, so that the tower does not forget stage 1.
 
 Noise is added to the text embeddings, so that the image tower does not rely on details that only the trained wordings share.
 At the end the trunk is frozen and the projection alone is fitted to all frames (`AlignLearner.settle`).
@@ -35,7 +35,7 @@ from worlds.labels import ROOM_LABELS
 TEXT_NOISE = 1.25
 """Expected length of the noise vector that is added to unit text embeddings."""
 WORDINGS = (200, 32)
-"""Numbers of captions that are drawn once for every room label and for every thing; every step uses one caption of each."""
+"""Numbers of captions that are drawn in advance for each room label and for each thing. A step uses one caption of each."""
 SETTLING_STEPS = 1000
 """Number of final training steps in which only the projection is trained."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
@@ -76,7 +76,7 @@ class AlignedTower(nn.Module):
 
 
 class AlignLearner:
-    """The learner of stage 2; see the module's docstring for its loss."""
+    """The learner of stage 2: aligns the image tower with the text tower; see the module's docstring for its loss."""
 
     name = "align"
 
@@ -143,7 +143,7 @@ class AlignLearner:
         )
 
     def accuracy(self, frames: Frames) -> float:
-        """Zero-shot label accuracy among the labels present; every label is embedded as the mean over its prompts."""
+        """Zero-shot accuracy among the labels present in `frames`; every label is embedded as the mean over its prompts."""
         return accuracy_among_present(self.embeddings(frames) @ room_embeddings(self._text, ROOM_LABELS).T, frames.rooms)
 
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:

@@ -24,7 +24,7 @@ _FILE = FileKind("a file of an earlier run; delete it to have it made again", 10
 
 
 def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
-    """Load the arrays of a file; if there is no file, make the arrays and write it first. Raises as `loaded` does."""
+    """Load the arrays of a file; if the file does not exist, make the arrays and write it. Raises as `loaded` does."""
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         arrays: dict[str, Any] = {**make(), _ORIGINS: np.array(origins)}
@@ -34,9 +34,9 @@ def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Array
 
 
 def loaded(path: Path, origins: tuple[str, ...]) -> Arrays:
-    """Load the arrays of a file whose first origins are `origins`.
+    """Load the arrays of a file. The list of the file's origins has to start with `origins`.
 
-    Raises `SimError` if the file cannot be read or its arrays have other origins.
+    Raises `SimError` if the file cannot be read or has other origins.
     """
     arrays = read_arrays(path, _FILE)
     if tuple(arrays.pop(_ORIGINS, ()))[: len(origins)] != origins:

@@ -13,9 +13,9 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""Largest share of an image filled by a thing that does not count as present in the image."""
+"""A thing is present in an image if it fills more than this share of the image."""
 PATCH_PRESENT = 0.02
-"""Largest share of a patch filled by a thing that does not count as present in the patch."""
+"""A thing is present in a patch if it fills more than this share of the patch."""
 STRETCH = 4
 """Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
 
@@ -26,19 +26,19 @@ class Batch(NamedTuple):
     images: Float[Tensor, "b 3 h w"]
     rooms: Int[Tensor, "b"]
     views: Float[Tensor, "b labels"]
-    """Share of the image that shows rooms of each label; sums to one."""
+    """Share of each image that shows rooms of each label. The shares of an image sum to one."""
     things: Float[Tensor, "b things"]
-    """Whether each thing is present in the image."""
+    """Whether each thing is present in each image."""
     patches: Float[Tensor, "b things rows columns"]
-    """Whether each thing is present in each patch."""
+    """Whether each thing is present in each patch of each image."""
     same_place: Bool[Tensor, "b b"]
-    """Whether two frames show the same place, by `places.pairs_of_places`."""
+    """Whether each pair of frames shows the same place, by `places.pairs_of_places`."""
     apart: Bool[Tensor, "b b"]
-    """Whether two frames show different places."""
+    """Whether each pair of frames shows different places."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
-    """Yield batches with every frame once, in random order. Frames left over at the end do not make a batch."""
+    """Yield batches of all frames, each once, in random order. The last frames are left out if they do not fill a batch."""
     for chosen in chosen_once(frames.houses, size, rng):
         _, house = np.unique(frames.houses[chosen], return_inverse=True)
         grid = _crops(house, rng).to(device)
@@ -66,10 +66,10 @@ def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]
 
 
 def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
-    """Yield the indices of the frames of every batch, in which each frame occurs at most once.
+    """Yield the indices of the frames of each batch. No frame occurs twice in the batches.
 
     The frames are cut into stretches of `STRETCH` consecutive frames, which are shuffled and joined to batches. A stretch is
-    from the walk through one house, except for the few at the end of a walk, which go on with the start of another.
+    from the walk through one house; only the stretch at the end of a walk may continue with frames of another walk.
     """
     walks = np.split(np.arange(len(houses)), np.flatnonzero(np.diff(houses)) + 1)
     joined = np.concatenate([np.roll(walks[i], rng.integers(len(walks[i]))) for i in rng.permutation(len(walks))])

@@ -88,7 +88,7 @@ def room_weights(rooms: Int[np.ndarray, "n"]) -> Float[Tensor, "labels"]:
 
 
 class DenseLearner:
-    """The learner of stage 1."""
+    """The learner of stage 1: trains the image tower and its heads by dense supervision."""
 
     name = "dense"
 
@@ -97,7 +97,7 @@ class DenseLearner:
         self._weights = room_weights(frames.rooms)
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """The dense loss."""
+        """Return the weighted sum of the losses of all heads on a batch."""
         return dense_loss(self.module(batch.images), batch, self._weights)
 
     def accuracy(self, frames: Frames) -> float:

@@ -32,12 +32,12 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Progress:
-    """The report after an epoch."""
+    """The training progress that is reported after an epoch."""
 
     stage: str
     epoch: int
     loss: float
-    """Mean loss over the epoch."""
+    """Mean training loss over the epoch."""
     accuracy: float
     """Share of tuning frames whose room is predicted right."""
 
@@ -48,7 +48,7 @@ class Learner(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the stage."""
+        """Name of the training stage."""
         ...
 
     @property

@@ -33,14 +33,15 @@ BARE = 0.03
 """Least `content` of a frame that shows more than bare walls, as a share of the image."""
 
 _FORMAT = 1
-"""Version of cached frames. Raise it after changes of textures, tours or renderers; other causes are in the origins."""
+"""Version of cached frames. Increase it after changes of textures, tours or renderers. Other changes are noticed, because
+they change the origins that are stored with the frames."""
 _IDS_SIZE = (80, 60)
 _NONE = -1
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Images with ground truth."""
+    """Training images with their poses and the ground truth of what is visible."""
 
     images: UInt8[np.ndarray, "n h w 3"]
     rooms: Int[np.ndarray, "n"]
@@ -50,9 +51,9 @@ class Frames:
     views: Float32[np.ndarray, "n labels"]
     """Share of the image that shows rooms of each label, including the objects in them."""
     content: Float32[np.ndarray, "n"]
-    """Share of the image that shows anything but bare surfaces of the camera's own room or the sky."""
+    """Share of the image that shows anything but the sky or bare surfaces of the room that holds the camera."""
     houses: Int[np.ndarray, "n"]
-    """Seed of the house."""
+    """Seed of the house in which each image was rendered."""
     T_W_B: Float64[np.ndarray, "n 4 4"]
     """Poses of the body in the house."""
 

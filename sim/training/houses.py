@@ -41,7 +41,7 @@ class HouseDraw(NamedTuple):
     clutter: float = 1.0
 
     def spec(self) -> HouseSpec:
-        """Sample the house. If it cannot be given `openness`, it keeps the usual openness of its family."""
+        """Sample the house. If no such house can have the given `openness`, it gets the usual openness of its family."""
         try:
             spec = sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
         except WorldsError:

@@ -195,7 +195,7 @@ laboratory: microscope, lab bench, test tubes, fume hood, lab stool, glass flask
 print room: photocopier, printer, copier, copy counter, paper boxes, copying machine, printers, stacks of paper, laser
     printer
 """)
-"""Things by label of the room; they stand there and hardly anywhere else."""
+"""Things that stand in rooms of one label and hardly anywhere else, by this label."""
 
 SYNONYMS = _table("""
 armchair: armchair, easy chair, padded chair

@@ -39,7 +39,8 @@ HELD_OUT_PHRASES = tuple(
         }
     )
 )
-"""Every third entry, except entries that are part of a room label or kind of furniture, which have to be trained."""
+"""Every third entry of the lexicon, except entries that are part of a room label or kind of furniture: labels and kinds
+have to be trained."""
 HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
 """Regular expression that matches texts with a held-out phrase."""
 
@@ -56,7 +57,7 @@ ROOM_NAMES, HELD_OUT_NAMES = _split(ROOMS)
 ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES = _split(ACTIVITIES)
 """Trained and held-out activities in rooms by label, as verb phrases that can follow "to"."""
 ROOM_THINGS, HELD_OUT_THINGS = _split(THINGS)
-"""Trained and held-out things by label of the room; they stand there and hardly anywhere else."""
+"""Trained and held-out things that stand in rooms of one label and hardly anywhere else, by this label."""
 OBJECT_NAMES, HELD_OUT_OBJECTS = _split(SYNONYMS)
 """Trained and held-out names by kind of furniture; a kind that is not listed has only its own name."""
 
@@ -81,23 +82,23 @@ _THING_FRAMES = (
     "find {a}", "{a} in a room", "the room that has {a}", "{}", "a view of {a}", "I am looking for {a}",
 )  # fmt: skip
 PLACE_FRAMES, HELD_OUT_PLACE_FRAMES = _frames(_PLACE_FRAMES)
-"""Trained and held-out sentence frames for activities."""
+"""Trained and held-out sentence frames for activities in rooms."""
 THING_FRAMES, HELD_OUT_THING_FRAMES = _frames(_THING_FRAMES)
 """Trained and held-out sentence frames for things."""
 
 _ROOM_SHARE = (0.35, 0.35, 0.15, 0.15)
-"""Shares of captions of a room that use its label, any of its names, an activity or a thing."""
+"""Shares of the captions of a room that use its label, any of its names, an activity in it, and a thing in it."""
 
 
 def caption(name: str, rng: np.random.Generator) -> str:
-    """Draw a caption: `name`, of a room or a thing, in a random frame of `TEMPLATES`."""
+    """Put `name`, the name of a room or a thing, into a random sentence frame of `TEMPLATES`."""
     return _framed(_pick(TEMPLATES, rng), name)
 
 
 def room_caption(label: str, rng: np.random.Generator) -> str:
     """Draw a caption of a room in trained words: with its label, one of its names, an activity or a thing.
 
-    `_ROOM_SHARE` has the probabilities of the four.
+    `_ROOM_SHARE` holds the probabilities of these four kinds of caption.
     """
     draw = int(rng.choice(4, p=_ROOM_SHARE))
     if draw == 0:

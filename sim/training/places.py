@@ -13,7 +13,8 @@ from lexis.types import Poses
 
 _TEMPERATURE = 0.07
 _DOUBT = 1.5
-"""Factor on the bounds of one place beyond which frames show different places. Pairs in between count as neither."""
+"""Frames show one place within `PLACE_M` and `PLACE_RAD`, and different places beyond these bounds times `_DOUBT`. Pairs in
+between count as neither."""
 
 
 def pairs_of_places(
@@ -21,8 +22,8 @@ def pairs_of_places(
 ) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
     """Return two masks of pairs of frames: pairs that show one place, and pairs that show different places.
 
-    A pair can be neither. Besides doubtful distances this holds for two close frames on both sides of a doorway, since the
-    embeddings of the two rooms should differ there.
+    Some pairs are in neither mask: those of doubtful distance or angle (`_DOUBT`), and those of close frames on both sides
+    of a doorway, since the embeddings of the two rooms should differ there.
 
     Args:
         T_W_B: poses of the body.
@@ -53,9 +54,9 @@ def place_loss(
 ) -> Tensor:
     """Supervised contrastive loss (Khosla 2020): frames of one place should be more similar than frames of different places.
 
-    The loss is the mean over frames with another frame of their place in the batch. Each such pair is compared with all
-    frames of other places; at a low `temperature`, mostly with the most similar ones. A batch without two
-    frames of one place has the loss 0.
+    Each pair of frames of one place is compared with all frames of other places; at a low `temperature`, mostly with the
+    most similar ones. The loss is the mean over the frames that have such a pair in the batch. A batch without two frames
+    of one place has the loss 0.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

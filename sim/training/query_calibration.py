@@ -21,7 +21,7 @@ from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 
 HOUSES = 24
-"""Default number of houses to fit to."""
+"""Default number of houses that the calibration is fitted to."""
 _START = (0.2, 0.0, np.log(0.05))
 _BOUNDS = ((-2.0, 2.0), (-2.0, 2.0), (np.log(1e-3), np.log(10.0)))
 """Bounds of base, slope and logarithm of the temperature."""

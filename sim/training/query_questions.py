@@ -31,11 +31,12 @@ from worlds.truth import room_at
 
 NAME, ACTIVITY, THING = TOPICS = ("name", "activity", "thing")
 YES, NO, DOUBTFUL = 1, 0, -1
-"""Whether a room is a right answer. It is doubtful for a thing that fills only a small share of the room's images."""
+"""Whether a room is a right answer. For a question about a thing, a room is doubtful if the thing is in its images, but
+fills only a small share of each."""
 
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
-"""Least share of an image of a room that a thing has to fill for the room to be a right answer."""
+"""A room is a right answer about a thing if the thing fills at least this share of some image of the room."""
 _ASKED = 12
 """Number of questions per topic that have an answer in the house, and of questions that have none."""
 
@@ -59,7 +60,7 @@ class RoomViews:
 
     @property
     def shown(self) -> Float32[np.ndarray, "rooms things"]:
-        """For every room, the largest share of one of its images that shows each of `THINGS`."""
+        """Largest share that each of `THINGS` fills in any image of each room."""
         return np.array([self.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
 
 
@@ -72,7 +73,7 @@ class QuestionBatch:
     embeddings: Float32[np.ndarray, "texts d"]
     similarities: Float64[np.ndarray, "rooms texts"]
     truth: Int[np.ndarray, "rooms texts"]
-    """`YES`, `NO` or `DOUBTFUL`."""
+    """Whether each room is a right answer to each question: `YES`, `NO` or `DOUBTFUL`."""
 
 
 def room_views(draw: HouseDraw) -> RoomViews:
@@ -85,7 +86,7 @@ def room_views(draw: HouseDraw) -> RoomViews:
 
 
 def embedded(views: RoomViews, encoder: TextEncoder) -> Float32[np.ndarray, "n d"]:
-    """Embed every image."""
+    """Embed every image of the rooms with an encoder."""
     return np.array([encoder.encode_image(image) for image in views.images])
 
 

@@ -33,7 +33,7 @@ class SentenceEncoder(Protocol):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The entries of its vocabulary."""
+        """The entries of the encoder's vocabulary."""
         ...
 
     def encode(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
@@ -57,7 +57,7 @@ class Teacher:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The entries of its vocabulary."""
+        """The entries of the encoder's vocabulary."""
         return tuple(self._vocabulary)
 
     def encode(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts 384"]:

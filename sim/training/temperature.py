@@ -22,7 +22,7 @@ def fit_temperature(embeddings: Float[np.ndarray, "n e"], text: TextTransformer,
 
 
 def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray, "n"]) -> float:
-    """The temperature that maximises the likelihood of the true classes `own` under softmax(similarities / temperature)."""
+    """Return the temperature that maximises the likelihood of classes `own` under softmax(similarities / temperature)."""
 
     def surprise(log_temperature: float) -> float:
         said = log_softmax(similarities / np.exp(log_temperature), axis=1)

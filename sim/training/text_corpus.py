@@ -45,7 +45,7 @@ _SCENES = (
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
 """Share of compositions without a sentence frame, and share of compositions whose second word is one of `_HEADS`."""
 _NEAR_SHARE = 0.7
-"""Share of words that are drawn from the words related to houses."""
+"""Share of the random words that are drawn from words related to houses (`near_words`), not from all words."""
 
 
 _FORBIDDEN = re.compile(
@@ -71,7 +71,7 @@ def captions() -> tuple[str, ...]:
 def near_words(
     words: Sequence[str], vectors: Float32[np.ndarray, "words d"], anchors: Float32[np.ndarray, "anchors d"], count: int
 ) -> tuple[str, ...]:
-    """The `count` words that are closest to any of the anchors, and all words of captions, twice.
+    """The `count` words that are closest to any of the anchors, then all words of captions twice, so that they count double.
 
     The vectors of words and the anchors come from the teacher, so that the teacher decides which words belong to houses.
     """

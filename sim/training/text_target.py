@@ -4,7 +4,7 @@ The map is fitted in two steps:
 
 1. Whiten the variation among captions of one room (sentence frames, style, choice of things), as in linear discriminant
    analysis. This emphasises the differences between rooms. The covariance is shrunk, so that other meaning is preserved.
-2. Keep only the directions in which all texts vary most, to reduce the dimension to that of the text tower.
+2. Keep only the directions in which all texts vary most, to reduce the dimension to the text tower's dimension.
 
 Step 1 uses trained captions only.
 """
@@ -28,7 +28,7 @@ from sim.training.phrases import (
 _SHRINKAGE = 0.3
 """Shrinkage of the covariance within rooms: a multiple of the identity is added, in units of the mean variance."""
 _TABLES = ((ROOM_NAMES, TEMPLATES, 0.6), (ROOM_ACTIVITIES, PLACE_FRAMES, 0.2), (ROOM_THINGS, THING_FRAMES, 0.2))
-"""Tables of phrases about rooms, their sentence frames, and the share of each table in the weights."""
+"""Tables of phrases about rooms, each with its sentence frames and its share in the weights of the captions."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ class DistilConfig:
 
 @dataclass(frozen=True)
 class DistilProgress:
-    """The report after an epoch."""
+    """The progress of distillation that is reported after an epoch."""
 
     epoch: int
     cosine: float
@@ -136,7 +136,7 @@ def encode(tower: TextTransformer, tokens: Int[Tensor, "n t"]) -> Float[Tensor, 
 
 
 def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.ndarray, "n e"]:
-    """Unit embeddings of texts."""
+    """Return unit embeddings of texts by the text tower."""
     tokens = tokenizer(tower.context_length)(list(texts))
     with torch.inference_mode():
         parts = [nn.functional.normalize(encode(tower, part), dim=-1) for part in tokens.split(512)]

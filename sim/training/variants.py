@@ -1,7 +1,7 @@
 """Held-out colours of furniture, one of every palette, which never occur in training frames.
 
-The look of a piece of furniture follows from its seed. So a house is repainted by giving pieces other seeds; their positions
-do not change.
+The look of a piece of furniture follows from the piece's seed. So a house is repainted by giving pieces other seeds, without
+moving them.
 """
 
 from dataclasses import replace

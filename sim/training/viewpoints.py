@@ -17,9 +17,9 @@ IMAGE_SIZE = (160, 128)
 _YAW, _PITCH, _ROLL, _HEIGHT = 0.35, 0.05, 0.02, 0.06
 """Standard deviations of yaw, pitch and roll from the tour's level view along the path [rad], and of height [m]."""
 _ALL_ROUND_SHARE = 0.15
-"""Share of pairs whose yaw is uniformly distributed instead."""
+"""Share of pairs of views whose yaw is drawn uniformly from all directions, instead of around the path's direction."""
 _SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
-"""Range of the distance along the path to the second frame of a pair [m], and its additional deviation in yaw [rad]."""
+"""Range of the distance between the frames of a pair along the path [m], and the deviation of the second one's yaw [rad]."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ViewpointConfig:
 
 TRAINING_VIEWS = ViewpointConfig()
 LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
-"""Frames in the size of LEXIS's images."""
+"""Configuration of frames in the size of LEXIS's images."""
 
 
 def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
