@@ -1,4 +1,4 @@
-"""One way to run everything: `nox -s demo | tests | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
+"""One way to run everything: `nox -s demo | tests | fresh_houses | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
 
 All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
 tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.
@@ -23,9 +23,13 @@ RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
 PYTHON = None if RUNNING in SUPPORTED else SUPPORTED[-1]  # None: the interpreter that runs nox
 
 CONSTRAINTS = Path("tests", "constraints.txt")
+FRESH_HOUSES = "tests/fresh_houses"
 
 GL_PACKAGES = {"egl": ("libegl1", "libgl1-mesa-dri"), "osmesa": ("libosmesa6",)}
-QUIET_THREADS = {"OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}  # spinning threads starve each other on few cores
+ENVIRONMENT = {
+    "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0",  # spinning threads starve each other on few cores
+    "PYTHONDONTWRITEBYTECODE": "",  # where containers set it, each process would compile torch anew, for 10 s
+}  # fmt: skip
 
 
 @nox.session(python=PYTHON, venv_backend="uv|virtualenv", reuse_venv=True)
@@ -36,7 +40,7 @@ def env(session: nox.Session) -> None:
     wanted = hashlib.sha256(Path("pyproject.toml").read_bytes() + CONSTRAINTS.read_bytes()).hexdigest()
     if not stamp.exists() or stamp.read_text() != wanted:
         groups = nox.project.dependency_groups(PYPROJECT, "tests", "lint")
-        session.install("--editable", ".", *groups, "--constraint", str(CONSTRAINTS))
+        session.install("--editable", ".", *groups, "--constraint", str(CONSTRAINTS), env={"UV_COMPILE_BYTECODE": "1"})
         session.run("python", "-m", "sim.render.gl")
         stamp.write_text(wanted)
 
@@ -49,8 +53,17 @@ def demo(session: nox.Session) -> None:
 
 @nox.session(venv_backend="none", requires=["env"])
 def tests(session: nox.Session) -> None:
-    """All tests but the slow ones."""
-    run(session, "pytest", "-n", "2", "--dist", "loadfile", *session.posargs)
+    """All tests but the slow ones; without arguments, the session `fresh_houses` comes after them."""
+    if not session.posargs:
+        session.notify("fresh_houses")
+    elsewhere = [] if session.posargs else ["--ignore", FRESH_HOUSES]
+    run(session, "pytest", "-n", "2", "--dist", "loadfile", *elsewhere, *session.posargs)
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def fresh_houses(session: nox.Session) -> None:
+    """Hundreds of houses that nobody chose, without the checks of array shapes, which would take most of the time."""
+    run(session, "pytest", "-n", "2", FRESH_HOUSES, *session.posargs, env={"JAXTYPING_DISABLE": "1"})
 
 
 @nox.session(venv_backend="none", requires=["env"])
@@ -90,10 +103,10 @@ def pip_constraint() -> str:
     return subprocess.run(command, capture_output=True, text=True).stdout.strip()
 
 
-def run(session: nox.Session, command: str, *args: str) -> None:
+def run(session: nox.Session, command: str, *args: str, env: dict[str, str] | None = None) -> None:
     """Run a command of the shared environment."""
     directory = session.cache_dir.parent / "env" / "bin"
-    session.run(str(directory / command), *args, env=QUIET_THREADS, external=True)
+    session.run(str(directory / command), *args, env=ENVIRONMENT | (env or {}), external=True)
 
 
 def ensure_gl(session: nox.Session) -> None:

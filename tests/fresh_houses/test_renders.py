@@ -3,7 +3,7 @@
 from sim.harness import worlds
 
 
-@worlds(presets=("home",), n=4, fidelity="render", max_rooms=3, length_m=25.0)
+@worlds(presets=("home",), n=4, fidelity="render", max_rooms=3)
 def test_labels_floors_and_plans_are_right_on_images(run):
     assert run.labels.accuracy >= 0.6
     assert run.floors.accuracy >= 0.9

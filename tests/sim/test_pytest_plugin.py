@@ -311,11 +311,12 @@ def test_a_budget_is_spent_on_further_houses_until_one_fails(pytester, inner, li
 
 
 def test_workers_of_xdist_collect_the_same_fresh_houses(pytester, start, inner):
-    pytester.makeconftest(LIGHT)
+    conftest = pytester.makeconftest(LIGHT)
     pytester.makepyfile(test_houses=LAYOUT)
     result = start("-p", "xdist", "-n", "2", "--lexis-profile", "lexis-nightly", "-v")
     result.assert_outcomes(passed=3)
     seed = re.search(r"--lexis-seed (\d+) \(lexis-nightly\)", result.stdout.str())[1]
+    conftest.unlink()  # sessions in this process would replace `FreshWorld.scenario` for good
     ran = set(re.findall(r"PASSED test_houses.py::test_house\[(.*?)\]", result.stdout.str()))
     assert ran == set(ids(inner("--collect-only", "-q", "--lexis-seed", seed)))
 

@@ -179,7 +179,7 @@ def test_an_architecture_that_cannot_be_made_costs_its_own_row_alone(tmp_path, c
     monkeypatch.setattr("sim.baselines.orb_vocabulary.orb_vocabulary", lambda work: None)
     monkeypatch.setattr(encoder_times, "timed", lambda model, way, image: Timing(1.0, 2.0, 3.0))
     csv_file, plot = tmp_path / "table.csv", tmp_path / "plot.png"
-    asked = ["--preset", "uh2-apt", "--architectures", "roberta-ViT-B-32", "--csv", str(csv_file), "--plot", str(plot)]
+    asked = ["--presets", "uh2-apt", "--architectures", "roberta-ViT-B-32", "--csv", str(csv_file), "--plot", str(plot)]
     assert main(["bench", "encoders", *asked]) == 0
     assert "no network" in capsys.readouterr().out and plot.exists()
     with csv_file.open(newline="") as file:
