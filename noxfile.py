@@ -1,4 +1,4 @@
-"""One way to run everything: `nox -s demo | tests | fresh_houses | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
+"""One way to run everything: `nox -s demo | tests | fresh_houses | nightly | lint | bench`, with `-- ARGUMENTS`.
 
 All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
 tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.

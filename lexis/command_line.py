@@ -128,13 +128,13 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def warn_of_replacement(out: Path, marker: str) -> None:
+def warn_of_replacement(out: Path, *markers: str) -> None:
     """Before long work, check that `out` can be replaced, and print a note if it holds an earlier result.
 
-    The file `marker` in the folder identifies an earlier result. Raises LexisError as `check_replaceable` does.
+    Any of the files `markers` in the folder identifies an earlier result. Raises LexisError as `check_replaceable` does.
     """
-    check_replaceable(out, marker)
-    if (out / marker).is_file():
+    check_replaceable(out, *markers)
+    if any((out / marker).is_file() for marker in markers):
         print(f"note: {out} holds an earlier result; the new one will replace it", file=sys.stderr)
 
 

@@ -5,5 +5,17 @@ class SimError(ValueError):
     """A run, an argument or the machine is unusable. The message names the place, the problem and the valid values."""
 
 
+class ProgramError(SimError):
+    """A program under test has failed: it ended with an error, or it took too long."""
+
+    def __init__(self, message: str, how: str, stderr: str = "") -> None:
+        """Create the error.
+
+        `how` says in a few words what the program did, such as "ends with exit status 3"; `stderr` is what it printed there.
+        """
+        super().__init__(message)
+        self.how, self.stderr = how, stderr
+
+
 class GraphicsError(SimError):
     """Off-screen OpenGL is missing or failed."""

@@ -43,15 +43,15 @@ def replaced_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
+def replaced_folder(path: Path, *markers: str) -> Iterator[Path]:
     """Yield an empty temporary folder, which replaces `path` if the `with` block ends without an exception.
 
-    An existing folder is only replaced if it is empty or holds the file `marker`. If the system can exchange names
+    An existing folder is only replaced if it is empty or holds one of the files `markers`. If the system can exchange names
     (`lexis.files.swap`), `path` is at any time the complete old folder or the complete new one, even if this process is
     killed. A symbolic link is followed. Raises LexisError if `path` is any other folder or cannot be written. If the
     new folder was written but cannot be renamed to `path`, it is kept under a similar name, which the error states.
     """
-    check_replaceable(path, marker)
+    check_replaceable(path, *markers)
     target = _resolved(path)
     with _os_errors_as_lexis_errors(path, "a place with room for it, where a folder can be made"):
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -59,19 +59,19 @@ def replaced_folder(path: Path, marker: str) -> Iterator[Path]:
             new = folder / "new" / target.name
             new.mkdir()
             yield new
-            _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, marker))
+            _install(path, new, target, lambda: _replace_folder(path, new, target, folder / "old" / target.name, markers))
 
 
-def check_replaceable(path: Path, marker: str) -> None:
+def check_replaceable(path: Path, *markers: str) -> None:
     """Raise LexisError unless `replaced_folder` could write to `path`.
 
-    `path` must be free, an empty folder, or a folder that holds the file `marker`.
+    `path` must be free, an empty folder, or a folder that holds one of the files `markers`.
     Call this before long work whose result is written to `path`. It leaves nothing behind.
     """
     try:
         target = _resolved(path)
         remove_abandoned(target.parent)
-        _check_may_replace(path, target, marker)
+        _check_may_replace(path, target, markers)
     except OSError as error:
         raise LexisError(f"{path}: cannot be accessed: {error.strerror}; valid: a folder that can be made") from None
     if os.path.ismount(target):
@@ -90,8 +90,8 @@ def _resolved(path: Path) -> Path:
     return target
 
 
-def _check_may_replace(path: Path, target: Path, marker: str) -> None:
-    """Raise LexisError unless `target` does not exist, is an empty folder, or holds `marker`. `path` is for messages."""
+def _check_may_replace(path: Path, target: Path, markers: tuple[str, ...]) -> None:
+    """Raise LexisError unless `target` does not exist, is an empty folder, or holds a marker. `path` is for messages."""
     try:
         # One listing decides: between two system calls, another process may put its folder there.
         names = os.listdir(target)
@@ -101,8 +101,10 @@ def _check_may_replace(path: Path, target: Path, marker: str) -> None:
         if not os.path.lexists(target):  # a parent is a file, which is reported when writing
             return
         raise LexisError(f"{path}: is a file; valid: the name of a folder") from None
-    if names and marker not in names:
-        raise LexisError(f"{path}: exists and holds no {marker}; valid: a new name, or an earlier folder of this kind")
+    if names and not set(markers) & set(names):
+        raise LexisError(
+            f"{path}: exists and holds no {' or '.join(markers)}; valid: a new name, or an earlier folder of this kind"
+        )
 
 
 @contextmanager
@@ -128,7 +130,7 @@ def _install(path: Path, new: Path, target: Path, replace: Callable[[], object])
         sync_folder(target.parent)
 
 
-def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
+def _replace_folder(path: Path, new: Path, target: Path, old: Path, markers: tuple[str, ...]) -> None:
     """Rename the folder `new` to `target`, even if other processes replace `target` meanwhile.
 
     Raises LexisError if `target` is a folder that may not be replaced, and OSError.
@@ -140,9 +142,9 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str)
         except OSError as error:
             if error.errno not in _OCCUPIED:
                 raise
-        _check_may_replace(path, target, marker)
+        _check_may_replace(path, target, markers)
         try:
-            _swap_checked(path, new, target, old, marker)
+            _swap_checked(path, new, target, old, markers)
             return
         except OSError as error:
             if error.errno not in (errno.ENOENT, *_OCCUPIED):
@@ -150,11 +152,11 @@ def _replace_folder(path: Path, new: Path, target: Path, old: Path, marker: str)
     raise LexisError(f"{path}: other processes keep replacing it; valid: a name that no other process writes to")
 
 
-def _swap_checked(path: Path, new: Path, target: Path, old: Path, marker: str) -> None:
+def _swap_checked(path: Path, new: Path, target: Path, old: Path, markers: tuple[str, ...]) -> None:
     """Swap two folders; if the old one turns out not to be replaceable, swap them back and raise LexisError."""
     replaced = swap(new, target, old)
     try:
-        _check_may_replace(path, replaced, marker)
+        _check_may_replace(path, replaced, markers)
     except LexisError:
         swap(replaced, target, old if replaced == new else new)
         raise

@@ -13,8 +13,8 @@ from jaxtyping import Bool, Float64, Int
 
 from lexis.maths.paths import arc_length
 from lexis.types import Camera, Observation
+from sim.harness.crash import Runner
 from sim.harness.estimate import Estimate
-from sim.harness.failure_signature import Runner
 from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
 from worlds.truth import boundary_openness, room_graph

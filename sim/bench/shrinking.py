@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.bench.failing_scenarios import FAMILIES, Family, failing_scenario
 from sim.harness.blame_table import BlameTable
-from sim.harness.failure_folder import Replay, replay_test, write_failure
+from sim.harness.failure_folder import Replay, write_failure
 from sim.harness.failure_signature import FailureTest
 from sim.harness.reducer import Reduction, is_valid, reduce
 from sim.harness.scenario import Scenario
@@ -130,18 +130,8 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
         yield f"same signature: {found} instead of {reduction.signature}"
         return
     replay = Replay("from sim.bench.planted_bugs import BUGS, planted", f"planted(BUGS[{bug!r}])(scenario)")
-    _write(folder, reduction, test, replay)
+    write_failure(folder, reduction, test, BlameTable(()), replay)
     yield from broken_replays(folder, bug, own_pytest)
-
-
-def _write(folder: Path, reduction: Reduction, test: FailureTest, replay: Replay) -> None:
-    """Write the folder of a failure; if the SLAM raises an exception, there is no run to show, only one to replay."""
-    if test.claim is not None:
-        write_failure(folder, reduction, test, BlameTable(()), replay)
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    reduction.scenario.save(folder / "scenario.json")
-    (folder / "test_replay.py").write_text(replay_test(test, replay))
 
 
 def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:

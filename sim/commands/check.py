@@ -1,16 +1,18 @@
-"""`lexis-sim check`: run any SLAM on a scenario, and exit with status 1 if a figure fails a condition."""
+"""`lexis-sim check`: run any SLAM on a scenario, and exit with status 1 if it crashes or if a figure fails a condition."""
 
 import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from lexis.command_line import Commands, add_command, warn_of_replacement
+from lexis.command_line import MAX_LINE, Commands, add_command, warn_of_replacement
+from lexis.errors import one_line
 from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
 from sim.commands.run import print_result, progress_bar
-from sim.commands.slams import add_slam, check_claimable, runner_of
+from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of
 
 if TYPE_CHECKING:
     from sim.harness import Claim, RunResult
+    from sim.harness.crash import Crash
 
 FAILS_HELP = 'when the check fails, such as "labels.accuracy < 0.7"; may be repeated. A figure that is null fails too'
 
@@ -21,7 +23,7 @@ def add_to(commands: Commands) -> None:
         commands,
         "check",
         _check,
-        "put a SLAM to the test in one run: exit status 1 names the figures that failed",
+        "put a SLAM to the test in one run: exit status 1 if it crashes or if a figure fails",
         'lexis-sim check --fidelity features --slam sim.harness.adapters:GeometricRooms --fails "floors.accuracy < 0.5"',
     )
     add_scenario(check)
@@ -32,16 +34,19 @@ def add_to(commands: Commands) -> None:
 
 def _check(arguments: argparse.Namespace) -> int:
     from sim.harness import Claim, evaluate, try_plans, write_run
-    from sim.harness.outputs import MARKER
+    from sim.harness.crash import Crash, attempt
+    from sim.harness.outputs import MARKERS
 
     claims = [Claim.parse(text) for text in arguments.fails]
     for claim in claims:
         check_claimable(arguments, claim)
     run, scenario = runner_of(arguments), scenario_of_arguments(arguments)
     if arguments.out is not None:
-        warn_of_replacement(arguments.out, MARKER)
+        warn_of_replacement(arguments.out, *MARKERS)
     with progress_bar("running the SLAM") as progress:
-        finished = run(scenario, progress)
+        finished = attempt(run, scenario, progress)
+    if isinstance(finished, Crash):
+        return _crashed(finished, arguments)
     trials = try_plans(finished)
     result = evaluate(finished, trials)
     if arguments.out is not None:
@@ -52,6 +57,23 @@ def _check(arguments: argparse.Namespace) -> int:
     failures = [line for claim in claims if (line := failure(claim, result))]
     print(*failures, sep="\n", end="\n" if failures else "", file=sys.stderr)
     return 1 if failures else 0
+
+
+def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
+    """Print the traceback of a crash and one line about it; write its folder if the user has asked for one."""
+    from sim.harness.failure_folder import replay_test
+    from sim.harness.failure_signature import CRASH, FailureTest
+    from sim.harness.outputs import write_crash
+    from sim.harness.why_page import crash_page
+
+    print(crash.traceback, end="", file=sys.stderr)
+    print(one_line(f"failed: the SLAM {crash.what}: {crash.error}", MAX_LINE), file=sys.stderr)
+    if arguments.out is not None:
+        replay = replay_test(FailureTest.parse(CRASH, runner_of(arguments)), replay_of(arguments))
+        page = crash_page(f"The SLAM {crash.what}", crash)
+        write_crash(crash, arguments.out, {"test_replay.py": replay.encode(), **page.files})
+        print(f"why: {arguments.out / 'why.md'}")
+    return 1
 
 
 def failure(fails: "Claim", result: "RunResult") -> str:

@@ -64,10 +64,10 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _run_and_report(scenario: "Scenario", slam: "SlamUnderTest | None", out: Path) -> int:
     from sim.harness import evaluate, run, try_plans, write_run
-    from sim.harness.outputs import MARKER
+    from sim.harness.outputs import MARKERS
     from sim.report.findings import coverage_gap
 
-    warn_of_replacement(out, MARKER)
+    warn_of_replacement(out, *MARKERS)
     with progress_bar("walking and mapping") as progress:
         finished = run(scenario, slam, progress)
     trials = try_plans(finished)

@@ -14,7 +14,7 @@ from sim.errors import SimError
 if TYPE_CHECKING:
     from sim.harness.reducer import Attempt
 
-FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"'
+FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or the word crash, for a SLAM that raises'
 DEADLINE_HELP = "such as 90s or 3m; the smallest failure so far is kept (default: 3m; 10m with --command)"
 KEEP_HELP = 'a step that is not tried, such as "drop furniture" or "simplest labels"; may be repeated'
 _PROGRAM_DEADLINE_S = 600.0
@@ -39,22 +39,22 @@ def add_to(commands: Commands) -> None:
 
 
 def _shrink(arguments: argparse.Namespace) -> int:
-    from sim.harness import Claim, Scenario, blame
+    from sim.harness import Scenario, blame
     from sim.harness.failure_folder import write_failure
     from sim.harness.failure_signature import FailureTest
-    from sim.harness.outputs import MARKER
+    from sim.harness.outputs import MARKERS
     from sim.harness.reducer import DEADLINE_S, reduce
     from sim.harness.reductions import STEPS
 
-    claim = Claim.parse(arguments.fails)
-    check_claimable(arguments, claim)
-    test = FailureTest(claim, runner_of(arguments))
+    test = FailureTest.parse(arguments.fails, runner_of(arguments))
+    if test.claim is not None:
+        check_claimable(arguments, test.claim)
     path = arguments.scenario
     scenario = Scenario.load(path / "scenario.json" if path.is_dir() else path)
     if unknown := [name for name in arguments.keep if name not in STEPS]:
         raise SimError(f"--keep {unknown[0]!r:.80}: no such step; valid: {', '.join(STEPS)}")
     steps = {name: step for name, step in STEPS.items() if name not in arguments.keep}
-    warn_of_replacement(arguments.out, MARKER)
+    warn_of_replacement(arguments.out, *MARKERS)
     tell = _print_progress if sys.stderr.isatty() else None
     deadline_s = arguments.deadline or (DEADLINE_S if arguments.program is None else _PROGRAM_DEADLINE_S)
     reduction = reduce(scenario, test, deadline_s, tell, steps=steps)

@@ -13,8 +13,8 @@ from sim.errors import SimError
 
 if TYPE_CHECKING:
     from sim.harness.claims import Claim
+    from sim.harness.crash import Runner
     from sim.harness.failure_folder import Replay
-    from sim.harness.failure_signature import Runner
     from sim.harness.slam_under_test import SlamUnderTest
 
 SLAM_HELP = (

@@ -8,7 +8,7 @@ from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
 from sim.harness.adapters.lexis import Lexis
 from sim.harness.adapters.true_stages import TrueStages
-from sim.harness.failure_signature import FailureTest, Signature
+from sim.harness.failure_signature import FailureTest, Observed, Signature
 from sim.harness.house_reductions import keep_furniture
 from sim.harness.parts import house_spec
 from sim.harness.reducer import Fails
@@ -71,9 +71,10 @@ def blame(
     `WorldsError` for a house that cannot be built, and what the run raises if it has to be repeated.
     """
     listed = with_listed_house(scenario)
+    signature = test(listed)
     rows = []
     for substitution in substitutions(listed, _lexis_of(listed, test) if is_lexis else None):
-        rows.append(_row(listed, substitution, lambda each: _judged(each, test)))
+        rows.append(_row(listed, substitution, lambda each: _judged(each, test, signature)))
         if on_row is not None:
             on_row(rows[-1])
     return BlameTable(tuple(rows))
@@ -85,17 +86,10 @@ def blame_outside(scenario: Scenario, fails: Fails, signature: Signature, knows_
     `scenario` lists its whole house and fails with `signature`; `fails` runs a scenario, as for `reduce`. `knows_encoder`
     says that the SLAM uses the encoder that the scenario names, so that the oracle may take its place.
     """
-
-    def judged(substitution: Substitution) -> BlameRow:
-        found = fails(substitution.scenario)
-        if found is not None and found != signature:
-            return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
-        return BlameRow(substitution.name, "mends" if found is None else "does not mend")
-
     tried = list(_outside(scenario))
     if knows_encoder:
         tried.append(Substitution("oracle encoder", replace(with_features(scenario), encoder=ORACLE)))
-    return BlameTable(tuple(_row(scenario, each, judged) for each in tried))
+    return BlameTable(tuple(_row(scenario, each, lambda one: _compared(one, fails, signature)) for each in tried))
 
 
 def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Substitution], BlameRow]) -> BlameRow:
@@ -108,9 +102,18 @@ def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Subst
         return BlameRow(substitution.name, "cannot be told", detail=f"{type(error).__name__}: {error}")
 
 
+def _compared(substitution: Substitution, fails: Fails, signature: Signature | None) -> BlameRow:
+    """The row of a substitution whose run has no figure: only the signatures of the failures can be compared."""
+    found = fails(substitution.scenario)
+    if found is not None and found != signature:
+        return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
+    return BlameRow(substitution.name, "mends" if found is None else "does not mend")
+
+
 def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
     """The LEXIS that failed. After an exception there is no finished run: then LEXIS with its usual settings."""
-    slam = test.observe(scenario).run.slam if test.claim is not None else None
+    outcome = test.outcome(scenario)
+    slam = outcome.run.slam if isinstance(outcome, Observed) else None
     return slam if isinstance(slam, Lexis) else Lexis(scenario.encoder)
 
 
@@ -151,12 +154,12 @@ def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
         yield Substitution(name, scenario, changed)
 
 
-def _judged(substitution: Substitution, test: FailureTest) -> BlameRow:
+def _judged(substitution: Substitution, test: FailureTest, signature: Signature | None) -> BlameRow:
     name, slam = substitution.name, substitution.slam
     runner = test.runner if slam is None else lambda scenario, progress: run(scenario, slam, progress)
     changed = replace(test, runner=runner)  # a copy, so that the test keeps the run of the failure
     if changed.claim is None:
-        return BlameRow(name, "mends" if changed(substitution.scenario) is None else "does not mend")
+        return _compared(substitution, changed, signature)
     observed = changed.observe(substitution.scenario)
     if observed.value is None:
         return BlameRow(name, "cannot be told", detail=f"{changed.claim.figure} is null")

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from lexis.files.replace import replaced_folder
 from sim.harness.blame_table import BlameTable
-from sim.harness.outputs import fill_run_folder
+from sim.harness.crash import Crash
+from sim.harness.outputs import fill_crash_folder, fill_run_folder
 from sim.harness.planning import Trial
 from sim.harness.reducer import Reduction
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.harness.scenario import Scenario
-from sim.harness.why_page import failed_test_page
+from sim.harness.why_page import crash_page, failed_test_page
 from sim.harness.world_tests import SCENARIO, slug_of
 
 _REPLAY = '''"""Replays a failure of {test}: run pytest on this file, anywhere below the folder that holds {file}."""
@@ -45,6 +46,11 @@ class FinishedRun:
     result: RunResult
     trials: Sequence[Trial]
 
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of the run."""
+        return self.run.scenario
+
 
 @dataclass(frozen=True, eq=False)
 class Search:
@@ -70,11 +76,10 @@ def write_failed_test(
     folder: Path,
     name: str,
     options: Sequence[str],
-    scenario: Scenario,
-    finished: FinishedRun | None,
+    outcome: FinishedRun | Crash,
     search: Search | None = None,
 ) -> None:
-    """Write scenario.json and test_replay.py; if the run was completed, also the files of `write_run` and why.md.
+    """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
     `name` is the test as pytest names it, file and function without parameters, such as "tests/test_slam.py::test_rooms".
     `options` are the options of pytest that a replay needs besides the scenario. `search` is the search that found the
@@ -82,12 +87,15 @@ def write_failed_test(
     anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
-        if finished is not None:
-            fill_run_folder(finished.run, finished.result, finished.trials, new)
-            found = (None, None) if search is None else (search.reduction, search.blamed)
-            for each, content in failed_test_page(name, finished.run, *found).files.items():
-                (new / each).write_bytes(content)
-        scenario.save(new / SCENARIO)
-        if search is not None and search.original != scenario:
+        found = (None, None) if search is None else (search.reduction, search.blamed)
+        if isinstance(outcome, Crash):
+            fill_crash_folder(outcome, new)
+            page = crash_page(f"{name} fails", outcome, *found)
+        else:
+            fill_run_folder(outcome.run, outcome.result, outcome.trials, new)
+            page = failed_test_page(name, outcome.run, *found)
+        for each, content in page.files.items():
+            (new / each).write_bytes(content)
+        if search is not None and search.original != outcome.scenario:
             search.original.save(new / "original.json")
         (new / "test_replay.py").write_text(_REPLAY.format(test=name, file=name.partition("::")[0], options=list(options)))

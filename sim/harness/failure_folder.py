@@ -6,8 +6,9 @@ from pathlib import Path
 
 from sim.harness.blame_table import BlameTable
 from sim.harness.claims import Claim
+from sim.harness.crash import Crash
 from sim.harness.failure_signature import FailureTest
-from sim.harness.outputs import write_run
+from sim.harness.outputs import write_crash, write_run
 from sim.harness.reducer import Reduction
 from sim.harness.why_page import why_page
 
@@ -28,27 +29,30 @@ def write_failure(
 ) -> None:
     """Write the folder of the failure; a folder of an earlier run is replaced.
 
-    Besides what `write_run` writes, the folder has original.json, test_replay.py, and why.md with its pictures. It shows the
-    run of the smallest scenario. If `test` has not kept this run, the scenario is run once more. Raises `LexisError` where
-    `out` holds anything else or cannot be written, and what the SLAM raises.
+    Besides what `write_run` or, after a crash, `write_crash` writes, the folder has original.json, test_replay.py, and
+    why.md with its pictures. It shows the run of the smallest scenario. If `test` has not kept this run, the scenario is
+    run once more. Raises `LexisError` where `out` holds anything else or cannot be written.
     """
-    smallest = test.observe(reduction.scenario)
+    smallest = test.outcome(reduction.scenario)
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
     files = {"original.json": original.encode(), "test_replay.py": replay_test(test, replay).encode()}
-    page = why_page(reduction, test, blamed, smallest)
-    write_run(smallest.run, smallest.result, smallest.trials, out, files | page.files)
+    files |= why_page(reduction, test, blamed, smallest).files
+    if isinstance(smallest, Crash):
+        write_crash(smallest, out, files)
+    else:
+        write_run(smallest.run, smallest.result, smallest.trials, out, files)
 
 
 def replay_test(test: FailureTest, replay: Replay = LEXIS_REPLAY) -> str:
     """Return the text of a pytest file that runs the scenario in its folder and fails until the SLAM is mended.
 
-    The test asserts the opposite of the claim; without a claim, the run itself raises the exception of the SLAM.
+    The test asserts the opposite of the claim; without a claim, the run itself raises what the SLAM raises.
     """
     return _replay_of_claim(test.claim, replay) if test.claim else _replay_of_exception(replay)
 
 
 def _replay_of_exception(replay: Replay) -> str:
-    return f'''"""Replays a failure. It fails as long as the SLAM raises an exception on the scenario beside it."""
+    return f'''"""Replays a failure. It fails as long as the SLAM crashes on the scenario beside it."""
 
 from pathlib import Path
 

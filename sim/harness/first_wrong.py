@@ -11,11 +11,9 @@ from lexis.evaluation.trajectory import aligned
 from lexis.types import Poses
 from sim.harness.loops import edge_truth
 from sim.harness.runner import Run
-from sim.harness.scenario import Scenario
-from sim.harness.walk import walk
 from sim.report.data import NO_LABEL
+from sim.session import Session
 from worlds.house import Room
-from worlds.truth import NOWHERE, room_at
 
 _FAR_M = 0.5
 """Least position error at which a frame counts as wrong [m]."""
@@ -63,15 +61,13 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
     return WrongFrame(frame, _room(run, row), float(stamps[frame] - stamps[0]), what, similar)
 
 
-def raised_at(scenario: Scenario, done: float) -> WrongFrame:
-    """The frame at which a SLAM raised an exception, after it had taken the share `done` in [0, 1] of the frames."""
-    walked = walk(scenario)
-    stamps = walked.tour.stamps
+def crash_frame(session: Session, done: float) -> WrongFrame:
+    """The frame at which a SLAM raised an exception, after it had processed the share `done` in [0, 1] of the frames."""
+    stamps = session.tour.stamps
     frame = min(round(done * len(stamps)), len(stamps) - 1)
-    room = int(room_at(walked.house, walked.tour.T_W_B[frame : frame + 1, :3, 3])[0])
-    what = "the SLAM raised in process()" if done < 1.0 else "the SLAM raised after the last frame"
-    place = "no room" if room == NOWHERE else _name(walked.house.rooms[room])
-    return WrongFrame(frame, place, float(stamps[frame] - stamps[0]), what)
+    where = "in start() or at the first frame" if done == 0.0 else "in process()" if done < 1.0 else "after the last frame"
+    room = session.house.rooms[session.truths[frame].room]
+    return WrongFrame(frame, _name(room), float(stamps[frame] - stamps[0]), f"the SLAM raised {where}")
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:

@@ -1,36 +1,36 @@
-"""Pictures of one frame of a run: the image of the camera, and the place of the camera on the floor plan."""
+"""Pictures of one frame of a session: the image of the camera, and the place of the camera on the floor plan."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from lexis.types import Image
-from sim.harness.runner import Run
 from sim.report.drawing import Mark
 from sim.report.house_plan import marked_plan_image
+from sim.session import Session
 
 _SIGHT_M = 1.2
 """Length of the sector that shows the field of view [m]."""
 _RED = "#d5202a"
 
 
-def camera_image(run: Run, frame: int) -> Image:
+def camera_image(session: Session, frame: int) -> Image:
     """The image of the camera at a frame of the tour, rendered anew. Raises `GraphicsError` without off-screen OpenGL."""
-    return run.session.picture(frame)
+    return session.picture(frame)
 
 
-def place_image(run: Run, frame: int) -> Image:
+def place_image(session: Session, frame: int) -> Image:
     """The plan of the frame's storey: the walk so far in grey, and in red the place and the field of view of the camera."""
-    storeys = np.array([truth.storey for truth in run.session.truths[: frame + 1]])
-    walked = run.session.tour.T_W_B[: frame + 1, :2, 3]
+    storeys = np.array([truth.storey for truth in session.truths[: frame + 1]])
+    walked = session.tour.T_W_B[: frame + 1, :2, 3]
     here = np.flatnonzero(storeys == storeys[frame])
     marks = [Mark("line", "true", walked[part]) for part in np.split(here, np.flatnonzero(np.diff(here) > 1) + 1)]
-    return marked_plan_image(run.house, int(storeys[frame]), [*marks, *_sight(run, frame)])
+    return marked_plan_image(session.house, int(storeys[frame]), [*marks, *_sight(session, frame)])
 
 
-def _sight(run: Run, frame: int) -> Iterator[Mark]:
-    k = run.session.camera.intrinsics
-    T_W_C = run.session.tour.T_W_B[frame] @ run.session.camera.T_B_C
+def _sight(session: Session, frame: int) -> Iterator[Mark]:
+    k = session.camera.intrinsics
+    T_W_C = session.tour.T_W_B[frame] @ session.camera.T_B_C
     forward, half = T_W_C[:2, 2], np.arctan(k.width / 2 / k.fx)
     angles = np.arctan2(forward[1], forward[0]) + np.linspace(-half, half, 17)
     arc = T_W_C[:2, 3] + _SIGHT_M * np.stack([np.cos(angles), np.sin(angles)], axis=1)

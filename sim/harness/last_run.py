@@ -61,6 +61,14 @@ def watched(last: LastRun) -> Iterator[None]:
         _WATCHED.reset(token)
 
 
+@contextmanager
+def noted() -> Iterator[LastRun]:
+    """Note the runs that begin in the block, in the object of a surrounding `watched` if there is one."""
+    last = _WATCHED.get() or LastRun()
+    with watched(last):
+        yield last
+
+
 def last_run() -> LastRun:
     """Return the object that stores the current run; outside a block of `watched`, an object that nobody reads."""
     return _WATCHED.get() or LastRun()

@@ -1,4 +1,4 @@
-"""The folder of a run; it appears whole or not at all."""
+"""The folder of a run or of a crash; it appears whole or not at all."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from lexis.files.replace import replaced_folder
 from lexis.files.tum_trajectory import write_tum
+from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.harness.results import RunResult
@@ -14,8 +15,8 @@ from sim.harness.runner import Run
 from sim.harness.slam_under_test import SavesFiles
 from sim.report import write_report
 
-MARKER = "result.json"
-"""File that identifies a folder as the output of a run, which a new run may replace."""
+MARKERS = ("result.json", TRACEBACK)
+"""Files that identify a folder as the output of a run or of a crash, which a new run may replace."""
 _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
 
@@ -27,10 +28,28 @@ def write_run(
     `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out, MARKER) as folder:
+    with replaced_folder(out, *MARKERS) as folder:
         fill_run_folder(run, result, trials, folder)
         for name, content in more.items():
             (folder / name).write_bytes(content)
+
+
+def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
+    """Write traceback.txt and scenario.json to `out`.
+
+    `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
+    where `out` holds anything else or cannot be written.
+    """
+    with replaced_folder(out, *MARKERS) as folder:
+        fill_crash_folder(crash, folder)
+        for name, content in more.items():
+            (folder / name).write_bytes(content)
+
+
+def fill_crash_folder(crash: Crash, folder: Path) -> None:
+    """Write the files of `write_crash` into an existing folder."""
+    (folder / TRACEBACK).write_text(crash.traceback)
+    crash.scenario.save(folder / "scenario.json")
 
 
 def fill_run_folder(run: Run, result: RunResult, trials: Sequence[Trial], folder: Path) -> None:

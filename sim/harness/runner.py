@@ -20,7 +20,7 @@ from sim.harness.estimate import Estimate
 from sim.harness.last_run import last_run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest, check_slam_methods
-from sim.harness.walk import walk
+from sim.harness.walk import Walk, walk
 from sim.render.rig import build_rig
 from sim.session import Session
 from sim.truth import Truth
@@ -145,10 +145,9 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     timed = StageTimer()
     with timed("house_s"):
         walked = walk(scenario)
-    camera, model = build_rig(scenario.rig).front, _feature_model(scenario)
-    sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
+    model = _feature_model(scenario)
     with timed("scene_s"):
-        session = Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
+        session = _session(scenario, walked, model)
     last.done = 0.0
     with timed("slam_s"):
         _start(slam, scenario, session, model)
@@ -178,6 +177,21 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
     return last.run
+
+
+def scene_of(scenario: Scenario) -> Session:
+    """The house, tour, odometry and camera of a scenario, without a sensor, for a look at single frames.
+
+    Raises `WorldsError` or `SimError` if the scenario is impossible.
+    """
+    return _session(scenario, walk(scenario), None)
+
+
+def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None) -> Session:
+    """The observations of a scenario; with a feature model, percepts take the place of images."""
+    camera = build_rig(scenario.rig).front
+    sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
+    return Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:

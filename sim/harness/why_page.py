@@ -4,27 +4,31 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sim.errors import GraphicsError
+from sim.fidelity import Fidelity
 from sim.harness.blame_table import BlameTable
+from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
-from sim.harness.first_wrong import first_wrong
+from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
 from sim.harness.frame_pictures import camera_image, place_image
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference
-from sim.harness.runner import Run
+from sim.harness.runner import Run, scene_of
 from sim.render.image_files import encoded
+from sim.session import Session
 
 _LISTED = 8
 """Largest number of passing scenarios, one step smaller than the smallest failing one, that the page lists."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {"length_m": "length of the tour [m]", "area_m2": "area of the rooms [m²]"}
-_REPLAY_LINES = (
+_HOW_TO_REPLAY = (
     "## Replay",
     "",
     "Run `pytest PATH/test_replay.py`, with the path of this folder, where the failure was found: in the folder of your",
-    "tests, or where `lexis-sim shrink` was started. The test fails as long as the failure exists. `report.html` shows the",
-    "whole run, `scenario.json` describes it, and `original.json` is the scenario in which the failure was found.",
+    "tests, or where `lexis-sim` was started. It fails as long as the failure exists. The scenario is in `scenario.json`.",
 )
 """The last section of why.md."""
+_WHOLE_RUN = "`report.html` shows the whole run."
+_ORIGINAL = "`original.json` is the scenario in which the failure was found."
 _RANKED = ("opening_ranks", "labels", "appearance", "rig")
 """Entries of `ScenarioSize` that only rank scenarios: their numbers mean nothing to a reader."""
 
@@ -43,23 +47,35 @@ class Page:
         return {"why.md": ("\n".join(self.lines) + "\n").encode(), **self.pictures}
 
 
-def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed) -> Page:
-    """The page about a claim that is true of a run; `smallest` is the run of the smallest scenario."""
+def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed | Crash) -> Page:
+    """The page about a failure of a SLAM; `smallest` is the outcome in the smallest scenario."""
+    if isinstance(smallest, Crash):
+        return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.claim is not None
     figure = test.claim.figure
     head = [f"# {test.claim}", "", *_failure(reduction, test, smallest)]
-    return _page(head, smallest.run, figure, _search_sections(reduction, blamed, figure))
+    return _page(head, wrong_frame_page(smallest.run, figure), _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
 
 def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: BlameTable | None) -> Page:
     """The page about a test that fails; `reduction` and `blamed` are None if no smaller scenario was searched for."""
-    return _page([f"# {name} fails"], run, None, () if reduction is None else _search_sections(reduction, blamed))
+    sections = () if reduction is None else _search_sections(reduction, blamed)
+    return _page([f"# {name} fails"], wrong_frame_page(run), sections, _WHOLE_RUN)
 
 
-def _page(head: Sequence[str], run: Run, figure: str | None, sections: Iterable[str]) -> Page:
-    """A page from its first lines, the first wrong frame of a run, the sections about a search, and the replay."""
-    place = wrong_frame_page(run, figure)
-    return Page((*head, "", *place.lines, "", *sections, *_REPLAY_LINES), place.pictures)
+def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
+    """The page about a crash of the SLAM; `reduction` and `blamed` are None if no smaller scenario was searched for."""
+    head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`. More is in `{TRACEBACK}`."]
+    sections = () if reduction is None else _search_sections(reduction, blamed)
+    return _page(head, _crash_frame_page(crash), sections)
+
+
+def _page(head: Sequence[str], place: Page, sections: Iterable[str], whole_run: str = "") -> Page:
+    """A page from its first lines, the section about one frame, the sections about a search, and the replay."""
+    middle = list(sections)
+    files = [line for line in (whole_run, _ORIGINAL if middle else "") if line]
+    lines = (*head, "", *place.lines, *([""] if place.lines else []), *middle, *_HOW_TO_REPLAY, *files)
+    return Page(lines, place.pictures)
 
 
 def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Iterator[str]:
@@ -75,16 +91,28 @@ def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
     title = "## Where it first went wrong"
     if frame is None:
         return Page((title, "", f"No single frame shows what is wrong with {figure or 'this run'}."), {})
+    return _frame_page(title, run.session, frame, run.scenario.fidelity)
+
+
+def _crash_frame_page(crash: Crash) -> Page:
+    """The section about the frame that the SLAM was given when it raised; empty if the frame is not known."""
+    if not crash.has_place:
+        return Page((), {})
+    session = scene_of(crash.scenario)
+    return _frame_page("## Where it happened", session, crash_frame(session, crash.done or 0.0), crash.scenario.fidelity)
+
+
+def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidelity) -> Page:
     lines = [title, "", f"{str(frame)[0].upper()}{str(frame)[1:]}."]
     if frame.similarities:
         lines.append(f"Most similar room names: {', '.join(f'{name} {value:.3f}' for name, value in frame.similarities)}.")
-    pictures = {_PLAN: encoded(place_image(run, frame.frame), ".png")}
+    pictures = {_PLAN: encoded(place_image(session, frame.frame), ".png")}
     shown = f"![the place on the plan]({_PLAN})"
     caption = "The plan shows the walk up to this frame in grey, and the camera's field of view in red."
     try:
-        pictures[_IMAGE] = encoded(camera_image(run, frame.frame), ".png")
+        pictures[_IMAGE] = encoded(camera_image(session, frame.frame), ".png")
         shown = f"![the image of the camera]({_IMAGE}) {shown}"
-        if run.scenario.fidelity == "features":
+        if fidelity == "features":
             caption += " The SLAM was given features; the image was rendered for this page."
     except GraphicsError as error:
         caption += f" The image of the camera is left out: {error}."

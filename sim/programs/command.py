@@ -16,7 +16,7 @@ import numpy as np
 
 from lexis.errors import one_line
 from lexis.timing import StageTimer
-from sim.errors import SimError
+from sim.errors import ProgramError, SimError
 from sim.harness.last_run import last_run
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
@@ -65,7 +65,8 @@ def run_command(
         memory_mb: memory that each process of the program may allocate [MB].
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
-    Raises `SimError` or `LexisError` that says what the program did wrong, and whatever `sim.record.record` raises.
+    Raises `ProgramError` if the program fails, `SimError` or `LexisError` if it writes files that are not valid, and
+    whatever `sim.record.record` raises.
     """
     words = command_words(command)
     check_format(format)
@@ -144,15 +145,17 @@ def _times(take: Take, frames: Sequence[_Frame]) -> RecordedTimes:
 
 
 def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
-    """Run a program within its limits, and return the end of what it printed. Raises `SimError` unless it succeeds."""
+    """Run a program within its limits, and return the end of what it printed. Raises `ProgramError` if it fails."""
     paths = work / "stdout", work / "stderr"
     with paths[0].open("wb") as stdout, paths[1].open("wb") as stderr:
         status = _exit_status(words, timeout_s, memory_mb, stdout, stderr)
     printed, errors = map(_end_of, paths)
     if status:
         how = f"exit status {status}" if status > 0 else f"signal {-status} ({signal.strsignal(-status)})"
-        last = errors.decode(errors="replace").strip().rpartition("\n")[2] or "nothing on stderr"
-        raise SimError(f"command: {words[0]} ended with {how}: {one_line(last, 160)}; valid: exit status 0")
+        told = errors.decode(errors="replace")
+        last = told.strip().rpartition("\n")[2] or "nothing on stderr"
+        message = f"command: {words[0]} ended with {how}: {one_line(last, 160)}; valid: exit status 0"
+        raise ProgramError(message, f"ends with {how}", told)
     return printed, errors
 
 
@@ -175,7 +178,8 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
     try:
         return process.wait(timeout_s)
     except subprocess.TimeoutExpired:
-        raise SimError(f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time") from None
+        message = f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time"
+        raise ProgramError(message, f"takes longer than {timeout_s:g} s") from None
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

@@ -38,6 +38,7 @@ class Reason:
     """File and line at which the exception was raised."""
     statement: str
     message: str
+    error: BaseException
 
 
 @dataclass(eq=False)
@@ -128,7 +129,7 @@ def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> 
     where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"
     lines = error.exconly(tryshort=True).splitlines()
     said = next((k for k, line in enumerate(lines) if line.lstrip().startswith("+")), len(lines))
-    return Reason(error.typename, where, " ".join(str(entry.statement).split()), "\n".join(lines[:said]))
+    return Reason(error.typename, where, " ".join(str(entry.statement).split()), "\n".join(lines[:said]), error.value)
 
 
 def _is_own(path: Path, project: Path) -> bool:

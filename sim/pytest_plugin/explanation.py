@@ -15,6 +15,7 @@ from sim.pytest_plugin.execution import Execution
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
 
 if TYPE_CHECKING:
+    from sim.harness.crash import Crash
     from sim.harness.failed_test import FinishedRun, Search
     from sim.harness.scenario import Scenario
 
@@ -39,10 +40,11 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
 
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
     """The first wrong place, the folder and the command that replays the failure."""
-    place = _first_wrong(execution, scenario)
+    outcome = _outcome(execution, scenario)
+    place = _first_wrong(outcome)
     lines = [f"first wrong: {place}"] if place else []
     try:
-        folder = _folder(item, execution, scenario, search)
+        folder = _folder(item, execution, outcome, search)
     except Exception as error:  # a SLAM's save() raises anything, and the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(error).__name__}: {error}', 160)}"]
     here = item.config.invocation_params.dir
@@ -52,24 +54,26 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     return [*lines, f"folder: {shown}", f"replay: {command}"]
 
 
-def _first_wrong(execution: Execution, scenario: "Scenario") -> str:
+def _first_wrong(outcome: "FinishedRun | Crash") -> str:
     """Room and time of the first error; "" if nothing is known about them."""
-    from sim.harness.first_wrong import first_wrong, raised_at
+    from sim.harness.crash import Crash
+    from sim.harness.first_wrong import crash_frame, first_wrong
+    from sim.harness.runner import scene_of
 
-    if execution.run is not None:
-        return str(first_wrong(execution.run) or "")
-    return str(raised_at(scenario, execution.last.done)) if execution.last.done else ""
+    if not isinstance(outcome, Crash):
+        return str(first_wrong(outcome.run) or "")
+    return str(crash_frame(scene_of(outcome.scenario), outcome.done or 0.0)) if outcome.has_place else ""
 
 
-def _folder(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> Path:
+def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
     """Write the folder of a failure, unless it is the folder that is being replayed."""
     from sim.harness.failed_test import folder_of, write_failed_test
 
-    folder = folder_of(out_folder(item.config), name_of(item), scenario, parameters_of(item))
+    folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
     replayed = _replayed(item, execution)
     if replayed is not None and replayed.parent.name == folder.name:
         return replayed.parent
-    write_failed_test(folder, name_of(item), loading_options(item.config), scenario, _finished(execution), search)
+    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search)
     return folder
 
 
@@ -80,12 +84,14 @@ def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
     return execution.world.file if isinstance(execution.world, StoredWorld) else None
 
 
-def _finished(execution: Execution) -> "FinishedRun | None":
-    """The run with its figures, which a test need not have computed."""
+def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash":
+    """The run with its figures, which a test need not have computed; if it was not completed, the exception."""
+    from sim.harness.crash import Crash
     from sim.harness.failed_test import FinishedRun
     from sim.harness.figures import evaluate
 
     if execution.run is None:
-        return None
+        assert execution.failure is not None
+        return Crash(scenario, execution.failure.error, execution.last.done)
     result, trials = execution.last.result, execution.last.trials
     return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)

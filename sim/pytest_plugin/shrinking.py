@@ -87,4 +87,4 @@ def _signature(execution: Execution) -> "Signature | None":
     from sim.harness.failure_signature import Signature
 
     failure = execution.failure
-    return None if failure is None else Signature("exception", f"{failure.kind} at {failure.where}")
+    return None if failure is None else Signature(f"raises {failure.kind} at {failure.where}")

@@ -1,6 +1,7 @@
 """`lexis-sim check`: exit 0 if nothing failed, 1 with a line for each figure that failed, 2 for bad input."""
 
 import json
+import runpy
 import sys
 
 import pytest
@@ -28,6 +29,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "own_slam_here.py").write_text(
         "from sim.harness.adapters import OdometryOnly as Mine\n"
         "class Half:\n    def start(self, camera, room_names): pass\n"
+        "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
         "class Greedy:\n    def __init__(self, weights): pass\n"
     )
     (tmp_path / "own_slam_broken.py").write_text("raise OSError('no licence')")
@@ -58,6 +60,21 @@ def test_each_figure_that_fails_costs_one_line(capsys):
     assert lines[0] == "failed: floors.accuracy is 1, and fails if floors.accuracy >= 0.5"
     assert lines[1].startswith("failed: rooms.pq is 0.")
     assert lines[2].startswith("failed: labels.accuracy is null")
+
+
+def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
+    words = ["check", "--scenario", "scenario.json", "--slam", "own_slam_here:Lost", "--fails", "labels.accuracy < 0.7"]
+    assert status_of(words) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert told[0].startswith("Traceback") and told[-1] == "failed: the SLAM raises ZeroDivisionError: division by zero"
+    for _ in range(2):  # the second folder replaces the first
+        assert status_of([*words, "--out", "out"]) == 1
+    assert "why: out/why.md" in capsys.readouterr().out
+    assert Scenario.load(folder / "out" / "scenario.json") == SCENARIO
+    with pytest.raises(ZeroDivisionError):
+        runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()
+    assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY, "--out", "out"]) == 0
+    assert not (folder / "out" / "traceback.txt").exists()
 
 
 def test_a_class_of_the_current_folder_writes_a_run_that_can_be_repeated(folder, capsys):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sim.cli import main
+from sim.errors import ProgramError
 from sim.harness import Scenario
 from sim.harness.reductions import STEPS
 from sim.render.rig import RigConfig, build_rig
@@ -34,6 +35,12 @@ class Mine(OdometryOnly):
     def finish(self):
         claims = super().finish()
         return replace(claims, floors=np.full(len(claims.frames), int(Path("floor.txt").read_text())))
+
+class Lost(OdometryOnly):
+    def process(self, observation):
+        super().process(observation)
+        if observation.index == 10 and Path("floor.txt").read_text() == "3":
+            raise RuntimeError("lost")
 """
 PROGRAM = """
 import csv, json, sys
@@ -110,6 +117,31 @@ def test_a_program_is_shrunk_on_images_and_replayed(project, unlit, capsys):
     check_the_replay(project)
 
 
+def test_a_slam_that_raises_is_shrunk_and_replayed(project, capsys):
+    assert shrink("scenario.json", "--slam", "own_slam_to_shrink:Lost", "--fails", "crash", *DROP_ROOMS) == 0
+    assert "rooms 3 -> 1" in capsys.readouterr().out
+    why = (project / "failure" / "why.md").read_text()
+    assert "# The SLAM raises RuntimeError" in why and "at 2.5 s: the SLAM raised in process()" in why
+    assert "| perfect odometry | still there |" in why
+    assert 'raise RuntimeError("lost")' in (project / "failure" / "traceback.txt").read_text()
+    assert shrink("failure", "--slam", "own_slam_to_shrink:Lost", "--fails", "crash", *DROP_ROOMS) == 0
+    with pytest.raises(RuntimeError, match="lost"):
+        replay(project / "failure")
+    (project / "floor.txt").write_text("0")
+    replay(project / "failure")
+
+
+def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
+    (project / "program.py").write_text("import sys; sys.exit(open('floor.txt').read() + ' floors')")
+    command = f"'{sys.executable}' program.py {{dataset}} {{out}}"
+    assert shrink("images.json", "--command", command, "--fails", "crash", *DROP_ROOMS) == 0
+    why = (project / "failure" / "why.md").read_text()
+    assert "# The SLAM ends with exit status 1" in why and "first-wrong" not in why
+    assert (project / "failure" / "traceback.txt").read_text() == "3 floors\n"
+    with pytest.raises(ProgramError, match="ended with exit status 1: 3 floors"):
+        replay(project / "failure")
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -125,6 +157,14 @@ def test_a_program_is_shrunk_on_images_and_replayed(project, unlit, capsys):
         (
             ["scenario.json", "--slam", "sim.harness.adapters:OdometryOnly", *FAILS],
             "claim 'floors.accuracy < 0.5': floors.accuracy is null; valid: a figure of what the SLAM claims",
+        ),
+        (
+            ["scenario.json", "--slam", "own_slam_to_shrink:Lost", *FAILS],
+            "the SLAM raises RuntimeError: lost; valid: 'crash' in place of this claim",
+        ),
+        (
+            ["scenario.json", "--slam", "own_slam_to_shrink:Mine", "--fails", "crash"],
+            "scenario: it does not fail; valid: a scenario of which the failure is true",
         ),
         (["scenario.json", "--timeout", "3", *FAILS], "--timeout is for programs; valid: with --command"),
     ],

@@ -64,7 +64,7 @@ class Counted:
         if len(self.hashes) == self.stop_at:
             raise KeyboardInterrupt
         kitchen = "kitchen" in scenario.house.room_labels and len(scenario.house.storeys[0].rooms) > 1
-        return Signature("claim", "a kitchen") if kitchen else None
+        return Signature("a kitchen") if kitchen else None
 
     def clock(self):
         return float(len(self.hashes))
@@ -81,7 +81,7 @@ def test_nothing_is_run_twice():
 
     def fails(scenario):
         seen.append(scenario.content_hash)
-        return Signature("claim", "all rooms") if size(scenario).rooms == len(FLAT.house.storeys[0].rooms) else None
+        return Signature("all rooms") if size(scenario).rooms == len(FLAT.house.storeys[0].rooms) else None
 
     # In the second round, the rooms are dropped from the same scenario as in the first.
     reduction = reduce(FLAT, fails, steps={name: STEPS[name] for name in ("drop drift", "drop rooms")})
@@ -107,7 +107,7 @@ def test_no_candidate_is_listed_after_the_time_is_up(monkeypatch):
     asked = []
     hashes = Scenario.content_hash.fget
     monkeypatch.setattr(Scenario, "content_hash", property(lambda scenario: asked.append(scenario) or hashes(scenario)))
-    reduction = reduce(FLAT, lambda scenario: Signature("claim", "always"), deadline_s=0.0, clock=lambda: 0.0)
+    reduction = reduce(FLAT, lambda scenario: Signature("always"), deadline_s=0.0, clock=lambda: 0.0)
     assert reduction.ended == "deadline" and reduction.passing == () and len(asked) == 1
 
 
@@ -124,7 +124,7 @@ def test_a_failure_with_another_signature_and_an_exception_do_not_count():
     def fails(scenario):
         if len(scenario.house.storeys[0].rooms) < 4:
             raise ZeroDivisionError
-        return Signature("claim", "one" if scenario.odometry != "perfect" else "another")
+        return Signature("one" if scenario.odometry != "perfect" else "another")
 
     reduction = reduce(FLAT, fails)
     assert size(reduction.scenario).rooms == 4 and reduction.scenario.odometry == FLAT.odometry
@@ -139,7 +139,7 @@ def test_invalid_houses_are_never_run():
 
     def fails(scenario):
         seen.append(scenario)
-        return Signature("claim", "always")
+        return Signature("always")
 
     steps = {"broken": lambda scenario: iter([replace(scenario, house=_unreachable(scenario.house), odometry="perfect")])}
     reduction = reduce(FLAT, fails, steps=steps)
@@ -153,7 +153,7 @@ def test_a_scenario_that_does_not_fail_is_refused():
 
 def test_steps_can_be_left_out():
     steps = {name: step for name, step in STEPS.items() if name != "drop drift"}
-    kept = reduce(FLAT, lambda scenario: Signature("claim", "always"), steps=steps)
+    kept = reduce(FLAT, lambda scenario: Signature("always"), steps=steps)
     assert kept.scenario.odometry == FLAT.odometry and size(kept.scenario).rooms == 1
 
 
@@ -162,7 +162,7 @@ def on(fidelities, needs=lambda scenario: True):
 
     def fails(scenario):
         wrong = scenario.fidelity in fidelities and (scenario.fidelity == "features" or needs(scenario))
-        return Signature("claim", "always") if wrong else None
+        return Signature("always") if wrong else None
 
     return fails
 
@@ -183,7 +183,7 @@ def test_where_images_need_more_the_search_walks_back_up():
 
 def test_what_passed_on_features_is_next_to_the_result_on_images():
     needs = lambda scenario: len(scenario.house.storeys[0].rooms) >= 3  # noqa: E731
-    fails = lambda scenario: Signature("claim", "3 rooms") if needs(scenario) else None  # noqa: E731
+    fails = lambda scenario: Signature("3 rooms") if needs(scenario) else None  # noqa: E731
     reduction = reduce(RENDERED, fails)
     assert reduction.confirmed and reduction.searched_on == "features"
     assert {change.step for change in reduction.passing} == {"drop rooms"}
@@ -210,5 +210,5 @@ def test_an_exception_of_the_slam_is_a_failure_too():
 
     test = FailureTest.parse("crash", planted(crashes))
     scenario = with_listed_house(FLAT)
-    assert test(scenario) == Signature("exception", "ZeroDivisionError")
+    assert test(scenario) == Signature("raises ZeroDivisionError")
     assert FailureTest.parse("crash", planted(no_bug))(scenario) is None
