@@ -1,6 +1,5 @@
 """Maps on disk: loading inverts saving, damaged maps are refused, nothing is unpickled and nothing half-written."""
 
-import dataclasses
 import errno
 import json
 import os
@@ -9,6 +8,7 @@ import pickle
 import numpy as np
 import pytest
 from helpers.map_builder import corridor_with_offices
+from helpers.same_map import assert_same
 
 from lexis.errors import LexisError, MapError
 from lexis.map.folder import load_map, save_map
@@ -17,23 +17,6 @@ from lexis.map.folder import load_map, save_map
 @pytest.fixture
 def lexis_map(rng):
     return corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25])
-
-
-def assert_same(a, b):
-    """Assert that two maps are equal in every field, and that arrays have the same types."""
-    if dataclasses.is_dataclass(a):
-        assert type(a) is type(b)
-        for field in dataclasses.fields(a):
-            assert_same(getattr(a, field.name), getattr(b, field.name))
-    elif isinstance(a, np.ndarray):
-        assert a.dtype == b.dtype
-        np.testing.assert_array_equal(a, b)
-    elif isinstance(a, tuple):
-        assert len(a) == len(b)
-        for x, y in zip(a, b, strict=True):
-            assert_same(x, y)
-    else:
-        assert a == b
 
 
 def test_loading_gives_back_what_was_saved(lexis_map, tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.map_builder import ENCODER, corridor_with_offices
 from helpers.reading_encoder import ReadingEncoder
-from test_map_io import assert_same
+from helpers.same_map import assert_same
 
 from lexis.config import Config, LabelConfig
 from lexis.errors import LexisError, MapError
