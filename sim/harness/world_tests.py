@@ -8,7 +8,7 @@ import hashlib
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, get_args, runtime_checkable
 
@@ -107,21 +107,25 @@ class FreshWorld:
         """Generate the house; the scenario contains it, so that a stored failure outlives changes to the generator."""
         from sim.harness.parts import TOUR_LENGTH_M
         from sim.harness.scenario import Scenario
+        from sim.harness.walk import shortest_walk_m
         from worlds.presets import sample_house
 
         family = self.family
         house = sample_house(self.preset, self.seed, openness=self.openness, rooms=self.rooms, storeys=family.storeys)
         usual_m = TOUR_LENGTH_M.get(self.preset) if self.rooms is None else None
-        return Scenario(
+        scenario = Scenario(
             house=house,
             seed=self.seed,
-            length_m=family.length_m or usual_m,
+            length_m=usual_m,
             frame_rate_hz=family.frame_rate_hz,
             odometry=family.odometry,
             fidelity="render" if family.fidelity == "render" else "features",
             encoder=family.encoder,
             faults=family.faults,
         )
+        if family.length_m is None:
+            return scenario
+        return replace(scenario, length_m=max(family.length_m, math.ceil(shortest_walk_m(scenario))))
 
 
 @dataclass(frozen=True)
@@ -178,7 +182,8 @@ def worlds(
         n: number of houses.
         fidelity: "features" and "render" say what the SLAM gets (see `Scenario.fidelity`); with "layout" no SLAM runs.
         plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
-        length_m: requested length of the tour [m]; None: the length that is usual for the house.
+        length_m: length of the tour [m], or that of the shortest tour through all rooms if this is longer; None: the
+            length that is usual for the house.
         frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 4.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.

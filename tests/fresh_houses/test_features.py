@@ -5,7 +5,7 @@ from sim.harness import worlds
 FAMILIES = ("home", "ori", "uh2-apt", "uh2-office")
 
 
-@worlds(presets=FAMILIES, n=60, fidelity="features", openness=(0.2, 0.9), max_rooms=10)
+@worlds(presets=FAMILIES, n=60, fidelity="features", openness=(0.2, 0.9), max_rooms=6)
 def test_most_labels_are_right_and_the_map_is_better_than_the_odometry(run):
     assert run.labels.accuracy >= 0.45
     assert run.floors.accuracy >= 0.85

@@ -3,6 +3,7 @@
 import pytest
 
 from sim.errors import SimError
+from sim.harness.walk import walk
 from sim.harness.world_tests import ATTRIBUTE, HOUSE_SEEDS, slug_of, worlds
 from worlds.house import build_house
 from worlds.labels import STAIRS
@@ -78,3 +79,11 @@ def test_names_of_folders_tell_tests_apart():
     names = ("tests/test_a.py::test_x", "tests/test_b.py::test_x", "tests/test_a.py::TestA::test_x", "test_a.py::test_x")
     assert len({slug_of(name) for name in names}) == 4
     assert slug_of(names[2]) == "tests-test_a-TestA-test_x"
+
+
+def test_a_tour_too_short_for_a_house_is_the_shortest_one_there():
+    def length_m(asked):
+        return walk(family(max_rooms=3, n=1, length_m=asked).draw(0, 0).scenario()).tour.length_m
+
+    assert length_m(60.0) == pytest.approx(60.0, abs=3.0)
+    assert length_m(1.0) == pytest.approx(length_m(5.0)) and 5.0 < length_m(1.0) < 50.0

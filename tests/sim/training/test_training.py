@@ -3,6 +3,7 @@
 import json
 import pickle
 from dataclasses import fields, replace
+from functools import partial
 
 import numpy as np
 import open_clip
@@ -155,15 +156,15 @@ class StoppedError(Exception):
 @pytest.mark.parametrize("stage", ["dense", "align"])
 def test_a_stage_learns_and_resumes_to_the_same_weights(frames, text, stage, tmp_path):
     torch.set_num_threads(1)
-    half = frames[np.arange(0, len(frames.rooms), 3)]
-    schedule = Schedule(epochs=3, learning_rate=3e-3, batch=8)
+    some = frames[np.arange(0, len(frames.rooms), 6)]
+    schedule = Schedule(epochs=3, learning_rate=3e-3, batch=6)
 
     def learner():
-        dense = DenseLearner(half)
-        return dense if stage == "dense" else AlignLearner(dense.module, text, half, wordings=(2, 1))
+        dense = DenseLearner(some)
+        return dense if stage == "dense" else AlignLearner(dense.module, text, some, wordings=(2, 1))
 
     whole, history = learner(), []
-    fit(whole, half, frames, schedule, history.append)
+    fit(whole, some, some, schedule, history.append)
     assert history[-1].loss < 0.9 * history[0].loss
 
     def stop(progress: Progress) -> None:
@@ -171,9 +172,9 @@ def test_a_stage_learns_and_resumes_to_the_same_weights(frames, text, stage, tmp
             raise StoppedError
 
     with pytest.raises(StoppedError):
-        fit(learner(), half, frames, schedule, stop, tmp_path / "checkpoint.pt")
+        fit(learner(), some, some, schedule, stop, tmp_path / "checkpoint.pt")
     resumed = learner()
-    fit(resumed, half, frames, schedule, lambda progress: None, tmp_path / "checkpoint.pt")
+    fit(resumed, some, some, schedule, lambda progress: None, tmp_path / "checkpoint.pt")
     for name, value in whole.module.state_dict().items():
         assert torch.equal(value, resumed.module.state_dict()[name]), name
 
@@ -236,12 +237,15 @@ def test_settling_finds_rooms_by_text_and_leaves_the_trunk_unchanged(frames, tex
 
 
 def test_the_command_trains_resumes_and_writes_what_open_clip_loads(text, tmp_path, monkeypatch):
+    few = ViewpointConfig(most=40)
+    monkeypatch.setattr("sim.training.frames.TRAINING_VIEWS", few)
+    monkeypatch.setattr("sim.training.frames.frames_of_house", partial(frames_of_house, views=few))
     monkeypatch.setattr("sim.training.query_questions._MOST", 10)
     work = tmp_path / "work"
     work.mkdir()
     save_text_tower(text, work / "text-tower.safetensors")
     (work / "frames").mkdir()
-    tiny = {"epochs": (1, 1), "settling_steps": 1500, "batch": 16, "wordings": (2, 1)}
+    tiny = {"epochs": (1, 1), "settling_steps": 700, "batch": 16, "wordings": (2, 1)}
     run = TrainingRun(1, 1, work=work, out=tmp_path / "mini.safetensors", workers=1, **tiny)
     history = train_encoder(run, Console(quiet=True))
     assert [(progress.stage, progress.epoch) for progress in history] == [("dense", 1), ("align", 1)]
