@@ -125,7 +125,7 @@ class FreshWorld:
         )
         if family.length_m is None:
             return scenario
-        return replace(scenario, length_m=max(family.length_m, math.ceil(shortest_walk_m(scenario))))
+        return replace(scenario, length_m=max(family.length_m, float(math.ceil(shortest_walk_m(scenario)))))
 
 
 @dataclass(frozen=True)
