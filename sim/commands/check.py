@@ -51,7 +51,7 @@ def _check(arguments: argparse.Namespace) -> int:
     result = evaluate(finished, trials)
     if arguments.out is not None:
         write_run(finished, result, trials, arguments.out)
-    print_result(finished, result)
+    print_result(finished, result, nulls=False)
     if arguments.out is not None:
         print(f"report: {arguments.out / 'report.html'}")
     failures = [line for claim in claims if (line := failure(claim, result))]

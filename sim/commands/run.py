@@ -91,10 +91,10 @@ def progress_bar(work: str) -> Iterator["Progress"]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def print_result(finished: "Run", result: "RunResult") -> None:
-    """Print the table of all figures; a wide terminal also gets their meanings."""
+def print_result(finished: "Run", result: "RunResult", nulls: bool = True) -> None:
+    """Print the table of figures, without `nulls` only those that have a value; a wide terminal also gets their meanings."""
     from sim.report import result_table, result_title
 
     console, figures = Console(), result.data()
     print(result_title(figures, finished.house.spec.name))
-    console.print(result_table(figures, meanings=console.width >= _WIDE))
+    console.print(result_table(figures, meanings=console.width >= _WIDE, nulls=nulls))

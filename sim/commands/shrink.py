@@ -41,7 +41,7 @@ def add_to(commands: Commands) -> None:
 def _shrink(arguments: argparse.Namespace) -> int:
     from sim.harness import Scenario, blame
     from sim.harness.failure_folder import write_failure
-    from sim.harness.failure_signature import FailureTest
+    from sim.harness.failure_signature import FailureTest, check_fails
     from sim.harness.outputs import MARKERS
     from sim.harness.reducer import DEADLINE_S, reduce
     from sim.harness.reductions import STEPS
@@ -55,6 +55,7 @@ def _shrink(arguments: argparse.Namespace) -> int:
         raise SimError(f"--keep {unknown[0]!r:.80}: no such step; valid: {', '.join(STEPS)}")
     steps = {name: step for name, step in STEPS.items() if name not in arguments.keep}
     warn_of_replacement(arguments.out, *MARKERS)
+    check_fails(scenario, test)
     tell = _print_progress if sys.stderr.isatty() else None
     deadline_s = arguments.deadline or (DEADLINE_S if arguments.program is None else _PROGRAM_DEADLINE_S)
     reduction = reduce(scenario, test, deadline_s, tell, steps=steps)

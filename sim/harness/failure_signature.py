@@ -8,6 +8,7 @@ from sim.harness.claims import Claim
 from sim.harness.crash import Crash, Runner, attempt
 from sim.harness.figures import evaluate
 from sim.harness.planning import Trial, try_plans
+from sim.harness.reductions import with_listed_house
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
@@ -115,3 +116,17 @@ class FailureTest:
 
     def __str__(self) -> str:
         return CRASH if self.claim is None else str(self.claim)
+
+
+def check_fails(scenario: Scenario, test: FailureTest) -> None:
+    """Raise `SimError`, with the value of the figure, unless the scenario with its whole house listed fails the test.
+
+    A failing run is kept by the test, so that a search by `reduce` does not repeat it.
+    """
+    listed = with_listed_house(scenario)
+    if test(listed) is not None:
+        return
+    if test.claim is None:
+        raise SimError(f"{CRASH}: the SLAM does not crash on the scenario; valid: a scenario on which it does")
+    value = test.observe(listed).value
+    raise SimError(f"claim {str(test)!r}: {test.claim.figure} is {value:g}; valid: a claim that is true of the scenario")

@@ -9,7 +9,7 @@ import pytest
 from _pytest._code.code import ExceptionRepr
 
 from lexis.errors import one_line
-from sim.harness.world_tests import StoredWorld
+from sim.harness.world_tests import SCENARIO, StoredWorld
 from sim.pytest_plugin.collection import family_of, name_of, parameters_of
 from sim.pytest_plugin.execution import Execution
 from sim.pytest_plugin.options import loading_options, out_folder, replayed_file
@@ -29,6 +29,8 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     failure, scenario = execution.failure, execution.tested
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
+    if failure.kind == "TypeError" and "'NoneType'" in failure.message:
+        lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     rest = _lines(item, execution, scenario, search)
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         report.longrepr = "\n".join([*lines, *rest])
@@ -66,9 +68,13 @@ def _first_wrong(outcome: "FinishedRun | Crash") -> str:
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
-    """Write the folder of a failure, unless it is the folder that is being replayed."""
+    """Write the folder of a failure, unless it is the folder that is being replayed, or the folder of the test itself."""
     from sim.harness.failed_test import folder_of, write_failed_test
+    from sim.harness.scenario import Scenario
 
+    beside = item.path.with_name(SCENARIO)
+    if beside.is_file() and Scenario.load(beside) == outcome.scenario:  # the test_replay.py of lexis-sim shrink
+        return item.path.parent
     folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
     replayed = _replayed(item, execution)
     if replayed is not None and replayed.parent.name == folder.name:

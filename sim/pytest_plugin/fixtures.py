@@ -48,6 +48,7 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
     from sim.harness.figures import evaluate
     from sim.harness.planning import try_plans
     from sim.harness.runner import run as run_scenario
+    from worlds.errors import WorldsError
 
     execution: Execution = request.node.stash[EXECUTION]
     family = family_of(request.node)
@@ -55,6 +56,8 @@ def run(request: pytest.FixtureRequest, scenario: "Scenario", slam: "SlamUnderTe
         finished = run_scenario(scenario, slam)
         return evaluate(finished, try_plans(finished) if family is not None and family.plans else [])
     except Exception as error:
-        if execution.last.done is not None:  # otherwise the scenario cannot be run, for which no SLAM is to blame
+        if execution.last.done is not None:
             execution.raised = Raised(error, error.__traceback__)
+        elif isinstance(error, SimError | WorldsError):  # no SLAM, or a scenario that cannot be run: the message says all
+            pytest.fail(str(error), pytrace=False)
         raise

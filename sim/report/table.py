@@ -6,7 +6,7 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from sim.report.figures import SECTIONS, figures
+from sim.report.figures import MISSING, SECTIONS, figures
 
 
 def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
@@ -17,14 +17,17 @@ def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
     return line.format_map(_Absent({**result, "house": result.get("preset") or house or "?"}))
 
 
-def result_table(result: Mapping[str, Any], meanings: bool = True) -> Table:
-    """A table of all figures of a result.json with their meanings, for `rich.console.Console.print`."""
+def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool = True) -> Table:
+    """A table of the figures of a result.json, for `rich.console.Console.print`.
+
+    `meanings` adds a column that explains the figures. Without `nulls`, figures that are null are left out.
+    """
     table = Table("", "figure", box=SIMPLE_HEAD)
     table.add_column("value", justify="right", no_wrap=True, style="bold")
     if meanings:
         table.add_column("meaning", style="dim")
     for section in SECTIONS:
-        rows = figures(result, section)
+        rows = [row for row in figures(result, section) if nulls or row.value != MISSING]
         for i, row in enumerate(rows):
             cells = (section.replace("_", " ") if i == 0 else "", row.name, row.value, row.meaning)
             table.add_row(*cells[: len(table.columns)], end_section=i == len(rows) - 1)

@@ -17,7 +17,9 @@ from helpers.documentation import ROOT
 import sim.harness.reducer
 import sim.harness.reductions
 import sim.pytest_plugin.protocol
+from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
+from worlds.presets import sample_from_rooms
 
 pytest_plugins = ["pytester"]
 
@@ -127,7 +129,7 @@ def inner(loaded, pytester, start):
 @pytest.fixture
 def light(monkeypatch):
     """Let the scenarios of fresh houses consist of a seed, for tests that look at nothing else."""
-    monkeypatch.setattr(FreshWorld, "scenario", lambda self: types.SimpleNamespace(seed=self.seed))
+    monkeypatch.setattr(FreshWorld, "scenario", lambda self: Scenario(seed=self.seed))
 
 
 def ids(result):
@@ -241,6 +243,50 @@ def test_a_failure_that_does_not_come_back_is_shown_as_it_was_found(pytester, in
     result.stdout.fnmatch_lines(["AssertionError: assert 1 > 1", "folder: .lexis-failures/test_slam-test_once-*"])
 
 
+def test_common_mistakes_cost_a_line_and_no_traceback(pytester, start):
+    mistakes = """
+class Endless(Stub):
+    finish = None
+
+class TestEndless:
+    @pytest.fixture
+    def slam(self):
+        return Endless()
+
+    @small
+    def test_endless(self, run):
+        pass
+
+@small
+def test_no_claim(run):
+    assert run.rooms.pq > 0.5
+"""
+    pytester.makepyfile(test_slam=SLAM + mistakes)
+    result = start("--no-lexis-shrink")  # in a process without jaxtyping, which refuses such a SLAM before the harness does
+    result.assert_outcomes(errors=1, failed=1)
+    result.stdout.fnmatch_lines(
+        ["SLAM under test: Endless has no method finish(); valid: *", "note: a figure is None if the SLAM makes no claim *"]
+    )
+    assert len(result.outlines) < 40
+
+
+def test_the_replay_in_a_folder_of_shrink_leaves_no_other_folder(pytester, inner):
+    pytester.makepyfile(test_replay=SLAM + REPLAY)
+    scenario = Scenario(house=sample_from_rooms(("kitchen",), seed=3), length_m=5.0, fidelity="features", encoder="oracle")
+    scenario.save(pytester.path / "scenario.json")
+    result = inner()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["folder: .", "replay: pytest -p sim.pytest_plugin test_replay.py::test_replay *"])
+    assert not (pytester.path / ".lexis-failures").exists()
+
+
+REPLAY = """
+from pathlib import Path
+from sim.harness import Scenario, run
+
+def test_replay():
+    run(Scenario.load(Path(__file__).with_name("scenario.json")), Lost())
+"""
 PLAIN = """
 from hypothesis import given, settings, strategies as st
 from sim import Scenario, check

@@ -164,7 +164,11 @@ def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
         ),
         (
             ["scenario.json", "--slam", "own_slam_to_shrink:Mine", "--fails", "crash"],
-            "scenario: it does not fail; valid: a scenario of which the failure is true",
+            "crash: the SLAM does not crash on the scenario; valid: a scenario on which it does",
+        ),
+        (
+            ["scenario.json", "--slam", "own_slam_to_shrink:Mine", "--fails", "floors.accuracy > 0.5"],
+            "claim 'floors.accuracy > 0.5': floors.accuracy is 0; valid: a claim that is true of the scenario",
         ),
         (["scenario.json", "--timeout", "3", *FAILS], "--timeout is for programs; valid: with --command"),
     ],

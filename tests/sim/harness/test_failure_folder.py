@@ -79,7 +79,7 @@ def test_the_replay_fails_now_and_passes_once_mended(failure):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--fails", "labels.accuracy < 0"], "it does not fail; valid: a scenario of which the failure is true"),
+        (["--fails", "labels.accuracy < 0"], "; valid: a claim that is true of the scenario"),
         (["--fails", "wrong"], "claim 'wrong' is not understood"),
         (["--fails", "labels.acc < 1"], "no figure 'acc'"),
         (["--fails", "labels.accuracy < 1", "--keep", "rooms"], "--keep 'rooms': no such step; valid: drop storeys, "),

@@ -39,9 +39,7 @@ def test_a_planted_bug_is_shrunk_and_blamed(name):
     assert after.rooms <= 3 + stairs and after.length_m <= 20.0 and after.furniture == 0
     assert after.storeys == (2 if name == "floors" else 1)
     assert after.drift == (name == "drift")
-    assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(
-        "claim", str(test.claim)
-    )
+    assert reduction.ended == "smallest" and test(reduction.scenario) == reduction.signature == Signature(str(test.claim))
     assert set(blame(reduction.scenario, test).named("mends")) == BUGS[name][3]
 
 
