@@ -9,47 +9,68 @@ from jaxtyping import Float64
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
 from lexis.maths.se3 import between
-from lexis.types import Covariance, LoopEdge, Poses
+from lexis.types import Covariance, LoopEdge, Pose, Poses
 
 _PRIOR_SIGMA = 1e-6
 """Standard deviation of the prior on the first pose [rad, m], which only fixes the gauge freedom."""
 
 
-def optimise(
-    T_W_B: Poses,
-    steps: Float64[np.ndarray, "n_minus_1 4 4"],
-    step_covariances: Float64[np.ndarray, "n_minus_1 6 6"],
-    loops: Sequence[LoopEdge],
-    config: PoseGraphConfig,
-) -> Poses:
-    """Optimise the poses by Levenberg-Marquardt, with the first pose fixed.
+class GraphOptimiser:
+    """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed.
 
     Odometry edges enter by least squares. Loop edges enter under the robust DCS kernel, so that a wrong loop counts little.
-
-    Args:
-        T_W_B: initial poses.
-        steps: odometry ``T_i_j`` from every keyframe i to the next keyframe j.
-        step_covariances: covariances of the steps, to which the configured minimum is added.
-        loops: loop edges between keyframes of the graph.
-        config: kernel parameter, minimum covariance and iterations.
-
-    Raises:
-        LexisError: a loop refers to a keyframe that the graph does not have, or does not lead back to an earlier one.
+    Edges and poses are kept from one optimisation to the next.
     """
-    graph = gtsam.NonlinearFactorGraph()
-    graph.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(T_W_B[0]), gtsam.noiseModel.Isotropic.Sigma(6, _PRIOR_SIGMA)))
-    for i, (step, covariance) in enumerate(zip(steps, step_covariances, strict=True)):
-        noise = gtsam.noiseModel.Gaussian.Covariance(covariance + _min_covariance(config))
-        graph.add(gtsam.BetweenFactorPose3(i, i + 1, gtsam.Pose3(step), noise))
-    for loop in loops:
-        graph.add(_loop_factor(loop, len(T_W_B), config))
-    initial = gtsam.Values()
-    for i, pose in enumerate(T_W_B):
-        initial.insert(i, gtsam.Pose3(pose))
-    parameters = gtsam.LevenbergMarquardtParams()
-    parameters.setMaxIterations(config.max_iterations)
-    solution = gtsam.LevenbergMarquardtOptimizer(graph, initial, parameters).optimize()
-    return np.stack([solution.atPose3(i).matrix() for i in range(len(T_W_B))])
+
+    def __init__(self, first: Pose, config: PoseGraphConfig) -> None:
+        """Begin a graph with the pose `T_W_B` of its first keyframe."""
+        self._config, self._count = config, 1
+        self._odometry, self._loops = gtsam.NonlinearFactorGraph(), gtsam.NonlinearFactorGraph()
+        self._poses = gtsam.Values()
+        prior = gtsam.noiseModel.Isotropic.Sigma(6, _PRIOR_SIGMA)
+        self._odometry.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(first), prior))
+        self._poses.insert(0, gtsam.Pose3(first))
+        self._min_covariance = _min_covariance(config)
+        self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
+
+    def add_keyframe(self, T_W_B: Pose, step: Pose, covariance: Covariance) -> None:
+        """Append a keyframe at an initial pose.
+
+        `step` is the odometry ``T_i_j`` from the previous keyframe i to it; the configured minimum is added to `covariance`.
+        """
+        noise = gtsam.noiseModel.Gaussian.Covariance(covariance + self._min_covariance)
+        self._odometry.add(gtsam.BetweenFactorPose3(self._count - 1, self._count, gtsam.Pose3(step), noise))
+        self._poses.insert(self._count, gtsam.Pose3(T_W_B))
+        self._count += 1
+
+    def add_loop(self, loop: LoopEdge) -> None:
+        """Add a loop edge.
+
+        Raises LexisError if it refers to a keyframe that the graph does not have, or does not lead back to an earlier one.
+        """
+        if not 0 <= loop.match < loop.query < self._count:
+            edge = f"{loop.match} -> {loop.query}"
+            raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
+        noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))
+        self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
+
+    def optimise(self) -> Poses:
+        """Optimise all poses, from the result of the last optimisation on."""
+        graph = gtsam.NonlinearFactorGraph()
+        graph.push_back(self._odometry)
+        graph.push_back(self._loops)
+        parameters = gtsam.LevenbergMarquardtParams()
+        parameters.setMaxIterations(self._config.max_iterations)
+        self._poses = gtsam.LevenbergMarquardtOptimizer(graph, self._poses, parameters).optimize()
+        return _matrices(self._poses)
+
+
+def _matrices(poses: gtsam.Values) -> Poses:
+    """The poses in the order of their keys."""
+    rows = gtsam.utilities.extractPose3(poses)  # nine elements of the rotation, row by row, and the translation
+    matrices = np.tile(np.eye(4), (len(rows), 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:]
+    return matrices
 
 
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
@@ -63,16 +84,6 @@ def squared_residual(T_W_B: Poses, loop: LoopEdge) -> float:
     predicted = gtsam.Pose3(between(T_W_B[loop.match], T_W_B[loop.query]))
     error = gtsam.Pose3.Logmap(gtsam.Pose3(loop.T_match_query).between(predicted))
     return float(error @ np.linalg.solve(loop.covariance, error))
-
-
-def _loop_factor(loop: LoopEdge, count: int, config: PoseGraphConfig) -> gtsam.BetweenFactorPose3:
-    if not 0 <= loop.match < loop.query < count:
-        raise LexisError(
-            f"loop edge {loop.match} -> {loop.query} does not fit the graph; valid: 0 <= match < query < {count}"
-        )
-    kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
-    noise = gtsam.noiseModel.Robust.Create(kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))
-    return gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise)
 
 
 def _min_covariance(config: PoseGraphConfig) -> Covariance:

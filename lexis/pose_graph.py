@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 
 from lexis.config import PoseGraphConfig
-from lexis.graph_optimisation import loop_weights, optimise
+from lexis.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
 from lexis.types import Keyframe, LoopEdge, Poses
@@ -20,6 +20,7 @@ class PoseGraph:
         self._config = config
         self._T_W_B = GrowingArray((4, 4))
         self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
+        self._optimiser: GraphOptimiser | None = None
         self._unused_loops = False
         self._last_optimised = 0
         self.keyframes: list[Keyframe] = []
@@ -52,18 +53,23 @@ class PoseGraph:
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
         """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose."""
-        if not self.keyframes:
+        if self._optimiser is None:
+            self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
             self._T_W_B.append(keyframe.T_O_B)
             self._path_m.append(0.0)
         else:
             step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
             self._T_W_B.append(self.T_W_B[-1] @ step)
+            self._optimiser.add_keyframe(self.T_W_B[-1], step, keyframe.step_covariance)
             self._path_m.append(self.path_m[-1] + np.linalg.norm(step[:3, 3]))
         self._stamps.append(keyframe.stamp)
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Append verified loop edges; they take effect at the next optimisation."""
+        for loop in loops:
+            assert self._optimiser is not None
+            self._optimiser.add_loop(loop)
         self.loops.extend(loops)
         self._unused_loops |= bool(loops)
 
@@ -75,8 +81,7 @@ class PoseGraph:
         waited = len(self.keyframes) - self._last_optimised >= self._config.every
         if not self._unused_loops or not (waited or final):
             return False
-        T_O_B = np.stack([keyframe.T_O_B for keyframe in self.keyframes])
-        covariances = np.stack([keyframe.step_covariance for keyframe in self.keyframes[1:]])
-        self._T_W_B.replace(optimise(self.T_W_B, between(T_O_B[:-1], T_O_B[1:]), covariances, self.loops, self._config))
+        assert self._optimiser is not None
+        self._T_W_B.replace(self._optimiser.optimise())
         self._unused_loops, self._last_optimised = False, len(self.keyframes)
         return True

@@ -59,7 +59,7 @@ class StoreyPlan:
         return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
 
     def standing_walls(self) -> Iterator[Wall]:
-        """The walls of the storey, with the openings left out."""
+        """The pieces of wall that remain after the openings are cut out."""
         meeting, indoors = corners([boundary for boundary, _ in self.pieces]), indoor_rooms(self.house)
         for boundary, opening in self.pieces:
             height = wall_height(boundary, self.ceiling_m - self.floor_m, indoors)

@@ -34,7 +34,7 @@ class Calibration:
     fingerprint: str
     """Fingerprint of the encoder that was calibrated."""
     room_names: tuple[str, ...]
-    """Room names from which the familiarity of a text is computed."""
+    """Room names that the calibration used. Every text is compared with them; see `familiarity`."""
     base: float
     slope: float
     temperature: float

@@ -9,7 +9,7 @@ from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
-"""Least depth of a block [m]. A nearer block is ignored, because the camera is inside it."""
+"""Least distance of a block in front of the camera [m]. A nearer block is ignored: the camera counts as inside it."""
 FAR_M = np.float32(200.0)
 """Depth of rays that hit nothing [m]."""
 

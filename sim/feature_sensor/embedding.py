@@ -67,7 +67,7 @@ def _bases(views: VisibleShares, T_W_B: Poses, rng: np.random.Generator) -> Iter
 
 
 def kernel_values(views: VisibleShares, T_W_B: Poses) -> Iterator[Float64[np.ndarray, "n n"]]:
-    """Yield the matrix of each kernel between all views."""
+    """For each covariance kernel of the model of embeddings, yield its values for all pairs of n views."""
     yield np.ones((len(T_W_B), len(T_W_B)))
     for rows in (_units(views.of_rooms()), _units(_objects(views))):
         yield rows @ rows.T

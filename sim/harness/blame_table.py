@@ -65,10 +65,11 @@ class BlameTable:
 def blame(
     scenario: Scenario, test: FailureTest, is_lexis: bool = False, on_row: Callable[[BlameRow], None] | None = None
 ) -> BlameTable:
-    """Try all substitutions on a failing scenario; `is_lexis` says whether the SLAM of the test is LEXIS.
+    """Run a failing scenario again with one part at a time replaced by the truth or left out, and tabulate what changes.
 
-    The stages of LEXIS are replaced in a copy of the LEXIS that failed, with its settings and its other stages. Raises
-    `WorldsError` for a house that cannot be built, and what the run raises if it has to be repeated.
+    `is_lexis` says whether the SLAM of the test is LEXIS. Its stages are then replaced as well, in a copy of the LEXIS that
+    failed, with its settings and its other stages. Raises `WorldsError` if the house cannot be built. If the test has not
+    kept the failing run, the run is repeated, and its exceptions are passed on.
     """
     listed = with_listed_house(scenario)
     signature = test(listed)

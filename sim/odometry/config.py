@@ -74,9 +74,9 @@ openvins      0.07 m  0.85 deg   0.13 m  1.06 deg   0.19 m  1.26 deg   0.11 m
 - `mono` has the yaw error of `multicam` divided by 0.61, the published ratio between several cameras and one.
 - `openvins` follows the curve published for monocular OpenVINS in EuRoC's Vicon rooms (0.094 m 0.83 deg, 0.111 m 1.22 deg,
   0.184 m 1.43 deg). These sequences stay in one small room. The preset drifts too little over a house to show the difference
-  between a good and a bad back end, so the other presets are not fitted to it.
+  between a good and a bad back end, so the other presets do not follow this curve.
 
 `overconfidence` is the NEES per degree of freedom of single increments. If increments are composed over 8 to 96 m as though
-they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8), because tilt errors cancel
-each other while biases do not.
+they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8): tilt errors cancel each other,
+which lowers the NEES, and biases add up, which raises it less.
 """

@@ -56,7 +56,7 @@ class LoopFile(_Strict):
     loops: list[LoopClaim]
     """Loop closures; an empty list claims that there are none."""
     candidates: list[RevisitClaim] | None = None
-    """Proposed revisits; absent if the program does not claim them."""
+    """Revisits that the program has proposed; None if the file does not list them."""
 
 
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:

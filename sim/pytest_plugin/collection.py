@@ -60,7 +60,7 @@ def name_of(item: pytest.Item) -> str:
 
 
 def parameters_of(item: pytest.Item) -> str:
-    """The id of the parameters of a decorated test besides its world; empty if it has none."""
+    """The pytest id of a test's parameters without its world; empty if it has no others, or no decorator `worlds`."""
     if family_of(item) is None:
         return ""
     ids: str = item.callspec.id  # type: ignore[attr-defined]

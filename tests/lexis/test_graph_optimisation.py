@@ -3,7 +3,7 @@ import pytest
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
-from lexis.graph_optimisation import loop_weights, optimise
+from lexis.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.maths import se3
 from lexis.types import LoopEdge
 
@@ -41,8 +41,17 @@ def loops_between(true, pairs):
     return [LoopEdge(j, i, se3.between(true[i], true[j]), LOOP_COVARIANCE, 50) for i, j in pairs]
 
 
-def solve(T, steps, loops, config=CONFIG):
-    return optimise(T, steps, np.tile(STEP_COVARIANCE, (len(steps), 1, 1)), loops, config)
+def solve(T, steps, loops, covariance=STEP_COVARIANCE):
+    return optimiser(T, steps, loops, covariance).optimise()
+
+
+def optimiser(T, steps, loops, covariance=STEP_COVARIANCE):
+    graph = GraphOptimiser(T[0], CONFIG)
+    for pose, step in zip(T[1:], steps, strict=True):
+        graph.add_keyframe(pose, step, covariance)
+    for loop in loops:
+        graph.add_loop(loop)
+    return graph
 
 
 def error(T, true):
@@ -95,12 +104,26 @@ def test_a_false_loop_is_rejected_among_true_ones(true, drifting):
 
 def test_odometry_that_claims_no_error_still_gives_a_solution(true):
     steps = se3.between(true[:-1], true[1:])
-    result = optimise(true, steps, np.zeros((len(steps), 6, 6)), loops_between(true, [(0, 20)]), CONFIG)
+    result = solve(true, steps, loops_between(true, [(0, 20)]), np.zeros((6, 6)))
     np.testing.assert_allclose(result, true, atol=1e-6)
 
 
+def test_what_comes_later_changes_no_more_than_if_it_had_been_there_at_once(true, drifting):
+    """Optimising twice, with keyframes and a loop in between, ends where one optimisation of everything ends."""
+    steps, T = drifting
+    first, second = loops_between(true, [(0, 20), (3, 23)]), loops_between(true, [(10, 35), (0, 39)])
+    growing = optimiser(T[:30], steps[:29], first)
+    found = growing.optimise()
+    for step in steps[29:]:
+        found = np.concatenate([found, (found[-1] @ step)[None]])
+        growing.add_keyframe(found[-1], step, STEP_COVARIANCE)
+    for loop in second:
+        growing.add_loop(loop)
+    np.testing.assert_allclose(growing.optimise(), solve(T, steps, [*first, *second]), atol=2e-3)
+
+
 def test_a_graph_of_one_keyframe_is_solved():
-    result = optimise(np.eye(4)[None], np.zeros((0, 4, 4)), np.zeros((0, 6, 6)), [], CONFIG)
+    result = solve(np.eye(4)[None], [], [])
     np.testing.assert_allclose(result, np.eye(4)[None], atol=1e-9)
     assert loop_weights(result, [], CONFIG).shape == (0,)
 

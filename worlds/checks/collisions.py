@@ -35,7 +35,8 @@ def outlines_over(
 ) -> Pairs:
     """Pairs (index of an outline, index of a box) that overlap by more than `tolerance_m` in every direction [m].
 
-    `outlines` are the corners of convex polygons in the plan, in either order; `spans` are their lower and upper ends [m].
+    Each outline has the corners of a convex polygon in the plan, clockwise or anticlockwise; `spans` are the heights of the
+    bottom and the top of the bodies that stand on these polygons [m].
     """
     i, j = _near(outlines, corners := _corners(boxes), tolerance_m).T
     meet = _at_one_height(spans[i], boxes.span[j], tolerance_m)

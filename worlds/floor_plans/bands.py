@@ -7,7 +7,7 @@ on the one below, so a band is at least as long as the same band of the storey a
 The functions are called in this order:
 
 1. `assign` chooses a band for every run, from the ground storey upwards: a storey may only use bands that exist below it.
-2. `wrap_round` (in some plans) bends the last room of the south band round the corridor's end, for rooms that are not
+2. `wrap_round` (in some plans) bends the last room of the south band round the corridor's end, so that not all rooms are
    rectangles.
 3. `measured` sets the lengths of all bands, from the top storey downwards: a band must reach as far as the one above it.
 4. `placed_bays` turns the lengths into a position and a width for every bay.

@@ -1,9 +1,9 @@
 """Widths of the bays of a band, and the rectangles that their rooms cover; all lengths are in whole centimetres.
 
 A bay is one slice of a band (a row of rooms along a corridor). It holds one main room, the host, and up to two small rooms
-carved from it; `programmes` draws the forms. A bay is as deep as its band, so its area follows from its width:
+carved from it; `programmes` shows the forms in a drawing. A bay is as deep as its band, so its area follows from its width:
 
-1. `bay_width` gives each bay the width at which its rooms get the areas that were drawn for them.
+1. `bay_width` gives each bay the width at which its rooms get the areas that were chosen at random for them.
 2. `share_out` widens the bays of a band until they fill the band's length.
 3. `bay_rooms` cuts the bay into rectangles: the small rooms keep their size, the host gets everything else.
 """
@@ -27,7 +27,7 @@ _MOST_SLENDER = 1.75
 def bay_width(bay: Bay, depth: int) -> int:
     """Return the preferred width of a bay in a band of this depth, rounded up to 5 cm [cm].
 
-    It is the largest of three widths: the width at which the rooms get the areas drawn for them; the least width at which
+    It is the largest of three widths: the width at which the rooms get the areas chosen for them; the least width at which
     the host is neither too narrow nor too slender; and the width at which the carved rooms fit beside the host's own front.
     """
     host = bay.labels[0]

@@ -89,7 +89,7 @@ class StairsBay:
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
         """Rectangles (u0, v0, u1, v1) of the arms, the pieces of corridor beside the stairs [cm].
 
-        u runs along the band and v away from the spine.
+        u runs along the band, the row of rooms beside the corridor; v is the distance from the corridor.
         """
         match self.kind:
             case "straight":
@@ -101,7 +101,7 @@ class StairsBay:
     def cell(self) -> tuple[int, int, int, int]:
         """Rectangle (u0, v0, u1, v1) of the cell, the room of the stairs [cm].
 
-        u runs along the band and v away from the spine.
+        u runs along the band, the row of rooms beside the corridor; v is the distance from the corridor.
         """
         match self.kind:
             case "straight":

@@ -18,7 +18,7 @@ class Partition:
     rooms: frozenset[str]
     """Ids of the two rooms."""
     walls: tuple[Boundary, ...]
-    """The straight stretches that the boundary consists of."""
+    """The straight stretches of wall line between the two rooms."""
     height_m: float
     """Height of the ceiling above the floor [m]."""
 

@@ -79,7 +79,7 @@ class EncoderFigures:
     right: Bool[np.ndarray, "n"]
     """For each frame, whether the predicted label is right."""
     ceiling_right: Bool[np.ndarray, "n"] | None
-    """For each frame, whether the ceiling classifier predicts the right label; None without the classifier."""
+    """For each frame, whether the reference classifier of `EncoderRow.ceiling` predicts the right label; None without it."""
     found: Mapping[str, Bool[np.ndarray, "revisits"]]
     """For each revisit, whether it was found; the keys are the names of the recalls in `EncoderRow`."""
     own_room: Float[np.ndarray, "n"]

@@ -42,7 +42,7 @@ class TableRow:
     weights: str
     """`TRAINED` or `RANDOM`. An encoder with random weights has times but no accuracy."""
     accuracy: Mapping[str, Accuracy]
-    """Label accuracy by preset."""
+    """Label accuracy by the preset of the houses."""
     times: Mapping[str, Timing | str]
     """Times by the name in `sim.bench.encoders.times.WAYS`, or the reason why they could not be measured."""
 
