@@ -1,4 +1,4 @@
-"""One way to run everything: `nox -s demo | tests | fresh_houses | nightly | lint | bench`, with `-- ARGUMENTS`.
+"""One way to run everything: `nox -s demo | tests | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
 
 All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
 tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.
@@ -23,7 +23,6 @@ RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
 PYTHON = None if RUNNING in SUPPORTED else SUPPORTED[-1]  # None: the interpreter that runs nox
 
 CONSTRAINTS = Path("tests", "constraints.txt")
-FRESH_HOUSES = "tests/fresh_houses"
 
 GL_PACKAGES = {"egl": ("libegl1", "libgl1-mesa-dri"), "osmesa": ("libosmesa6",)}
 ENVIRONMENT = {
@@ -53,23 +52,15 @@ def demo(session: nox.Session) -> None:
 
 @nox.session(venv_backend="none", requires=["env"])
 def tests(session: nox.Session) -> None:
-    """All tests but the slow ones; without arguments, the session `fresh_houses` comes after them."""
-    if not session.posargs:
-        session.notify("fresh_houses")
-    elsewhere = [] if session.posargs else ["--ignore", FRESH_HOUSES]
-    run(session, "pytest", "-n", "2", "--dist", "loadfile", *elsewhere, *session.posargs)
-
-
-@nox.session(venv_backend="none", requires=["env"])
-def fresh_houses(session: nox.Session) -> None:
-    """Hundreds of houses that nobody chose, without the checks of array shapes, which would take most of the time."""
-    run(session, "pytest", "-n", "2", FRESH_HOUSES, *session.posargs, env={"JAXTYPING_DISABLE": "1"})
+    """All tests but the slow ones."""
+    run(session, "pytest", "-n", "2", "--dist", "loadfile", *session.posargs)
 
 
 @nox.session(venv_backend="none", requires=["env"])
 def nightly(session: nox.Session) -> None:
-    """All tests, the slow ones too, with new random examples."""
-    run(session, "pytest", "-n", "2", "--dist", "loadfile", "-m", "", "--hypothesis-profile=nightly", *session.posargs)
+    """All tests, the slow ones too, with new random examples, and with the lengths of all axes checked."""
+    options = ["-n", "2", "--dist", "loadfile", "-m", "", "--hypothesis-profile=nightly"]
+    run(session, "pytest", *options, *session.posargs, env={"CHECK_AXES": "1"})
 
 
 @nox.session(venv_backend="none", requires=["env"])

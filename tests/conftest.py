@@ -1,16 +1,24 @@
 """Settings and fixtures of all tests: single-threaded libraries, fixed Hypothesis examples, a generator with a fixed seed.
 
-jaxtyping's import hook, which checks shapes at run time, is installed before anything else loads the project. What pytest
-has loaded by then, as our own plugin, has no arrays.
+Types are checked at run time, by an import hook that is installed before anything else loads the project. beartype's hook
+checks types and numbers of axes, and costs next to nothing. The nightly session uses jaxtyping's hook, which also checks
+that axes of one name have one length, and takes three times as long. What pytest has loaded by then, such as our own
+plugin, has no arrays.
 """
 
 import os
 
 os.environ.update(OMP_NUM_THREADS="1", OMP_WAIT_POLICY="PASSIVE", GOMP_SPINCOUNT="0")
 
+from beartype import BeartypeConf
+from beartype.claw import beartype_packages
 from jaxtyping import install_import_hook
 
-install_import_hook(["lexis", "sim", "worlds"], "beartype.beartype")
+_CHECKED = ("lexis", "sim", "worlds")
+if os.environ.get("CHECK_AXES"):
+    install_import_hook(_CHECKED, "beartype.beartype")
+else:
+    beartype_packages(_CHECKED, conf=BeartypeConf(claw_is_pep526=False))  # local variables are not annotated for checks
 
 import cv2
 import numpy as np

@@ -10,6 +10,8 @@ SLAM, `estimate` holds its claims, and `adapters` contains LEXIS and others. `ru
 plans, `figures` (with `loops`) computes the `results`, about which `claims` are made, and `outputs` writes the folder of a
 run with its report, for which `report_data` prepares the data.
 
+`crash` tells a SLAM that raises an exception from a scenario that cannot be run.
+
 For a failing run, `failure_signature` says how it fails, and `reducer` finds the smallest scenario that fails in the same
 way, by the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a time to find the
 part that causes the failure. `failure_folder` writes all of this, with the page of `why_page` and its `frame_pictures`.

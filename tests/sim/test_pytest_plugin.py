@@ -262,7 +262,7 @@ def test_no_claim(run):
     assert run.rooms.pq > 0.5
 """
     pytester.makepyfile(test_slam=SLAM + mistakes)
-    result = start("--no-lexis-shrink")  # in a process without jaxtyping, which refuses such a SLAM before the harness does
+    result = start("--no-lexis-shrink")  # in a process without type checks, which refuse such a SLAM before the harness does
     result.assert_outcomes(errors=1, failed=1)
     result.stdout.fnmatch_lines(
         ["SLAM under test: Endless has no method finish(); valid: *", "note: a figure is None if the SLAM makes no claim *"]
