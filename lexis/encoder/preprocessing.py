@@ -44,7 +44,7 @@ def as_open_clip(settings: Mapping[str, Any]) -> Preprocessing:
     return Preprocessing(json.dumps(told), lambda image: transform(PILImage.fromarray(image)))
 
 
-def squash(image: Image, height: int, width: int) -> Float[Tensor, "3 {height} {width}"]:
+def squash(image: Image, height: int, width: int) -> Float[Tensor, "3 height width"]:
     """Resize an image to height x width [px] by area averaging, without keeping its aspect ratio, and normalise it."""
     small = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
     pixels = (small / np.float32(255.0) - np.array(MINI_MEAN, np.float32)) / np.array(MINI_STD, np.float32)

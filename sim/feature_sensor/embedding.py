@@ -81,7 +81,7 @@ def _objects(views: VisibleShares) -> Float[np.ndarray, "n things"]:
     return np.where(views.around.kind < len(OBJECTS), views.shares, np.float32(0.0))
 
 
-def _units(rows: Float[np.ndarray, "n m"]) -> Float[np.ndarray, "n m+1"]:
+def _units(rows: Float[np.ndarray, "n m"]) -> Float[np.ndarray, "n m_plus_1"]:
     """Scale rows to unit length. Zero rows (nothing in view) become a unit vector in one added dimension."""
     rows = np.column_stack([rows, ~rows.any(axis=1)])
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

@@ -92,7 +92,7 @@ def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
     return VisibleShares(around, hits, shares_of(hits.thing, len(around.names)))
 
 
-def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n {things}"]:
+def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n things"]:
     """Return the share of each image that each of `things` things fills. Rays with `NOWHERE` count for no thing."""
     n, size = len(thing), thing[0].size if len(thing) else 1
     flat = thing.reshape(n, -1)
@@ -104,7 +104,7 @@ def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarra
 
 def _summed(
     shares: Float32[np.ndarray, "n things"], group: Int[np.ndarray, "things"], groups: int
-) -> Float64[np.ndarray, "n {groups}"]:
+) -> Float64[np.ndarray, "n groups"]:
     member, known = np.zeros((len(group), groups)), np.flatnonzero(group != NOWHERE)
     member[known, group[known]] = 1.0
     return np.asarray(shares @ member)

@@ -14,7 +14,7 @@ run with its report, for which `report_data` prepares the data.
 
 For a failing run, `failure_signature` says how it fails, and `reducer` finds the smallest scenario that fails in the same
 way, by the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a time to find the
-part that causes the failure. `failure_folder` writes all of this, with the page of `why_page` and its `frame_pictures`.
+part that causes the failure. `failure_folder` writes all of this, with the page of `why_page`.
 
 `world_tests` holds the decorator `worlds` for tests in pytest, whose plugin is `sim.pytest_plugin`. `first_wrong` finds
 where in a run the SLAM first went wrong, and `failed_test` writes the files that replay a failed test. Through `last_run`

@@ -9,11 +9,11 @@ from sim.harness.blame_table import BlameTable
 from sim.harness.crash import TRACEBACK, Crash
 from sim.harness.failure_signature import FailureTest, Observed
 from sim.harness.first_wrong import WrongFrame, crash_frame, first_wrong
-from sim.harness.frame_pictures import camera_image, place_image
 from sim.harness.reducer import Reduction
 from sim.harness.reductions import ScenarioSize, difference
 from sim.harness.runner import Run, scene_of
 from sim.render.image_files import encoded
+from sim.report.frame_picture import camera_image, place_image
 from sim.session import Session
 
 _LISTED = 8

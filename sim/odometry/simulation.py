@@ -83,7 +83,7 @@ def simulate_odometry(
 
 def _drift(
     R_W_B: Float64[np.ndarray, "m 3 3"], moved: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
-) -> tuple[Float64[np.ndarray, "m+1"], Float64[np.ndarray, "m 3"]]:
+) -> tuple[Float64[np.ndarray, "m_plus_1"], Float64[np.ndarray, "m 3"]]:
     """Return each pose's yaw error [rad], and each step's translation error in W [m] except for errors of scale and yaw."""
     bias = _gauss_markov(rng.standard_normal(4), moved, config.bias_correlation_m, rng)[:-1]
     root = np.sqrt(moved)
@@ -95,7 +95,7 @@ def _drift(
 
 def _gauss_markov(
     start: Float64[np.ndarray, "k"], moved: Float64[np.ndarray, "m"], correlation_m: float, rng: np.random.Generator
-) -> Float64[np.ndarray, "m+1 k"]:
+) -> Float64[np.ndarray, "m_plus_1 k"]:
     """Draw `k` independent first-order Gauss-Markov processes of unit variance, exact for steps of any length."""
     kept = np.exp(-moved / correlation_m)
     fresh = np.sqrt(1.0 - kept**2)[:, None] * rng.standard_normal((len(moved), len(start)))
@@ -105,7 +105,7 @@ def _gauss_markov(
 
 
 def _covariance(
-    T_W_B: Float64[np.ndarray, "n 4 4"], moved: Float64[np.ndarray, "n-1"], config: OdometryConfig
+    T_W_B: Float64[np.ndarray, "n 4 4"], moved: Float64[np.ndarray, "n_minus_1"], config: OdometryConfig
 ) -> Float64[np.ndarray, "n 6 6"]:
     """Return the covariance of each increment's error: computed in the axes of W, then rotated into the axes of B."""
     step = np.diff(T_W_B[:, :3, 3], axis=0)

@@ -160,7 +160,7 @@ class AlignLearner:
             )
 
 
-def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
+def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:
     while True:
         yield from chosen_once(houses, size, rng)
 

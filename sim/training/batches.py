@@ -65,7 +65,7 @@ def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]
     return (pixels - torch.tensor(MINI_MEAN)[:, None, None]) / torch.tensor(MINI_STD)[:, None, None]
 
 
-def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "{size}"]]:
+def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:
     """Yield the indices of the frames of each batch. No frame occurs twice in the batches.
 
     The frames are cut into stretches of `STRETCH` consecutive frames, which are shuffled and joined to batches. A stretch is

@@ -79,7 +79,7 @@ def texture(
     return cv2.merge([cv2.convertScaleAbs(plane, alpha=255.0 * value) for plane, value in zip(bright, colour, strict=True)])
 
 
-def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "{side} {side} 3"]:
+def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "side side 3"]:
     """A square texture of `side` [px] covering `side_m` [m] that tiles without a visible seam."""
     over = max(1, side // 6)
     whole, scale = side + over, side_m / side

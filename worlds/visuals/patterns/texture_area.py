@@ -35,7 +35,7 @@ class TextureArea:
 
     def noise(
         self, rng: Generator, cell_m: float, octaves: int = 4, gain: float = 0.7, stretch: float = 1.0
-    ) -> Float32[np.ndarray, "{self.height} {self.width}"]:
+    ) -> Float32[np.ndarray, "height width"]:
         """Value noise of zero mean and about unit variance, drawn anew so that no two surfaces share a detail.
 
         The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width). Each further octave has cells half
