@@ -11,7 +11,7 @@ _IDENTITY = np.eye(3)
 def inverse(T_a_b: Transforms) -> Transforms:
     """The inverse ``T_b_a``, computed by transposing the rotation instead of a general matrix inversion."""
     rotation = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
-    result = np.zeros_like(T_a_b)
+    result = np.zeros(T_a_b.shape)
     result[..., :3, :3] = rotation
     result[..., :3, 3] = -(rotation @ T_a_b[..., :3, 3:])[..., 0]
     result[..., 3, 3] = 1.0

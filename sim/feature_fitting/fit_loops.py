@@ -105,13 +105,14 @@ def _pairs(mapped: LexisMap, poses: Float64[np.ndarray, "n 4 4"], rng: np.random
 def _tried(
     mapped: LexisMap, pairs: Sequence[tuple[int, list[int]]], sights: Sequence[TrueView], camera: Camera, config: Config
 ) -> Trials:
-    queries, rows, edges = [], [], []
+    queries, edges = [], []
+    rows = [np.zeros((0, len(PREDICTORS)))]
     for query, matches in pairs:
         locator = Locator(mapped.keyframes[query], mapped.keyframes, camera, config.verification)
-        for match in matches:
-            queries.append(query)
-            rows.append(predictors(sights[match], sights[query]))
-            edges.append(locator.from_match(match))
+        queries += [query] * len(matches)
+        edges += [locator.from_match(match) for match in matches]
+        if matches:
+            rows.append(predictors([sights[match] for match in matches], [sights[query]] * len(matches)))
     truth = np.array([sight.T_W_B for sight in sights])
     found = np.array([edge is not None for edge in edges], bool)
     confirmed = [edge for edge in edges if edge is not None]
@@ -122,7 +123,7 @@ def _tried(
     errors = [log(between(between(truth[edge.match], truth[edge.query]), edge.T_match_query)) for edge in confirmed]
     return Trials(
         np.array(queries, int),
-        np.array(rows).reshape(-1, len(PREDICTORS)),
+        np.concatenate(rows),
         is_true,
         found & ~is_true,
         _measured(stacked, errors, np.flatnonzero(right)),

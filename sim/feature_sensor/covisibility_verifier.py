@@ -9,12 +9,13 @@ For each candidate:
 4. Otherwise return a false edge with a small probability, with the error of a real false edge.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int
+from jaxtyping import Bool, Float, Float32, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
@@ -81,34 +82,51 @@ class TrueView:
     """Image positions of the rays, in the order of `depth`."""
 
     @cached_property
-    def points(self) -> Float64[np.ndarray, "3 k"]:
-        """End points of the rays that hit something, in the frame of the camera [m]."""
-        z = np.where(np.isfinite(self.depth), self.depth, 0.0).astype(float)
-        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z])[:, z > 0.0]
+    def T_C_W(self) -> Pose:
+        """The inverse of `T_W_C`."""
+        return np.asarray(inverse(self.T_W_C))
+
+    @cached_property
+    def points(self) -> Float64[np.ndarray, "3 rays"]:
+        """End points of the rays in the frame of the camera [m]; NaN for a ray that hits nothing."""
+        z = np.where(np.isfinite(self.depth) & (self.depth > 0.0), self.depth, np.nan).astype(float)
+        return np.stack([self.grid.x[:, None] * z, self.grid.y[None] * z, z]).reshape(3, -1)
 
 
-def predictors(first: TrueView, second: TrueView) -> Float64[np.ndarray, "predictors"]:
-    """Return the inputs of the logistic loop model (`PREDICTORS`) for a pair of views."""
-    shared = float(np.sqrt(_seen_by(first, second) * _seen_by(second, first)))
-    relative = between(first.T_W_B, second.T_W_B)
-    return np.array([1.0, shared, shared**2, np.linalg.norm(relative[:3, 3]), float(rotation_angle(relative))])
+def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs predictors"]:
+    """Return the inputs of the logistic loop model (`PREDICTORS`) for pairs of views: firsts[i] with seconds[i]."""
+    shared = np.sqrt(_seen_by(firsts, seconds) * _seen_by(seconds, firsts))
+    relative = between(np.stack([view.T_W_B for view in firsts]), np.stack([view.T_W_B for view in seconds]))
+    distance = np.linalg.norm(relative[:, :3, 3], axis=1)
+    return np.stack([np.ones(len(shared)), shared, shared**2, distance, rotation_angle(relative)], axis=1)
 
 
-def _seen_by(viewer: TrueView, other: TrueView) -> float:
-    """Return the share of the other view's rays whose end points the viewer sees, too."""
-    T = inverse(viewer.T_W_C) @ other.T_W_C
-    x, y, depth = T[:3, :3] @ other.points + T[:3, 3:]
-    depth = np.where(depth > _DEPTH_M, depth, np.inf)  # points behind the camera are at no depth that a ray has
-    column, row = _nearest(x / depth, viewer.grid.x), _nearest(y / depth, viewer.grid.y)
-    columns, rows = viewer.depth.shape
-    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows) & (depth < np.inf)
-    met, depth = viewer.depth[column[inside], row[inside]], depth[inside]
-    return float(np.count_nonzero(np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M)) / other.depth.size
+def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
+    """Return the share of each other view's rays whose end points its viewer sees, too."""
+    T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
+    points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
+    depths, grid = np.stack([view.depth for view in viewers]), viewers[0].grid
+    with np.errstate(invalid="ignore", divide="ignore"):  # NaN for rays that hit nothing
+        in_front = points[:, 2] > _DEPTH_M  # points behind the camera are at no depth that a ray has
+        x, y = points[:, 0] / points[:, 2], points[:, 1] / points[:, 2]
+    column, row = _nearest(x, grid.x, in_front), _nearest(y, grid.y, in_front)
+    inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
+    pair = np.nonzero(inside)[0]
+    met, depth = depths[pair, column[inside], row[inside]], points[:, 2][inside]
+    same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
+    return np.bincount(pair[same], minlength=len(points)) / points.shape[2]
 
 
-def _nearest(values: Float64[np.ndarray, "k"], axis: Float32[np.ndarray, "m"]) -> Int[np.ndarray, "k"]:
-    """Return the indices of the nearest grid lines; outside of the grid they are negative, or `m` and more."""
-    return np.asarray(np.rint((values - axis[0]) / (axis[1] - axis[0])), int)
+def _nearest(
+    values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"], wanted: Bool[np.ndarray, "n k"]
+) -> Int[np.ndarray, "n k"]:
+    """Return the indices of the nearest grid lines; outside of the grid they are negative, or `m` and more.
+
+    Where a value is not `wanted`, the index is -1.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        lines = np.rint((values - axis[0]) / (axis[1] - axis[0]))
+    return np.where(wanted, np.clip(lines, -1, len(axis)), -1).astype(int)
 
 
 class CovisibilityVerifier:
@@ -122,27 +140,35 @@ class CovisibilityVerifier:
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> list[LoopEdge]:
         """Return edges to the confirmed candidates, except those that contradict the odometry."""
+        if not candidates:
+            return []
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
-        edges = [self._edge(query, graph.keyframes[match], common) for match in candidates]
-        return plausible_edges([edge for edge in edges if edge is not None], graph, config)
+        seen = self._view_of(query.observation_index)
+        before = [self._view_of(graph.keyframes[match].observation_index) for match in candidates]
+        limits = ndtri(self._model.probability(predictors(before, [seen] * len(before))))
+        edges = []
+        for match, view, limit in zip(candidates, before, limits.tolist(), strict=True):
+            edge = self._edge(query.id, match, between(view.T_W_B, seen.T_W_B), limit, common)
+            edges += [] if edge is None else [edge]
+        return plausible_edges(edges, graph, config)
 
-    def _edge(self, query: Keyframe, match: Keyframe, common: float) -> LoopEdge | None:
-        """Return the edge to a candidate, or None. `common` is the normal draw that all candidates of the query share."""
-        seen, before = self._view_of(query.observation_index), self._view_of(match.observation_index)
-        chance = float(self._model.probability(predictors(before, seen)))
-        rng = np.random.default_rng((self._seed, _PAIR, query.id, match.id))
+    def _edge(self, query: int, match: int, true: Pose, limit: float, common: float) -> LoopEdge | None:
+        """Return the edge to a candidate with the relative pose `true`, or None.
+
+        The candidate is confirmed if a standard normal draw is below `limit`. All candidates of a query share the draw
+        `common`, because real successes of one query are correlated.
+        """
+        rng = np.random.default_rng((self._seed, _PAIR, query, match))
         share = self._model.query_share
-        # A standard normal draw, correlated between the candidates of a query, because real successes of a query are.
-        drawn_value = np.sqrt(share) * common + np.sqrt(1.0 - share) * rng.standard_normal()
-        if drawn_value < ndtri(chance):
+        if math.sqrt(share) * common + math.sqrt(1.0 - share) * rng.standard_normal() < limit:
             pool = self._model.true_edges
         elif rng.random() < self._model.false_rate:
             pool = self._model.false_edges
         else:
             return None
         drawn = int(rng.integers(len(pool.inliers)))
-        measured = between(before.T_W_B, seen.T_W_B) @ pool.error_motions[drawn]
-        return LoopEdge(query.id, match.id, measured, pool.covariance[drawn], int(pool.inliers[drawn]))
+        measured = true @ pool.error_motions[drawn]
+        return LoopEdge(query, match, measured, pool.covariance[drawn], int(pool.inliers[drawn]))
 
 
 def fit_logistic(

@@ -55,7 +55,7 @@ def sight(house, x, y, yaw):
 
 
 def shared(first, second):
-    return predictors(first, second)[PREDICTORS.index("covisibility")]
+    return predictors([first], [second])[0, PREDICTORS.index("covisibility")]
 
 
 def test_a_view_shares_all_with_itself_and_nothing_with_another_room_or_its_back(house):
@@ -71,7 +71,15 @@ def test_what_is_shared_is_mutual_and_falls_with_turn_and_distance(house):
     steps = [shared(here, sight(house, 1.5 + step, 2.5, 0.0)) for step in (0.0, 0.5, 1.5, 3.0)]
     assert (np.diff(turns) < 0).all() and (np.diff(steps) < 0).all()
     there = sight(house, 2.5, 3.0, 0.5)
-    np.testing.assert_allclose(predictors(here, there), predictors(there, here), atol=1e-9)
+    np.testing.assert_allclose(predictors([here], [there]), predictors([there], [here]), atol=1e-9)
+
+
+def test_pairs_that_are_computed_together_are_those_computed_alone(house):
+    views = [sight(house, *place) for place in ((2.0, 2.5, 0.3), (1.5, 2.5, 0.0), (4.0, 1.0, 1.9), (8.0, 2.5, 0.3))]
+    pairs = [(a, b) for a in views for b in views]
+    together = predictors([a for a, _ in pairs], [b for _, b in pairs])
+    np.testing.assert_allclose(together, np.concatenate([predictors([a], [b]) for a, b in pairs]), atol=1e-12)
+    assert 0 < (together[:, PREDICTORS.index("covisibility")] > 0).sum() < len(pairs)
 
 
 def graph_of(count):
