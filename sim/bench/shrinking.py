@@ -48,7 +48,6 @@ class ReductionProof:
     """How the reduction of one scenario went."""
 
     number: int
-    family: Family
     rooms: tuple[int, int]
     """Number of rooms before and after."""
     walk_m: tuple[float, float]
@@ -61,6 +60,11 @@ class ReductionProof:
     """Whether the search ended before the deadline."""
     broken: tuple[str, ...]
     """The laws that the reduction breaks."""
+
+    @property
+    def family(self) -> Family:
+        """The family of the scenario. It is no field, because proofs travel between processes, and families cannot."""
+        return family_of(self.number)
 
 
 def family_of(number: int) -> Family:
@@ -102,7 +106,7 @@ def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
     before, after = reduction.sizes
     lengths = _length_m(reduction.original), _length_m(reduction.scenario)
     in_time = reduction.ended == "smallest"
-    return ReductionProof(number, family, (before.rooms, after.rooms), lengths, reduction.tried, seconds, in_time, broken)
+    return ReductionProof(number, (before.rooms, after.rooms), lengths, reduction.tried, seconds, in_time, broken)
 
 
 def folder_of(number: int, plan: ProofPlan) -> Path:

@@ -1,5 +1,6 @@
 """The proof of the reducer: what it says of sound reductions, and that each law is found broken where it is."""
 
+import pickle
 from dataclasses import replace
 
 import pytest
@@ -93,6 +94,7 @@ def test_a_broken_law_is_printed_and_its_scenario_kept(tmp_path, capsys, monkeyp
 
 def test_a_search_that_was_cut_short_is_counted(tmp_path):
     proofs = list(prove(ProofPlan(0, 1e-9, 2, tmp_path, 0), 1, 1))
+    assert pickle.loads(pickle.dumps(proofs)) == proofs  # as they come from another process
     family, everything = summaries(proofs)
     assert (family.family, family.scenarios, family.in_time, family.broken) == ("open plan", 1, 0, 0)
     assert family.rooms[0] == family.rooms_before and everything.least_rooms is None
