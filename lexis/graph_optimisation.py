@@ -43,16 +43,19 @@ class GraphOptimiser:
         self._poses.insert(self._count, gtsam.Pose3(T_W_B))
         self._count += 1
 
-    def add_loop(self, loop: LoopEdge) -> None:
-        """Add a loop edge.
+    def add_loops(self, loops: Sequence[LoopEdge]) -> None:
+        """Add loop edges.
 
-        Raises LexisError if it refers to a keyframe that the graph does not have, or does not lead back to an earlier one.
+        Raises LexisError, and adds none of them, if one refers to a keyframe that the graph does not have, or does not lead
+        back to an earlier one.
         """
-        if not 0 <= loop.match < loop.query < self._count:
-            edge = f"{loop.match} -> {loop.query}"
-            raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
-        noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))
-        self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
+        for loop in loops:
+            if not 0 <= loop.match < loop.query < self._count:
+                edge = f"{loop.match} -> {loop.query}"
+                raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
+        for loop in loops:
+            noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))
+            self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
 
     def optimise(self) -> Poses:
         """Optimise all poses, from the result of the last optimisation on."""

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 
 from lexis.config import PoseGraphConfig
+from lexis.errors import LexisError
 from lexis.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
@@ -66,10 +67,14 @@ class PoseGraph:
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
-        """Append verified loop edges; they take effect at the next optimisation."""
-        for loop in loops:
-            assert self._optimiser is not None
-            self._optimiser.add_loop(loop)
+        """Append verified loop edges; they take effect at the next optimisation.
+
+        Raises LexisError, and appends none, if one of them does not lead from a keyframe of the graph to an earlier one.
+        """
+        if self._optimiser is not None:
+            self._optimiser.add_loops(loops)
+        elif loops:
+            raise LexisError("loop edges were added to a graph without keyframes; valid: keyframes first")
         self.loops.extend(loops)
         self._unused_loops |= bool(loops)
 

@@ -33,8 +33,8 @@ def add_to(commands: Commands) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from sim.harness import Claim, evaluate, try_plans, write_run
-    from sim.harness.crash import Crash, attempt
+    from sim.harness import Claim, evaluate, write_run
+    from sim.harness.crash import Crash, attempt, attempt_plans
     from sim.harness.outputs import MARKERS
 
     claims = [Claim.parse(text) for text in arguments.fails]
@@ -47,7 +47,9 @@ def _check(arguments: argparse.Namespace) -> int:
         finished = attempt(run, scenario, progress)
     if isinstance(finished, Crash):
         return _crashed(finished, arguments)
-    trials = try_plans(finished)
+    trials = attempt_plans(finished)
+    if isinstance(trials, Crash):
+        return _crashed(trials, arguments)
     result = evaluate(finished, trials)
     if arguments.out is not None:
         write_run(finished, result, trials, arguments.out)
@@ -62,14 +64,13 @@ def _check(arguments: argparse.Namespace) -> int:
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
     """Print the traceback of a crash and one line about it; write its folder if the user has asked for one."""
     from sim.harness.failure_folder import replay_test
-    from sim.harness.failure_signature import CRASH, FailureTest
     from sim.harness.outputs import write_crash
     from sim.harness.why_page import crash_page
 
     print(crash.traceback, end="", file=sys.stderr)
     print(one_line(f"failed: the SLAM {crash.what}: {crash.error}", MAX_LINE), file=sys.stderr)
     if arguments.out is not None:
-        replay = replay_test(FailureTest.parse(CRASH, runner_of(arguments)), replay_of(arguments))
+        replay = replay_test(None, replay_of(arguments))
         page = crash_page(f"The SLAM {crash.what}", crash)
         write_crash(crash, arguments.out, {"test_replay.py": replay.encode(), **page.files})
         print(f"why: {arguments.out / 'why.md'}")

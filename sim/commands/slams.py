@@ -122,5 +122,8 @@ def _made(text: str, make: "Callable[[], SlamUnderTest]") -> "SlamUnderTest":
         slam = make()
     except TypeError as error:
         raise SimError(f"--slam {text!r:.80}: {one_line(error, 160)}; valid: a class that takes no arguments") from None
+    except Exception as error:  # a user's class may raise anything
+        reason = one_line(f"{type(error).__name__}: {error}", 160)
+        raise SimError(f"--slam {text!r:.80}: cannot be created: {reason}; valid: a class that can be called") from error
     check_slam_methods(slam)
     return slam

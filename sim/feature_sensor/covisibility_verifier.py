@@ -102,7 +102,7 @@ def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float
 
 
 def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
-    """Return the share of each other view's rays whose end points its viewer sees, too."""
+    """Return the share of each other view's rays whose end points its viewer sees, too. All views have the same rays."""
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
     points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
     depths, grid = np.stack([view.depth for view in viewers]), viewers[0].grid
@@ -114,7 +114,7 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     pair = np.nonzero(inside)[0]
     met, depth = depths[pair, column[inside], row[inside]], points[:, 2][inside]
     same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
-    return np.bincount(pair[same], minlength=len(points)) / points.shape[2]
+    return np.asarray(np.bincount(pair[same], minlength=len(points)) / points.shape[2])
 
 
 def _nearest(

@@ -1,19 +1,19 @@
 """`attempt`: run a SLAM on a scenario, and get either the finished run or the `Crash` that has ended it."""
 
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from lexis.errors import LexisError, ObservationError, one_line
+from lexis.errors import EncoderError, one_line
 from sim.errors import ProgramError, SimError
 from sim.harness.last_run import noted
+from sim.harness.planning import Trial, try_plans
 from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
-from worlds.errors import WorldsError
 
 Runner = Callable[[Scenario, Progress | None], Run]
 """Runs the SLAM under test on a scenario. Each run needs a SLAM object of its own, because runs are kept."""
-TRACEBACK = "traceback.txt"
+TRACEBACK = "failure-traceback.txt"
 """File that identifies the folder of a crash, which a new result may replace."""
 _MESSAGE = 160
 """Largest length of an exception in one line, in characters."""
@@ -21,17 +21,12 @@ _MESSAGE = 160
 
 @dataclass(frozen=True, eq=False)
 class Crash:
-    """A run that was not completed, because the SLAM raised an exception or the program under test failed."""
+    """An exception, or a failure of the program under test, that has ended a run or a test without a completed run."""
 
     scenario: Scenario
     error: BaseException
     done: float | None
-    """Share of the frames that the SLAM had processed, in [0, 1]; None if the SLAM was not started."""
-
-    @property
-    def has_place(self) -> bool:
-        """Whether the frame is known at which it happened. Programs are given all frames at once."""
-        return self.done is not None and not isinstance(self.error, ProgramError)
+    """Share of the frames that the SLAM had processed, in [0, 1]; None if the frame is unknown, as with programs."""
 
     @property
     def what(self) -> str:
@@ -45,23 +40,37 @@ class Crash:
 
     @property
     def traceback(self) -> str:
-        """The traceback of the exception, as Python prints it; for a program, what it printed on stderr."""
+        """The traceback of the exception, as Python prints it; for a program, what it printed on stderr. It ends a line."""
         if isinstance(self.error, ProgramError):
-            return self.error.stderr
+            return f"{self.error.stderr.rstrip()}\n" if self.error.stderr else ""
         return "".join(traceback.format_exception(self.error))
 
 
 def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None) -> Run | Crash:
     """Run a SLAM; return the run, or the crash by which the SLAM has ended it.
 
-    Raises `SimError`, `WorldsError` or `LexisError` if the scenario cannot be run or the claims of the SLAM are not valid.
+    Raises whatever is not raised by a method of the SLAM. `SimError` and `EncoderError` are always raised: the scenario or
+    the claims of the SLAM are not valid, or a model cannot be loaded.
     """
     with noted() as last:
+        last.in_slam = False
         try:
             return runner(scenario, progress)
-        except (ProgramError, ObservationError) as error:  # without faults, a SLAM must not refuse an observation
-            return Crash(scenario, error, last.done)
-        except (SimError, WorldsError, LexisError):
+        except ProgramError as error:
+            return Crash(scenario, error, None)
+        except (SimError, EncoderError):
             raise
-        except Exception as error:  # whatever a SLAM raises
+        except (Exception, SystemExit) as error:
+            if not last.in_slam:
+                raise
             return Crash(scenario, error, last.done)
+
+
+def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
+    """Let a robot drive the plans of a SLAM; return the drives, or the crash of the SLAM's `plan`."""
+    try:
+        return try_plans(finished)
+    except SimError:
+        raise
+    except (Exception, SystemExit) as error:
+        return Crash(finished.scenario, error, None)

@@ -96,6 +96,6 @@ def write_failed_test(
             page = failed_test_page(name, outcome.run, *found)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
-        if search is not None and search.original != outcome.scenario:
+        if search is not None:
             search.original.save(new / "original.json")
         (new / "test_replay.py").write_text(_REPLAY.format(test=name, file=name.partition("::")[0], options=list(options)))

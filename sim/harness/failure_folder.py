@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim.errors import SimError
 from sim.harness.blame_table import BlameTable
 from sim.harness.claims import Claim
 from sim.harness.crash import Crash
@@ -31,11 +32,15 @@ def write_failure(
 
     Besides what `write_run` or, after a crash, `write_crash` writes, the folder has original.json, test_replay.py, and
     why.md with its pictures. It shows the run of the smallest scenario. If `test` has not kept this run, the scenario is
-    run once more. Raises `LexisError` where `out` holds anything else or cannot be written.
+    run once more. Raises `SimError` if the failure does not come back, `LexisError` where `out` holds anything else or
+    cannot be written, and what the SLAM's `save` raises.
     """
     smallest = test.outcome(reduction.scenario)
+    if test.signature_of(smallest) != reduction.signature:
+        again = "valid: a SLAM that does the same in the same scenario"
+        raise SimError(f"the failure ({reduction.signature}) did not come back in the smallest scenario; {again}")
     original = json.dumps(reduction.original.data(), indent=1) + "\n"
-    files = {"original.json": original.encode(), "test_replay.py": replay_test(test, replay).encode()}
+    files = {"original.json": original.encode(), "test_replay.py": replay_test(test.claim, replay).encode()}
     files |= why_page(reduction, test, blamed, smallest).files
     if isinstance(smallest, Crash):
         write_crash(smallest, out, files)
@@ -43,12 +48,12 @@ def write_failure(
         write_run(smallest.run, smallest.result, smallest.trials, out, files)
 
 
-def replay_test(test: FailureTest, replay: Replay = LEXIS_REPLAY) -> str:
+def replay_test(claim: Claim | None, replay: Replay = LEXIS_REPLAY) -> str:
     """Return the text of a pytest file that runs the scenario in its folder and fails until the SLAM is mended.
 
     The test asserts the opposite of the claim; without a claim, the run itself raises what the SLAM raises.
     """
-    return _replay_of_claim(test.claim, replay) if test.claim else _replay_of_exception(replay)
+    return _replay_of_claim(claim, replay) if claim else _replay_of_exception(replay)
 
 
 def _replay_of_exception(replay: Replay) -> str:

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from sim.errors import SimError
 from sim.fidelity import Fidelity
 from sim.harness.claims import Claim
-from sim.harness.crash import Crash, Runner, attempt
+from sim.harness.crash import Crash, Runner, attempt, attempt_plans
 from sim.harness.figures import evaluate
-from sim.harness.planning import Trial, try_plans
+from sim.harness.planning import Trial
 from sim.harness.reductions import with_listed_house
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress, Run
@@ -73,7 +73,10 @@ class FailureTest:
 
         With a claim, raises `SimError` if the SLAM crashes or makes no claim about the figure.
         """
-        outcome = self.outcome(scenario)
+        return self.signature_of(self.outcome(scenario))
+
+    def signature_of(self, outcome: Observed | Crash) -> Signature | None:
+        """Return the signature of the failure that an outcome shows, or None; raises as a call does."""
         if isinstance(outcome, Crash):
             if self.claim is None:
                 return Signature(outcome.what)
@@ -86,14 +89,19 @@ class FailureTest:
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:
         """Run the SLAM on a scenario, unless this run was kept, and judge the result.
 
-        Raises `SimError`, `WorldsError` or `LexisError` if the scenario cannot be run or the SLAM's claims are not valid.
+        Raises what `attempt` raises: the scenario cannot be run, or the SLAM's claims are not valid.
         """
         kept = self._kept.get(scenario.fidelity)
         if kept is not None and kept.scenario == scenario:
             return kept
         finished = attempt(self.runner, scenario, progress)
         outcome = finished if isinstance(finished, Crash) else self._judge(finished)
-        if self.claim is None if isinstance(outcome, Crash) else outcome.signature is not None:
+        if isinstance(outcome, Crash):
+            same = not isinstance(kept, Crash) or kept.what == outcome.what
+            keep = self.claim is None and same
+        else:
+            keep = outcome.signature is not None
+        if keep:
             self._kept[scenario.fidelity] = outcome
         return outcome
 
@@ -104,15 +112,17 @@ class FailureTest:
             raise outcome.error
         return outcome
 
-    def _judge(self, finished: Run) -> Observed:
+    def _judge(self, finished: Run) -> Observed | Crash:
         drives = self.claim is not None and self.claim.is_about_plans
-        trials = tuple(try_plans(finished)) if drives else ()
+        trials = attempt_plans(finished) if drives else ()
+        if isinstance(trials, Crash):
+            return trials
         result = evaluate(finished, trials)
         if self.claim is None:
-            return Observed(finished, result, trials, None, None)
+            return Observed(finished, result, tuple(trials), None, None)
         failing, value = self.claim.outcome(result) == "holds", self.claim.value(result)
         signature = Signature(str(self.claim), value) if failing else None
-        return Observed(finished, result, trials, value, signature)
+        return Observed(finished, result, tuple(trials), value, signature)
 
     def __str__(self) -> str:
         return CRASH if self.claim is None else str(self.claim)
@@ -123,10 +133,11 @@ def check_fails(scenario: Scenario, test: FailureTest) -> None:
 
     A failing run is kept by the test, so that a search by `reduce` does not repeat it.
     """
-    listed = with_listed_house(scenario)
-    if test(listed) is not None:
+    outcome = test.outcome(with_listed_house(scenario))
+    if test.signature_of(outcome) is not None:
         return
-    if test.claim is None:
+    if test.claim is None or isinstance(outcome, Crash):
         raise SimError(f"{CRASH}: the SLAM does not crash on the scenario; valid: a scenario on which it does")
-    value = test.observe(listed).value
-    raise SimError(f"claim {str(test)!r}: {test.claim.figure} is {value:g}; valid: a claim that is true of the scenario")
+    raise SimError(
+        f"claim {str(test)!r}: {test.claim.figure} is {outcome.value:g}; valid: a claim that is true of the scenario"
+    )

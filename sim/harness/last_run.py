@@ -26,6 +26,8 @@ class LastRun:
     """The scenario of the last run; None if no run has begun."""
     done: float | None = None
     """Share of the frames that the SLAM has processed, in [0, 1]; None until the SLAM is started."""
+    in_slam: bool = False
+    """Whether a method of the SLAM was called and has not returned, so that an exception is the SLAM's."""
     run: "Run | None" = None
     """The last run; None if it was not completed."""
     result: "RunResult | None" = None
@@ -39,13 +41,20 @@ class LastRun:
         Returns the scenario to run: `instead` if it is set, otherwise `scenario`.
         """
         self.scenario = self.instead or scenario
-        self.done, self.run, self.result, self.trials = None, None, None, ()
+        self.done, self.in_slam, self.run, self.result, self.trials = None, False, None, None, ()
         return self.scenario
 
     def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
         """Note the figures of a run, unless another run has begun since."""
         if run is self.run:
             self.result, self.trials = result, trials
+
+    @contextmanager
+    def calling_slam(self) -> Iterator[None]:
+        """Note that the block calls a method of the SLAM. After an exception, `in_slam` stays true."""
+        self.in_slam = True
+        yield
+        self.in_slam = False
 
 
 _WATCHED: ContextVar[LastRun | None] = ContextVar("lexis_last_run", default=None)

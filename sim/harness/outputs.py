@@ -35,7 +35,7 @@ def write_run(
 
 
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
-    """Write traceback.txt and scenario.json to `out`.
+    """Write failure-traceback.txt and scenario.json to `out`.
 
     `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.

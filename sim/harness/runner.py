@@ -149,7 +149,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with timed("scene_s"):
         session = _session(scenario, walked, model)
     last.done = 0.0
-    with timed("slam_s"):
+    with timed("slam_s"), last.calling_slam():
         _start(slam, scenario, session, model)
     delivered, refused = [], []
     given: dict[int, Given] = {}
@@ -157,17 +157,18 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         for observation, truth in pairs:
             delivered.append(truth)
             try:
-                with timed("slam_s"):
+                with timed("slam_s"), last.calling_slam():
                     slam.process(observation)
                 given.setdefault(observation.index, Given(observation.stamp, observation.T_O_B))
             except ObservationError as error:
                 if not scenario.faults:
                     raise
                 refused.append(str(error))
+                last.in_slam = False
             last.done = (observation.index + 1) / len(session)
             if progress is not None:
                 progress(last.done)
-    with timed("slam_s"):
+    with timed("slam_s"), last.calling_slam():
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
         raise SimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")

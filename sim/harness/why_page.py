@@ -65,7 +65,8 @@ def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: B
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
     """The page about a crash of the SLAM; `reduction` and `blamed` are None if no smaller scenario was searched for."""
-    head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`. More is in `{TRACEBACK}`."]
+    more = f" More is in `{TRACEBACK}`." if crash.traceback else ""
+    head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`.{more}"]
     sections = () if reduction is None else _search_sections(reduction, blamed)
     return _page(head, _crash_frame_page(crash), sections)
 
@@ -96,10 +97,10 @@ def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
 
 def _crash_frame_page(crash: Crash) -> Page:
     """The section about the frame that the SLAM was given when it raised; empty if the frame is not known."""
-    if not crash.has_place:
+    if crash.done is None:
         return Page((), {})
     session = scene_of(crash.scenario)
-    return _frame_page("## Where it happened", session, crash_frame(session, crash.done or 0.0), crash.scenario.fidelity)
+    return _frame_page("## Where it happened", session, crash_frame(session, crash.done), crash.scenario.fidelity)
 
 
 def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidelity) -> Page:

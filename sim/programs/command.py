@@ -150,17 +150,20 @@ def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: floa
     with paths[0].open("wb") as stdout, paths[1].open("wb") as stderr:
         status = _exit_status(words, timeout_s, memory_mb, stdout, stderr)
     printed, errors = map(_end_of, paths)
+    told = errors.decode(errors="replace")
+    if status is None:
+        message = f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time"
+        raise ProgramError(message, f"takes longer than {timeout_s:g} s", told)
     if status:
         how = f"exit status {status}" if status > 0 else f"signal {-status} ({signal.strsignal(-status)})"
-        told = errors.decode(errors="replace")
         last = told.strip().rpartition("\n")[2] or "nothing on stderr"
         message = f"command: {words[0]} ended with {how}: {one_line(last, 160)}; valid: exit status 0"
         raise ProgramError(message, f"ends with {how}", told)
     return printed, errors
 
 
-def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdout: BinaryIO, stderr: BinaryIO) -> int:
-    """Run a program in a process group of its own, of which nothing is left running."""
+def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdout: BinaryIO, stderr: BinaryIO) -> int | None:
+    """Run a program in a process group of its own, of which nothing is left running. None: it took too long."""
     memory = int(memory_mb * 1e6)
 
     def limit() -> None:
@@ -178,8 +181,7 @@ def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdou
     try:
         return process.wait(timeout_s)
     except subprocess.TimeoutExpired:
-        message = f"command: {words[0]} took longer than {timeout_s:g} s; valid: a program that ends in time"
-        raise ProgramError(message, f"takes longer than {timeout_s:g} s") from None
+        return None
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

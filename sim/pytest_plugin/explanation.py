@@ -29,8 +29,6 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
     failure, scenario = execution.failure, execution.tested
     assert failure is not None and scenario is not None
     lines = [failure.message, f"    {failure.where}: {failure.statement}"]
-    if failure.kind == "TypeError" and "'NoneType'" in failure.message:
-        lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     rest = _lines(item, execution, scenario, search)
     if family_of(item) is not None and item.config.option.tbstyle == "auto":
         report.longrepr = "\n".join([*lines, *rest])
@@ -42,12 +40,15 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
 
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
     """The first wrong place, the folder and the command that replays the failure."""
-    outcome = _outcome(execution, scenario)
-    place = _first_wrong(outcome)
-    lines = [f"first wrong: {place}"] if place else []
+    lines = []
+    if execution.run is not None and isinstance(_error(execution), TypeError) and "NoneType" in str(_error(execution)):
+        lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     try:
+        outcome = _outcome(execution, scenario)
+        place = _first_wrong(outcome)
+        lines += [f"first wrong: {place}"] if place else []
         folder = _folder(item, execution, outcome, search)
-    except Exception as error:  # a SLAM's save() raises anything, and the failure of the test must not be lost
+    except Exception as error:  # whatever it is, the failure of the test must not be lost
         return [*lines, f"folder: cannot be written: {one_line(f'{type(error).__name__}: {error}', 160)}"]
     here = item.config.invocation_params.dir
     test = relpath(item.path, here) + "".join(name_of(item).partition("::")[1:])
@@ -64,16 +65,14 @@ def _first_wrong(outcome: "FinishedRun | Crash") -> str:
 
     if not isinstance(outcome, Crash):
         return str(first_wrong(outcome.run) or "")
-    return str(crash_frame(scene_of(outcome.scenario), outcome.done or 0.0)) if outcome.has_place else ""
+    return "" if outcome.done is None else str(crash_frame(scene_of(outcome.scenario), outcome.done))
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
     """Write the folder of a failure, unless it is the folder that is being replayed, or the folder of the test itself."""
     from sim.harness.failed_test import folder_of, write_failed_test
-    from sim.harness.scenario import Scenario
 
-    beside = item.path.with_name(SCENARIO)
-    if beside.is_file() and Scenario.load(beside) == outcome.scenario:  # the test_replay.py of lexis-sim shrink
+    if _is_in_its_folder(item, outcome.scenario):
         return item.path.parent
     folder = folder_of(out_folder(item.config), name_of(item), outcome.scenario, parameters_of(item))
     replayed = _replayed(item, execution)
@@ -81,6 +80,23 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
         return replayed.parent
     write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search)
     return folder
+
+
+def _is_in_its_folder(item: pytest.Item, scenario: "Scenario") -> bool:
+    """Whether the test is the test_replay.py in a folder of `lexis-sim shrink` or `check`, with its scenario beside it."""
+    from sim.errors import SimError
+    from sim.harness.scenario import Scenario
+
+    beside = item.path.with_name(SCENARIO)
+    try:
+        return item.path.name == "test_replay.py" and beside.is_file() and Scenario.load(beside) == scenario
+    except SimError:
+        return False
+
+
+def _error(execution: Execution) -> BaseException:
+    assert execution.failure is not None
+    return execution.failure.error
 
 
 def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
@@ -97,7 +113,7 @@ def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash
     from sim.harness.figures import evaluate
 
     if execution.run is None:
-        assert execution.failure is not None
-        return Crash(scenario, execution.failure.error, execution.last.done)
+        last = execution.last
+        return Crash(scenario, _error(execution), last.done if last.in_slam and last.scenario == scenario else None)
     result, trials = execution.last.result, execution.last.trials
     return FinishedRun(execution.run, result or evaluate(execution.run, trials), trials)

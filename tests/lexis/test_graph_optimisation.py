@@ -49,8 +49,7 @@ def optimiser(T, steps, loops, covariance=STEP_COVARIANCE):
     graph = GraphOptimiser(T[0], CONFIG)
     for pose, step in zip(T[1:], steps, strict=True):
         graph.add_keyframe(pose, step, covariance)
-    for loop in loops:
-        graph.add_loop(loop)
+    graph.add_loops(loops)
     return graph
 
 
@@ -117,8 +116,7 @@ def test_what_comes_later_changes_no_more_than_if_it_had_been_there_at_once(true
     for step in steps[29:]:
         found = np.concatenate([found, (found[-1] @ step)[None]])
         growing.add_keyframe(found[-1], step, STEP_COVARIANCE)
-    for loop in second:
-        growing.add_loop(loop)
+    growing.add_loops(second)
     np.testing.assert_allclose(growing.optimise(), solve(T, steps, [*first, *second]), atol=2e-3)
 
 

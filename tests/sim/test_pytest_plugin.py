@@ -173,7 +173,7 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     folder, lost = sorted(pytester.path.glob("kept/*"), key=lambda path: "Lost" in path.name)
     assert {"scenario.json", "result.json", "report.html", "test_replay.py"} <= {path.name for path in folder.iterdir()}
     assert {"scenario.json", "test_replay.py", "first-wrong-plan.png"} <= {path.name for path in lost.iterdir()}
-    assert "RuntimeError: lost" in (lost / "traceback.txt").read_text()
+    assert "RuntimeError: lost" in (lost / "failure-traceback.txt").read_text()
     assert "the SLAM raised in process()" in (lost / "why.md").read_text()
     claimed = json.loads((folder / "result.json").read_text())
     assert claimed["labels"]["accuracy"] < 0.99 and claimed["scenario"] == folder.name[-16:]

@@ -27,9 +27,12 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     SCENARIO.save(tmp_path / "scenario.json")
     (tmp_path / "own_slam_here.py").write_text(
+        "from lexis.errors import LexisError\n"
         "from sim.harness.adapters import OdometryOnly as Mine\n"
         "class Half:\n    def start(self, camera, room_names): pass\n"
         "class Lost(Mine):\n    def finish(self): return 1 / 0\n"
+        "class Leaving(Mine):\n    def finish(self): raise SystemExit(0)\n"
+        "class Lexical(Mine):\n    def start(self, camera, names): raise LexisError('no floor')\n"
         "class Greedy:\n    def __init__(self, weights): pass\n"
     )
     (tmp_path / "own_slam_broken.py").write_text("raise OSError('no licence')")
@@ -74,7 +77,37 @@ def test_a_slam_that_raises_fails_the_check_and_leaves_a_folder(folder, capsys):
     with pytest.raises(ZeroDivisionError):
         runpy.run_path(str(folder / "out" / "test_replay.py"))["test_replay"]()
     assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY, "--out", "out"]) == 0
-    assert not (folder / "out" / "traceback.txt").exists()
+    assert not (folder / "out" / "failure-traceback.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Leaving", "failed: the SLAM raises SystemExit: 0"),
+        ("Lexical", "failed: the SLAM raises LexisError: no floor"),
+    ],
+)
+def test_whatever_ends_a_method_of_the_slam_is_a_crash(name, message, capsys):
+    assert status_of(["check", "--scenario", "scenario.json", "--slam", f"own_slam_here:{name}"]) == 1
+    assert capsys.readouterr().err.splitlines()[-1].startswith(message)
+
+
+def test_an_exception_of_plan_is_a_crash(monkeypatch, capsys):
+    def lost(finished):
+        raise KeyError("kitchen")
+
+    monkeypatch.setattr("sim.harness.crash.try_plans", lost)
+    assert status_of(["check", "--scenario", "scenario.json", *ODOMETRY]) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == "failed: the SLAM raises KeyError: 'kitchen'"
+
+
+def test_what_the_slam_did_not_raise_is_no_crash(monkeypatch):
+    def broken(*_):
+        raise RuntimeError("no disk")
+
+    monkeypatch.setattr("sim.harness.runner.walk", broken)
+    with pytest.raises(RuntimeError, match="no disk"):
+        status_of(["check", "--scenario", "scenario.json", *ODOMETRY])
 
 
 def test_a_class_of_the_current_folder_writes_a_run_that_can_be_repeated(folder, capsys):

@@ -123,7 +123,7 @@ def test_a_slam_that_raises_is_shrunk_and_replayed(project, capsys):
     why = (project / "failure" / "why.md").read_text()
     assert "# The SLAM raises RuntimeError" in why and "at 2.5 s: the SLAM raised in process()" in why
     assert "| perfect odometry | still there |" in why
-    assert 'raise RuntimeError("lost")' in (project / "failure" / "traceback.txt").read_text()
+    assert 'raise RuntimeError("lost")' in (project / "failure" / "failure-traceback.txt").read_text()
     assert shrink("failure", "--slam", "own_slam_to_shrink:Lost", "--fails", "crash", *DROP_ROOMS) == 0
     with pytest.raises(RuntimeError, match="lost"):
         replay(project / "failure")
@@ -137,7 +137,7 @@ def test_a_program_that_fails_is_shrunk_and_replayed(project, unlit, capsys):
     assert shrink("images.json", "--command", command, "--fails", "crash", *DROP_ROOMS) == 0
     why = (project / "failure" / "why.md").read_text()
     assert "# The SLAM ends with exit status 1" in why and "first-wrong" not in why
-    assert (project / "failure" / "traceback.txt").read_text() == "3 floors\n"
+    assert (project / "failure" / "failure-traceback.txt").read_text() == "3 floors\n"
     with pytest.raises(ProgramError, match="ended with exit status 1: 3 floors"):
         replay(project / "failure")
 
