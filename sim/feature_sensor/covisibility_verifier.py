@@ -66,7 +66,7 @@ class LoopModel:
     """False edges to draw from. They may be empty if `false_rate` is 0."""
 
     def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:
-        """Return the probability that verification confirms a loop with a correct edge; 0 if the views do not overlap."""
+        """Return the probability that verification finds a correct edge for a loop; 0 if the views do not overlap."""
         shared = predictors[..., PREDICTORS.index("covisibility")] > 0.0
         return np.asarray(np.where(shared, expit(predictors @ self.weights), 0.0))
 

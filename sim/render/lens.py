@@ -138,7 +138,7 @@ class Lens:
         return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
 
     def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
-        """Distort depth or ids of the pinhole. Pixels take the nearest value: mixtures of depths or ids would be wrong."""
+        """Distort a depth image or an image of ids. Pixels take the nearest value, as mixtures of values would be wrong."""
         u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
         return np.asarray(values[v, u])
 

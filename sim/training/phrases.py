@@ -111,7 +111,7 @@ def room_caption(label: str, rng: np.random.Generator) -> str:
 
 
 def object_caption(kind: str, rng: np.random.Generator) -> str:
-    """Draw a caption or question with a trained name of a kind of furniture."""
+    """Draw a caption or question that calls a kind of furniture by one of the names used in training."""
     return _framed(_pick(THING_FRAMES, rng), _pick(OBJECT_NAMES.get(kind, (kind,)), rng))
 
 

@@ -16,7 +16,7 @@ ROOM_M = 5.0
 CLIMB_M = 0.25
 """Least difference in height between the keyframes before and after a keyframe on stairs [m]; they are 1 m of path apart."""
 STOREY_M = 0.6
-"""Least gap in height between two floors, and between a floor and a landing of the stairs [m]."""
+"""Level stretches of the walk count as one floor or landing if their heights differ by less than this [m]."""
 LANDING_SHARE = 0.05
 """Keyframes of equal height are a landing of the stairs, not a floor, if they are less than this share of all keyframes off
 the steps."""

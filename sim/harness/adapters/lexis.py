@@ -96,7 +96,7 @@ class Lexis:
         self._running.process(observation)
 
     def finish(self) -> Estimate:
-        """Complete the map, and return its contents as claims."""
+        """Complete the map, and return its contents as the estimate that the harness compares with the truth."""
         self._map = self._running.finish()
         return estimate_of(self._map)
 
