@@ -76,7 +76,10 @@ class FailureTest:
         return self.signature_of(self.outcome(scenario))
 
     def signature_of(self, outcome: Observed | Crash) -> Signature | None:
-        """Return the signature of the failure that an outcome shows, or None; raises as a call does."""
+        """Return the signature of the failure that an outcome shows, or None.
+
+        With a claim, raises `SimError` if the SLAM crashed or made no claim about the figure.
+        """
         if isinstance(outcome, Crash):
             if self.claim is None:
                 return Signature(outcome.what)
@@ -96,14 +99,15 @@ class FailureTest:
             return kept
         finished = attempt(self.runner, scenario, progress)
         outcome = finished if isinstance(finished, Crash) else self._judge(finished)
-        if isinstance(outcome, Crash):
-            same = not isinstance(kept, Crash) or kept.what == outcome.what
-            keep = self.claim is None and same
-        else:
-            keep = outcome.signature is not None
-        if keep:
+        if self._shows_the_failure(outcome, kept):
             self._kept[scenario.fidelity] = outcome
         return outcome
+
+    def _shows_the_failure(self, outcome: Observed | Crash, kept: Observed | Crash | None) -> bool:
+        """Whether a run fails as the test says; a crash also has to be the same as that of the run that was kept."""
+        if isinstance(outcome, Crash):
+            return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
+        return outcome.signature is not None
 
     def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
         """Return the outcome of a run that is completed. Raises what `outcome` raises, and what the SLAM raises."""

@@ -1,7 +1,8 @@
 """The folder of a run or of a crash; it appears whole or not at all."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 
@@ -28,10 +29,8 @@ def write_run(
     `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out, *MARKERS) as folder:
+    with _folder_with(more, out) as folder:
         fill_run_folder(run, result, trials, folder)
-        for name, content in more.items():
-            (folder / name).write_bytes(content)
 
 
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
@@ -40,8 +39,15 @@ def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) 
     `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
     """
-    with replaced_folder(out, *MARKERS) as folder:
+    with _folder_with(more, out) as folder:
         fill_crash_folder(crash, folder)
+
+
+@contextmanager
+def _folder_with(more: Mapping[str, bytes], out: Path) -> Iterator[Path]:
+    """Yield a folder that replaces `out`, with the files `more`, which are written after those of the block."""
+    with replaced_folder(out, *MARKERS) as folder:
+        yield folder
         for name, content in more.items():
             (folder / name).write_bytes(content)
 

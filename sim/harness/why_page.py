@@ -59,16 +59,14 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
 
 def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: BlameTable | None) -> Page:
     """The page about a test that fails; `reduction` and `blamed` are None if no smaller scenario was searched for."""
-    sections = () if reduction is None else _search_sections(reduction, blamed)
-    return _page([f"# {name} fails"], wrong_frame_page(run), sections, _WHOLE_RUN)
+    return _page([f"# {name} fails"], wrong_frame_page(run), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
     """The page about a crash of the SLAM; `reduction` and `blamed` are None if no smaller scenario was searched for."""
     more = f" More is in `{TRACEBACK}`." if crash.traceback else ""
     head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`.{more}"]
-    sections = () if reduction is None else _search_sections(reduction, blamed)
-    return _page(head, _crash_frame_page(crash), sections)
+    return _page(head, _crash_frame_page(crash), _search_sections(reduction, blamed))
 
 
 def _page(head: Sequence[str], place: Page, sections: Iterable[str], whole_run: str = "") -> Page:
@@ -120,8 +118,13 @@ def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidel
     return Page((*lines, "", shown, "", caption), pictures)
 
 
-def _search_sections(reduction: Reduction, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
-    """What mends the failure, if that was tried, what the failure needs, and how small it is; a blank line ends each."""
+def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
+    """What mends the failure, if that was tried, what the failure needs, and how small it is; a blank line ends each.
+
+    Without a search, `reduction` is None and there is nothing to say.
+    """
+    if reduction is None:
+        return
     if blamed is not None:
         yield from _mends(blamed, figure)
         yield ""

@@ -41,15 +41,16 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
     """The first wrong place, the folder and the command that replays the failure."""
     lines = []
-    if execution.run is not None and isinstance(_error(execution), TypeError) and "NoneType" in str(_error(execution)):
+    error = _error(execution)
+    if execution.run is not None and isinstance(error, TypeError) and "NoneType" in str(error):
         lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     try:
         outcome = _outcome(execution, scenario)
         place = _first_wrong(outcome)
         lines += [f"first wrong: {place}"] if place else []
         folder = _folder(item, execution, outcome, search)
-    except Exception as error:  # whatever it is, the failure of the test must not be lost
-        return [*lines, f"folder: cannot be written: {one_line(f'{type(error).__name__}: {error}', 160)}"]
+    except Exception as problem:  # whatever it is, the failure of the test must not be lost
+        return [*lines, f"folder: cannot be written: {one_line(f'{type(problem).__name__}: {problem}', 160)}"]
     here = item.config.invocation_params.dir
     test = relpath(item.path, here) + "".join(name_of(item).partition("::")[1:])
     shown = folder if item.config.option.lexis_out.is_absolute() else Path(relpath(folder, here))
