@@ -19,7 +19,7 @@ from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
 
-_ROOMS, _LENGTH_M = 7, 140.0
+_ROOMS, _LENGTH_M = 7, 170.0
 """Number of rooms, to which corridors, halls and stairs are added, and length of the tour [m], about 250 keyframes."""
 _WARM_UP_SEED = 1
 

@@ -95,7 +95,11 @@ class TrueView:
 
 def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float64[np.ndarray, "pairs predictors"]:
     """Return the inputs of the logistic loop model (`PREDICTORS`) for pairs of views: firsts[i] with seconds[i]."""
-    shared = np.sqrt(_seen_by(firsts, seconds) * _seen_by(seconds, firsts))
+    shared = _seen_by(firsts, seconds)
+    overlap = np.flatnonzero(shared)  # without any overlap one way, the product is 0 whatever the other way gives
+    if len(overlap):
+        back = _seen_by([seconds[i] for i in overlap], [firsts[i] for i in overlap])
+        shared[overlap] = np.sqrt(shared[overlap] * back)
     relative = between(np.stack([view.T_W_B for view in firsts]), np.stack([view.T_W_B for view in seconds]))
     distance = np.linalg.norm(relative[:, :3, 3], axis=1)
     return np.stack([np.ones(len(shared)), shared, shared**2, distance, rotation_angle(relative)], axis=1)

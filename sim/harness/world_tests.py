@@ -28,7 +28,7 @@ ATTRIBUTE = "lexis_worlds"
 HOUSE_SEEDS = 1_000_000
 """Fresh houses have seeds below this number; those from here up are reserved for acceptance."""
 MOST_WORLDS = 10_000
-FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 4.0, 10.0
+FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 2.0, 10.0
 """Usual frame rates by fidelity [Hz]. Only landmarks need a high rate, and LEXIS triangulates none on features."""
 SCENARIO = "scenario.json"
 """File that identifies a folder as the output of a failed test."""
@@ -184,7 +184,7 @@ def worlds(
         plans: whether a robot drives the plans of the SLAM; None: with fidelity "render" only.
         length_m: length of the tour [m], or that of the shortest tour through all rooms if this is longer; None: the
             length that is usual for the house.
-        frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 4.
+        frame_rate_hz: observations per second [Hz]; None: 10 with fidelity "render", otherwise 2.
         odometry: how the odometry drifts: a key of `sim.odometry.ODOMETRY_PRESETS`.
         encoder: the vision-language model; see `Scenario.encoder`.
         faults: faults in the order in which they act; see `sim.faults`.
