@@ -27,3 +27,5 @@ from .session import Session as Session
 from .tours import TourConfig as TourConfig
 from .tours import plan_tour as plan_tour
 from .truth import Truth as Truth
+from .verdicts import assert_rate as assert_rate
+from .verdicts import compare as compare

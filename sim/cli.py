@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 from lexis.command_line import Parser, add_completion, run_command
 from lexis.errors import LexisError
-from sim.commands import bench, calibration, check, doctor, features, house, record, run, shrink, training
+from sim.commands import bench, calibration, check, compare, doctor, features, house, record, run, shrink, training
 from sim.errors import SimError
 from worlds.errors import WorldsError
 
-GROUPS = (run, check, shrink, house, record, bench, training, calibration, features, doctor)
+GROUPS = (run, check, shrink, compare, house, record, bench, training, calibration, features, doctor)
 """Groups of commands, in the order in which the help lists them."""
 
 

@@ -1,4 +1,4 @@
-from .fidelity import compare as compare
+from .fidelity import compare_fidelities as compare_fidelities
 from .planning import drive_houses as drive_houses
 from .queries import ask_houses as ask_houses
 from .segmentation import run_houses as run_houses

@@ -94,7 +94,7 @@ def _config(spec: HouseSpec) -> Scenario:
     )
 
 
-def compare(
+def compare_fidelities(
     configs: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
     """Run every house of (group, config) in both fidelities."""

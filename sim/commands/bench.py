@@ -129,12 +129,12 @@ def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
 
 def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
     from lexis.encoder.open_clip_encoder import load_encoder
-    from sim.bench.fidelity import FIGURES, compare, mixed_houses, percepts_per_second, summarised
+    from sim.bench.fidelity import FIGURES, compare_fidelities, mixed_houses, percepts_per_second, summarised
     from sim.report.figures import shown
 
     table = Table("houses", "house", *(f"{name}, {side}" for name in FIGURES for side in ("render", "features")))
     pairs = []
-    for pair in compare(
+    for pair in compare_fidelities(
         mixed_houses(arguments.houses, arguments.seed), load_encoder(arguments.encoder), arguments.feature_model
     ):
         pairs.append(pair)

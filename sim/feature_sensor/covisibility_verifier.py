@@ -98,7 +98,7 @@ def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float
     shared = _seen_by(firsts, seconds)
     overlap = np.flatnonzero(shared)  # without any overlap one way, the product is 0 whatever the other way gives
     if len(overlap):
-        back = _seen_by([seconds[i] for i in overlap], [firsts[i] for i in overlap])
+        back = _seen_by([seconds[i] for i in overlap.tolist()], [firsts[i] for i in overlap.tolist()])
         shared[overlap] = np.sqrt(shared[overlap] * back)
     relative = between(np.stack([view.T_W_B for view in firsts]), np.stack([view.T_W_B for view in seconds]))
     distance = np.linalg.norm(relative[:, :3, 3], axis=1)

@@ -1,0 +1,40 @@
+"""`lexis-sim compare`: compare the results of two SLAMs on the same scenarios; exit status 1 if the second is worse."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from lexis.command_line import Commands, add_command
+from sim.commands.arguments import number
+
+CLAIM_HELP = 'a claim that is compared besides the figures, such as "rooms.pq >= 0.6"; may be repeated'
+CONFIDENCE_HELP = "1 minus the largest probability that a difference is stated where there is none (default: 0.95)"
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command `compare`."""
+    parser = add_command(
+        commands,
+        "compare",
+        _compare,
+        "whether a SLAM does worse than another on the same scenarios: exit status 1 if it does",
+        'lexis-sim compare before.json after.json --claim "rooms.pq >= 0.6"',
+    )
+    stored = "a file that `check --json` has written, or a folder with folders of runs in it"
+    parser.add_argument("a", type=Path, metavar="A", help=f"results to compare with: {stored}")
+    parser.add_argument("b", type=Path, metavar="B", help="results that are judged, on the same scenarios")
+    parser.add_argument("--claim", action="append", default=[], metavar="CLAIM", help=CLAIM_HELP)
+    parser.add_argument("--confidence", type=number(0.51, 0.9999), default=0.95, metavar="SHARE", help=CONFIDENCE_HELP)
+
+
+def _compare(arguments: argparse.Namespace) -> int:
+    from sim.harness import Claim
+    from sim.verdicts import compare_results, load_results
+
+    claims = [Claim.parse(text) for text in arguments.claim]
+    a, b = load_results(arguments.a), load_results(arguments.b)
+    comparison = compare_results(a, b, claims, confidence=arguments.confidence)
+    print(comparison)
+    if comparison.worse:
+        print(f"failed: {', '.join(comparison.worse)} of {arguments.b} worse than of {arguments.a}", file=sys.stderr)
+    return 1 if comparison.worse else 0

@@ -1,0 +1,20 @@
+"""Verdicts about a SLAM on many houses, with their confidence: it does well often enough, or it became worse.
+
+    from sim import assert_rate, check
+
+    results = (check(scenario, MySlam()) for scenario in scenarios)
+    assert_rate(results, "rooms.pq >= 0.6", p=0.9, confidence=0.95)
+
+Read `rate` first: it tests whether a claim holds in a wanted share of houses, and stops as soon as the answer is known.
+`comparison` compares two SLAMs on the same scenarios, figure by figure. `stored_results` reads and writes the results that
+`lexis-sim compare` compares.
+
+Glossary:
+
+- verdict: the answer of a statistical test, with the data it rests on. It may be that the data do not suffice.
+- confidence: 1 minus the largest probability that a definite answer is wrong.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

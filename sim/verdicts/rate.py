@@ -1,0 +1,123 @@
+"""`assert_rate`: a sequential test of whether a claim holds in a wanted share of houses.
+
+The test may be evaluated after every house, and stops as soon as the answer is known. It is a sequential probability ratio
+test whose alternative is a mixture of rates (Robbins, "Statistical methods related to the law of the iterated logarithm",
+Annals of Mathematical Statistics 41, 1970). The evidence for a rate above the wanted rate `p` is a ratio: the probability of
+the data averaged over all rates above `p`, divided by their probability at the rate `p`. If the true rate is `p` or below,
+this ratio ever exceeds 1 / error with a probability of at most `error` (Ville's inequality). The evidence for a rate below
+`p` is built in the same way.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import betainc, betaincc, betaln, xlog1py, xlogy
+
+from sim.errors import SimError
+from sim.harness.claims import Claim
+from sim.harness.results import RunResult
+
+RateOutcome = Literal["holds", "fails", "undecided"]
+_PRIOR = 0.5
+"""Both parameters of the beta distribution over rates by which the alternatives are weighted (Jeffreys' prior)."""
+
+
+@dataclass(frozen=True)
+class RateVerdict:
+    """What some houses say about the rate at which a claim holds. Raises `SimError` for values out of their ranges."""
+
+    p: float
+    """Wanted rate, in (0, 1)."""
+    confidence: float
+    """1 minus the largest probability of a wrong answer, whatever the true rate is and whenever one looks; in (0.5, 1)."""
+    held: int
+    """Number of houses in which the claim holds."""
+    houses: int
+    """Number of houses that were examined."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.p < 1.0:
+            raise SimError(f"rate: p is {self.p!r:.40}; valid: a rate between 0 and 1, without these two")
+        if not 0.5 < self.confidence < 1.0:
+            raise SimError(f"rate: confidence is {self.confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+        if not 0 <= self.held <= self.houses:
+            raise SimError(f"rate: held is {self.held} of {self.houses} houses; valid: 0 to {self.houses}")
+
+    @property
+    def outcome(self) -> RateOutcome:
+        """Whether the rate is at least `p` ("holds"), below `p` ("fails"), or not yet known ("undecided")."""
+        above, below = self._log_evidence()
+        enough = -math.log1p(-self.confidence)
+        return "holds" if above >= enough else "fails" if below >= enough else "undecided"
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Confidence interval of the rate. It covers the true rate after all houses at once with the given confidence."""
+        enough = -math.log1p(-self.confidence)
+        failed, share = self.houses - self.held, self.held / max(self.houses, 1)
+
+        def excess(rate: float) -> float:
+            mixture = betaln(self.held + _PRIOR, failed + _PRIOR) - betaln(_PRIOR, _PRIOR)
+            return float(mixture - xlogy(self.held, rate) - xlog1py(failed, -rate)) - enough
+
+        low = brentq(excess, 1e-12, share) if self.held else 0.0
+        high = brentq(excess, share, 1.0 - 1e-12) if failed else 1.0
+        return float(low), float(high)
+
+    def __str__(self) -> str:
+        low, high = self.interval
+        rate = f"rate {low:.2f} to {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
+        return f"in {self.held} of {self.houses} houses ({rate}): {self.outcome}"
+
+    def _log_evidence(self) -> tuple[float, float]:
+        """Logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
+        a, b = self.held + _PRIOR, self.houses - self.held + _PRIOR
+        at_p = xlogy(self.held, self.p) + xlog1py(self.houses - self.held, -self.p)
+        whole = betaln(a, b) - betaln(_PRIOR, _PRIOR) - at_p
+        with np.errstate(divide="ignore"):  # data that exclude a side give it the evidence 0, whose logarithm is -inf
+            above = whole + np.log(betaincc(a, b, self.p) / betaincc(_PRIOR, _PRIOR, self.p))
+            below = whole + np.log(betainc(a, b, self.p) / betainc(_PRIOR, _PRIOR, self.p))
+        return float(above), float(below)
+
+
+def assert_rate(
+    results: Iterable[RunResult],
+    claim: Claim | str,
+    p: float,
+    confidence: float = 0.95,
+    undecided: Literal["fail", "pass", "skip"] = "fail",
+) -> RateVerdict:
+    """Assert that a claim holds in at least a share `p` of houses, and stop to read results as soon as the answer is known.
+
+    A result without the figure counts as one for which the claim fails, since the run did not show it.
+
+    Args:
+        results: results of independent scenarios. A generator that runs one house at a time runs no more than needed.
+        claim: a claim such as "rooms.pq >= 0.6".
+        p: wanted rate, in (0, 1).
+        confidence: 1 minus the largest probability of a wrong answer, in (0.5, 1).
+        undecided: what happens if the results do not suffice: the test fails, passes or is skipped.
+
+    Raises:
+        AssertionError: the rate is below `p`, or it is undecided and `undecided` is "fail".
+        SimError: an argument is not valid.
+    """
+    if undecided not in ("fail", "pass", "skip"):
+        raise SimError(f"assert_rate: undecided is {undecided!r:.40}; valid: 'fail', 'pass' or 'skip'")
+    wanted = Claim.parse(claim) if isinstance(claim, str) else claim
+    verdict = RateVerdict(p, confidence, 0, 0)
+    for result in results:
+        verdict = RateVerdict(p, confidence, verdict.held + (wanted.outcome(result) == "holds"), verdict.houses + 1)
+        if verdict.outcome != "undecided":
+            break
+    if verdict.outcome == "fails" or (verdict.outcome == "undecided" and undecided == "fail"):
+        raise AssertionError(f"{wanted} {verdict}")
+    if verdict.outcome == "undecided" and undecided == "skip":
+        import pytest  # only tests skip; elsewhere pytest need not be installed
+
+        pytest.skip(f"{wanted} {verdict}")
+    return verdict

@@ -1,0 +1,66 @@
+"""Results of many runs in one JSON file, or in the folders of runs: what `lexis-sim compare` reads."""
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from lexis.errors import one_line
+from lexis.files.reading import FileKind, read_json
+from lexis.files.replace import replaced_file
+from sim.errors import SimError
+from sim.harness.results import SCHEMA, RunResult
+
+FORMAT = "lexis-results"
+RESULT = "result.json"
+"""Name of the file with the result of a run, in the run's folder."""
+_FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or result.json of a run", 500_000_000, SimError)
+
+
+def save_results(results: Sequence[RunResult], path: Path) -> None:
+    """Write results to one JSON file. Raises `LexisError` if the file cannot be written."""
+    data = {"format": FORMAT, "results": [result.data() for result in results]}
+    with replaced_file(path) as beside:
+        beside.write_text(json.dumps(data, indent=1) + "\n")
+
+
+def load_results(path: Path) -> tuple[RunResult, ...]:
+    """Read the results in a file, or the results of all runs whose folders lie somewhere below a folder, sorted by path.
+
+    Raises `SimError` if there is no result, or if a result is not valid.
+    """
+    if not path.is_dir():
+        return _results_in(path)
+    files = sorted(path.rglob(RESULT))
+    if not files:
+        raise SimError(f"{path}: contains no {RESULT}; valid: a folder with folders of runs in it, or {_FILE.valid}")
+    return tuple(result for file in files for result in _results_in(file))
+
+
+def _results_in(path: Path) -> tuple[RunResult, ...]:
+    data = read_json(path, _FILE)
+    if isinstance(data, dict) and data.get("format") == FORMAT:
+        several = data.get("results")
+        if not isinstance(several, list) or not several:
+            raise _FILE.refusal(path, "contains no list of results")
+        return tuple(_result(each, path, f"results[{i}].") for i, each in enumerate(several))
+    return (_result(data, path, ""),)
+
+
+def _result(data: Any, path: Path, place: str) -> RunResult:
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise _FILE.refusal(path, f"{place or 'it'} is no result with schema {SCHEMA}")
+    try:
+        return _adapter().validate_python({name: value for name, value in data.items() if name != "schema"})
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        raise _FILE.refusal(path, one_line(f"{place}{where}: {first['msg']}")) from None
+
+
+@cache
+def _adapter() -> TypeAdapter[RunResult]:
+    return TypeAdapter(RunResult)

@@ -1,0 +1,103 @@
+"""The sequential test of a rate keeps its error bounds, although it is evaluated after every house."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.results import RESULT
+
+from sim.errors import SimError
+from sim.verdicts.rate import RateVerdict, assert_rate
+
+P = (0.5, 0.9, 0.95, 0.99)
+
+
+def results(*accuracies):
+    return [replace(RESULT, labels=replace(RESULT.labels, accuracy=each)) for each in accuracies]
+
+
+def first_outcomes(p, true_rate, streams=10_000, houses=400, seed=0):
+    """The first definite outcome of each simulated stream of houses, or "undecided"."""
+    held = np.cumsum(np.random.default_rng(seed).random((streams, houses)) < true_rate, axis=1)
+    outcomes = np.full(streams, "undecided")
+    known = {}
+    for n in range(1, houses + 1):
+        open_streams = np.flatnonzero(outcomes == "undecided")
+        now = held[open_streams, n - 1]
+        for count in np.unique(now).tolist():
+            known[count, n] = RateVerdict(p, 0.95, count, n).outcome
+        outcomes[open_streams] = [known[count, n] for count in now.tolist()]
+    return outcomes
+
+
+@pytest.mark.parametrize("p", P)
+def test_a_rate_that_is_reached_is_hardly_ever_denied_at_any_time(p):
+    assert (first_outcomes(p, p) == "fails").mean() <= 0.05
+
+
+@pytest.mark.parametrize("p", P)
+def test_a_rate_that_is_missed_is_hardly_ever_confirmed_at_any_time(p):
+    assert (first_outcomes(p, p - 1e-6) == "holds").mean() <= 0.05
+
+
+@pytest.mark.parametrize(("p", "true_rate", "outcome"), [(0.5, 0.8, "holds"), (0.9, 0.6, "fails"), (0.95, 0.7, "fails")])
+def test_a_clear_answer_is_found(p, true_rate, outcome):
+    assert (first_outcomes(p, true_rate, streams=1000) == outcome).mean() >= 0.95
+
+
+@pytest.mark.parametrize("p", P)
+@pytest.mark.parametrize("true_rate", [0.45, 0.9, 0.985])
+def test_the_interval_covers_the_true_rate_after_all_houses_at_once(p, true_rate):
+    held = np.cumsum(np.random.default_rng(1).random((300, 60)) < true_rate, axis=1)
+    known = {(count, n): RateVerdict(p, 0.9, count, n).interval for n in range(1, 61) for count in range(n + 1)}
+    covered = [all(known[c, n][0] <= true_rate <= known[c, n][1] for n, c in enumerate(row, 1)) for row in held.tolist()]
+    assert np.mean(covered) >= 0.9
+
+
+@pytest.mark.parametrize(("held", "houses"), [(k, n) for n in (1, 7, 30) for k in range(n + 1)])
+def test_the_evidence_is_an_expected_value_of_one_under_the_wanted_rate(held, houses):
+    now = RateVerdict(0.8, 0.95, held, houses)
+    more, less = RateVerdict(0.8, 0.95, held + 1, houses + 1), RateVerdict(0.8, 0.95, held, houses + 1)
+    for side in (0, 1):
+        after = 0.8 * np.exp(more._log_evidence()[side]) + 0.2 * np.exp(less._log_evidence()[side])
+        assert after == pytest.approx(np.exp(now._log_evidence()[side]), rel=1e-9)
+
+
+def test_reading_stops_when_the_answer_is_known():
+    stream = iter(results(*[0.9] * 100))
+    verdict = assert_rate(stream, "labels.accuracy >= 0.7", p=0.9)
+    assert verdict.outcome == "holds"
+    assert len(list(stream)) == 100 - verdict.houses > 50
+
+
+def test_a_missed_rate_says_how_often_the_claim_held():
+    with pytest.raises(AssertionError, match=r"labels.accuracy >= 0.7 in 0 of 2 houses \(rate 0.00 to .*: fails$"):
+        assert_rate(results(0.6, None, 0.9), "labels.accuracy >= 0.7", p=0.9)
+
+
+def test_an_undecided_rate_does_what_the_option_says():
+    few = results(0.9, 0.9, 0.6)
+    with pytest.raises(AssertionError, match=r"in 2 of 3 houses .*undecided$"):
+        assert_rate(few, "labels.accuracy >= 0.7", p=0.8)
+    with pytest.raises(pytest.skip.Exception, match=r"undecided$"):
+        assert_rate(few, "labels.accuracy >= 0.7", p=0.8, undecided="skip")
+    assert assert_rate(few, "labels.accuracy >= 0.7", p=0.8, undecided="pass").outcome == "undecided"
+
+
+def test_no_house_at_all_decides_nothing():
+    verdict = assert_rate([], "labels.accuracy >= 0.7", p=0.5, undecided="pass")
+    assert (verdict.outcome, verdict.interval) == ("undecided", (0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"p": 1.0}, "p is 1.0; valid: a rate between 0 and 1"),
+        ({"p": 0.5, "confidence": 0.2}, "confidence is 0.2; valid: above 0.5"),
+        ({"p": 0.5, "undecided": "ignore"}, "undecided is 'ignore'; valid: 'fail', 'pass' or 'skip'"),
+        ({"p": 0.5, "claim": "labels.accuracies > 1"}, "no figure 'accuracies'"),
+    ],
+)
+def test_arguments_are_checked(arguments, message):
+    with pytest.raises(SimError, match=message):
+        assert_rate(**{"results": [], "claim": "labels.accuracy >= 0.7"} | arguments)

@@ -1,0 +1,65 @@
+"""Results survive being stored, and `lexis-sim compare` judges stored results."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from helpers.results import RESULT
+
+from sim.cli import main
+from sim.errors import SimError
+from sim.harness.results import FaultFigures, MatchFigures
+from sim.verdicts.stored_results import load_results, save_results
+
+MANY = tuple(
+    replace(RESULT, scenario=f"{i:016x}", place_recognition={"1": MatchFigures(1, 2, 3)}, labels=replace(RESULT.labels))
+    for i in range(12)
+)
+WORSE = tuple(replace(each, labels=replace(each.labels, accuracy=0.6)) for each in MANY)
+
+
+def test_stored_results_are_equal_to_the_originals(tmp_path):
+    faulty = replace(MANY[0], scenario="f" * 16, faults=FaultFigures(("dropped:0.1",), {"dropped": 3}, 90, 0))
+    save_results((*MANY, faulty), tmp_path / "all.json")
+    assert load_results(tmp_path / "all.json") == (*MANY, faulty)
+
+
+def test_results_are_found_in_the_folders_of_runs(tmp_path):
+    for result in MANY[:2]:
+        (tmp_path / "runs" / result.scenario).mkdir(parents=True)
+        (tmp_path / "runs" / result.scenario / "result.json").write_text(json.dumps(result.data()))
+    assert load_results(tmp_path) == MANY[:2]
+    assert load_results(tmp_path / "runs" / MANY[1].scenario / "result.json") == MANY[1:2]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("[]", "it is no result with schema 1"),
+        ('{"format": "lexis-results", "results": []}', "contains no list of results"),
+        ('{"format": "lexis-results", "results": [3]}', r"results\[0\]. is no result"),
+        (json.dumps(RESULT.data() | {"labels": 3}), "labels: "),
+        (json.dumps(RESULT.data() | {"labels": {"accuracy": "high"}}), "labels.accuracy: "),
+    ],
+)
+def test_a_damaged_file_is_refused_with_its_place(tmp_path, content, message):
+    (tmp_path / "bad.json").write_text(content)
+    with pytest.raises(SimError, match=f"bad.json: cannot be used: {message}"):
+        load_results(tmp_path / "bad.json")
+
+
+def test_a_folder_without_results_is_refused(tmp_path):
+    with pytest.raises(SimError, match=r"contains no result.json; valid: a folder with folders of runs"):
+        load_results(tmp_path)
+
+
+def test_the_command_fails_where_the_second_slam_is_worse(tmp_path, capsys):
+    before, after = str(tmp_path / "before.json"), str(tmp_path / "after.json")
+    save_results(MANY, tmp_path / "before.json")
+    save_results(WORSE, tmp_path / "after.json")
+    assert main(["compare", before, after, "--claim", "labels.accuracy >= 0.7"]) == 1
+    shown = capsys.readouterr()
+    assert "labels.accuracy           0.900    0.600   -0.300 (-0.300 to -0.300)" in shown.out
+    assert "failed: labels.accuracy, labels.accuracy >= 0.7 of" in shown.err
+    assert main(["compare", after, before]) == 0
+    assert main(["compare", before, before]) == 0
