@@ -11,9 +11,9 @@ builds a session from a `Scenario`, runs a SLAM on it and evaluates the result. 
 - `faults`: dropped frames, blur, moved furniture and other disturbances.
 
 Other packages use runs: `robot` drives plans in MuJoCo, `report` shows a run in one HTML file, `record` writes a dataset,
-`programs` puts programs in any language under test, `verdicts` judges the results of many runs, `bench` measures, `baselines`
-are other methods to compare with, `training` makes the shipped encoder, `feature_fitting` the model of the feature sensor,
-`pytest_plugin` brings runs to pytest, and `commands` is the command line.
+`programs` puts programs in any language under test, `verdicts` judges the results of many runs, `bench` measures,
+`baselines` are other methods to compare with, `training` makes the shipped encoder, `feature_fitting` the model of the
+feature sensor, `pytest_plugin` brings runs to pytest, and `commands` is the command line.
 
 Glossary:
 

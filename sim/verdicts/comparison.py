@@ -128,8 +128,8 @@ class Comparison:
     def verdicts(self) -> Mapping[str, Change]:
         """Whether each figure and each claim, by name, is worse or better for SLAM b.
 
-        By Holm's method, the smallest of k p-values may be at most (1 - confidence) / k, the next (1 - confidence) / (k - 1),
-        and so on until one is too large.
+        By Holm's method, the smallest of k p-values may be at most (1 - confidence) / k, the next (1 - confidence) / (k - 1)
+        and so on, until one is too large.
         """
         every: list[FigureChange | ClaimChange] = [*self.figures, *self.claims]
         changes = sorted(every, key=lambda change: change.p_value)
