@@ -1,10 +1,10 @@
 """LEXIS, an indoor SLAM that understands language: RGB images, drifting odometry and a list of room names become a map.
 
 The package needs neither the simulator nor generated houses; it runs unchanged on the data of a real robot. Read `slam.py`
-first: it names the stages in the order of the paper. Then read one file a stage: `keyframes`, `keyframe_window` (waits for
-the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and `floors`,
-`place_recognition`, `verification`, `pose_graph` and `graph_optimisation`, and `planner`. `types.py` defines the data that
-passes between the stages, `config.py` the settings of the stages. The subpackages support the stages:
+first: it names the stages in the order of the paper. Then read the files of the stages: `keyframes`, `keyframe_window`
+(waits for the frames after a keyframe), `features` and `landmarks`, `room_labels` and `stairs`, `room_segmentation` and
+`floors`, `place_recognition`, `verification`, `pose_graph` and `graph_optimisation`, and `planner`. `types.py` defines the
+data that passes between the stages, `config.py` the settings of the stages. The subpackages support the stages:
 
 - `encoder`: the vision-language model that turns images and room names into vectors.
 - `datasets`: recorded runs as input.
@@ -16,8 +16,8 @@ passes between the stages, `config.py` the settings of the stages. The subpackag
 
 Glossary:
 
-- percept: what LEXIS extracts from one image, that is an embedding and AKAZE features.
-- features: AKAZE key points with their binary descriptors, and nothing else.
+- features: the AKAZE key points of one image with their binary descriptors.
+- percept: the embedding and the features of one image; LEXIS accepts a percept in place of the image.
 - label: the room name of a keyframe. An instance is one room of that name: two kitchens are two instances.
 - query: the new keyframe, for which earlier keyframes of the same place are sought.
 - candidate: an earlier keyframe that place recognition proposes for a query. Verification turns it into a loop edge, or

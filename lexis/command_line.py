@@ -22,16 +22,16 @@ Command: TypeAlias = Callable[[argparse.Namespace], int]
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 MAX_LINE = 400
-"""Longest message on stderr, in characters; a value quoted from a file or a command line may have megabytes."""
+"""Longest message on stderr, in characters. Longer ones are shortened, because a quoted value may have megabytes."""
 
 _BROKEN_PIPE, _INTERRUPTED = 141, 130
 """Exit statuses after a broken pipe and after an interruption, as shells define them: 128 plus the number of the signal."""
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""Errors that mean that an output cannot be written, for example to a full disk."""
+"""Error numbers of an output that cannot be written, for example to a full disk."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that reports bad arguments in one line, and takes no abbreviations of options."""
+    """An argument parser that reports bad arguments in one line, and does not accept abbreviated options."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         """Create a parser as `argparse.ArgumentParser` does."""
@@ -54,7 +54,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_command(commands: Commands, name: str, command: Command, help: str, example: str) -> Parser:
-    """Add a command with an example in its help; `run_command` will call `command`."""
+    """Add a command that calls the function `command`, with `example` in its help. Returns its parser, to add arguments."""
     formatter = argparse.RawDescriptionHelpFormatter
     parser = commands.add_parser(name, help=help, description=f"{help[0].upper()}{help[1:]}.", formatter_class=formatter)
     parser.epilog = f"example:\n  {example}"

@@ -27,9 +27,11 @@ class KeyframeConfig(Settings, place="keyframes", error=ConfigError):
     """Rotation after which a new keyframe is selected even if the path is shorter than `spacing_m` [rad]. None: only the
     path length decides, as in the paper."""
     support_spacing_m: Annotated[float, Gt(0)] = 0.25
-    """Length of the odometry path between support frames, which only serve to triangulate landmarks [m]."""
+    """Length of the odometry path from a keyframe or support frame to the next support frame [m]. Support frames only serve
+    to triangulate landmarks."""
     supports: Annotated[int, Ge(1)] = 2
-    """Number of support frames that are used on either side of a keyframe."""
+    """Number of frames before a keyframe, and again after it, from which the keyframe's landmarks are triangulated. These
+    frames may be support frames or other keyframes."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
     max_hamming: Annotated[int, Interval(ge=1, le=488)] = 120
     """Largest Hamming distance of two matched descriptors, which have 486 bits."""
     min_views: Annotated[int, Ge(2)] = 3
-    """Fewest images, the keyframe included, that must agree on a landmark."""
+    """Least number of images, the keyframe's own included, that must agree on a landmark."""
     min_parallax_rad: Annotated[float, Interval(gt=0, lt=1)] = 0.026
     """Smallest parallax of a landmark, the largest angle between two of its viewing rays [rad]; by default 1.5 degrees."""
     max_reprojection_px: Annotated[float, Gt(0)] = 1.5
@@ -62,16 +64,16 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
     """Whether labels are refined by a vote among neighbouring keyframes, and stairs are found by their change of height. If
     False, every keyframe keeps the label of its own image."""
     neighbours: Annotated[int, Ge(1)] = 5
-    """C: number of nearest keyframes that vote on a label (paper: 3 to 7)."""
+    """Number of nearest keyframes that vote on the label of a keyframe (C in the paper, there 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
-    """K: largest number of new keyframes between two refinements of the labels (paper: 7 to 12). Labels are also refined
-    after every optimisation."""
+    """Largest number of new keyframes between two refinements of the labels (K in the paper, there 7 to 12). Labels are also
+    refined after every optimisation."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The room name that keyframes on stairs get. If the user's room names lack it, stairs are not detected."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
     """Length of the path over which the change of height is measured, centred on the keyframe [m]."""
     stairs_min_height_m: Annotated[float, Gt(0)] = 0.5
-    """Least change of height within the window for a keyframe to count as on stairs [m]."""
+    """Least change of height over `stairs_window_m` for a keyframe to count as on stairs [m]."""
 
 
 @dataclass(frozen=True)
@@ -94,9 +96,9 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     candidates: Annotated[int, Ge(0)] = 5
     """Largest number of loop candidates that are proposed for one query, which is a new keyframe."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
-    """Least age of a loop candidate: time between the candidate and the query [s]."""
+    """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
-    """Least length of the path between a loop candidate and the query [m]."""
+    """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
 
 
 @dataclass(frozen=True)
@@ -110,21 +112,21 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     max_reprojection_px: Annotated[float, Gt(0)] = 3.0
     """Largest reprojection error of an inlier [px]."""
     min_inliers: Annotated[int, Ge(4)] = 15
-    """Least number of distinct key points of the query among the inliers."""
+    """Least number of distinct key points of the new keyframe that must be inliers of PnP."""
     min_cells: Annotated[int, Interval(ge=1, le=36)] = 5
     """Least number of cells of a 6 x 6 grid on the image that must contain an inlier."""
     gate_m: Annotated[float, Ge(0)] = 0.5
-    """A loop edge is rejected if its translation is farther than this limit from the currently estimated one [m]. The
-    limit grows with the path by `gate_share`."""
+    """A loop edge is rejected if its translation differs from the current estimate by more than this limit [m]. The limit
+    grows with the path by `gate_share`."""
     gate_share: Annotated[float, Ge(0)] = 0.03
-    """Distance that is added to `gate_m` for every metre of path between the candidate and the query [m/m]."""
+    """Distance that is added to `gate_m` for every metre of path between the two keyframes of the loop edge [m/m]."""
     gate_rad: Annotated[float, Ge(0)] = 0.1
-    """A loop edge is rejected if the angle between its rotation and the currently estimated one exceeds this limit [rad].
-    The limit grows with the path by `gate_rad_m`."""
+    """A loop edge is rejected if its rotation differs from the current estimate by more than this limit [rad]. The limit
+    grows with the path by `gate_rad_m`."""
     gate_rad_m: Annotated[float, Ge(0)] = 0.005
-    """Angle that is added to `gate_rad` for every metre of path between the candidate and the query [rad/m]."""
+    """Angle that is added to `gate_rad` for every metre of path between the two keyframes of the loop edge [rad/m]."""
     max_edges: Annotated[int, Ge(1)] = 3
-    """Largest number of loop edges per query; the edges with most inliers are kept."""
+    """Largest number of loop edges from one new keyframe; those with the most inliers are kept."""
     pixel_sigma: Annotated[float, Gt(0)] = 1.5
     """Standard deviation of an inlier's reprojection error, landmark noise included [px]."""
     rotation_sigma_rad: Annotated[float, Gt(0)] = 0.005
@@ -135,7 +137,7 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
     translation [m]."""
     max_sigma_m: Annotated[float, Gt(0)] = 0.06
     """Largest standard deviation of a loop edge's translation, in its worst direction [m]. Edges with a larger deviation are
-    rejected: their landmarks are too few or too distant, and the edge would follow the landmarks' errors."""
+    rejected, because their landmarks are too few or too distant to determine the translation."""
     seed: Annotated[int, Ge(0)] = 0
     """Seed of the random samples that RANSAC draws."""
 
@@ -171,8 +173,8 @@ class PlannerConfig(Settings, place="planner", error=ConfigError):
 
     shortcut_m: Annotated[float, Ge(0)] = 0.6
     """Largest distance between keyframes that are connected although the camera did not walk between them [m]. Keep it below
-    twice the robot's clearance plus the thickness of a wall, or a path may cross a wall. 0 allows walked edges and loop
-    edges only."""
+    twice the robot's clearance plus the thickness of a wall, or a path may cross a wall. With 0, only consecutive keyframes
+    are connected."""
 
 
 @dataclass(frozen=True)

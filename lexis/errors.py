@@ -20,7 +20,7 @@ class EncoderError(LexisError):
 
 
 class MapError(LexisError):
-    """A map (or the file it came from) is malformed."""
+    """A map cannot be read, is malformed, or was made with another encoder."""
 
 
 class PlanError(LexisError):

@@ -32,12 +32,12 @@ def mutual_matches(
     allowed: Bool[np.ndarray, "n m"] | None = None,
     max_distance: int = 488,
 ) -> Int[np.ndarray, "k 2"]:
-    """Match two arrays of descriptors; return pairs of a row of `first` and a row of `second`.
+    """Match two arrays of descriptors; return pairs of row numbers, the first in `first` and the second in `second`.
 
     The two rows are nearest neighbours of each other by Hamming distance. The row of `first` must also pass Lowe's ratio
     test: its distance to the nearest row is at most `ratio` times its distance to the second-nearest.
 
-    With `allowed`, only allowed pairs are neighbours. A wrong pair may then have no second-nearest neighbour and pass the
+    With `allowed`, only the pairs that it marks are compared. A wrong pair may then have no second-nearest row and pass the
     ratio test, so bound the distance of pairs by `max_distance` [bits].
     """
     if len(first) == 0 or len(second) == 0:

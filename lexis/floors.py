@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.maths.stretches import Stretch, stretches_of
 
 NO_FLOOR = -1
-"""Value that stands for the floor of a keyframe on stairs."""
+"""Floor number of a keyframe on stairs, which is on no floor."""
 STOREY_GAP_M = 1.2
 """Smallest height difference between two floors [m]."""
 MIN_KEYFRAMES = 4
@@ -22,7 +22,8 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
     2. Give every stretch a height by summing the height differences over the stairs before it. Height changes within a
        stretch are left out, because floors are level and such changes are drift.
     3. Divide these heights into groups, the floors, wherever a gap exceeds `STOREY_GAP_M`. A stretch of fewer than
-       `MIN_KEYFRAMES` forms no group and gets the nearest floor; if all are that short, the longest form the groups.
+       `MIN_KEYFRAMES` keyframes is not grouped and gets the nearest floor. If all stretches are that short, the longest are
+       grouped.
     """
     floors = np.full(len(stairs), NO_FLOOR)
     stretches = [run for run in stretches_of(stairs) if not stairs[run.start]]

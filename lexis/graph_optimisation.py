@@ -18,8 +18,8 @@ _PRIOR_SIGMA = 1e-6
 class GraphOptimiser:
     """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed.
 
-    Odometry edges enter by least squares. Loop edges enter under the robust DCS kernel, so that a wrong loop counts little.
-    Edges and poses are kept from one optimisation to the next.
+    Residuals of odometry edges are simply squared. Those of loop edges pass through the robust DCS kernel, so that a wrong
+    loop counts little. Edges and poses are reused from one optimisation to the next.
     """
 
     def __init__(self, first: Pose, config: PoseGraphConfig) -> None:
@@ -36,7 +36,8 @@ class GraphOptimiser:
     def add_keyframe(self, T_W_B: Pose, step: Pose, covariance: Covariance) -> None:
         """Append a keyframe at an initial pose.
 
-        `step` is the odometry ``T_i_j`` from the previous keyframe i to it; the configured minimum is added to `covariance`.
+        `step` is the odometry ``T_i_j`` from the previous keyframe i to the new keyframe j, and `covariance` its covariance,
+        to which the configured minimum is added.
         """
         noise = gtsam.noiseModel.Gaussian.Covariance(covariance + self._min_covariance)
         self._odometry.add(gtsam.BetweenFactorPose3(self._count - 1, self._count, gtsam.Pose3(step), noise))
@@ -46,8 +47,7 @@ class GraphOptimiser:
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Add loop edges.
 
-        Raises LexisError, and adds none of them, if one refers to a keyframe that the graph does not have, or does not lead
-        back to an earlier one.
+        Raises LexisError, and adds no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
         """
         for loop in loops:
             if not 0 <= loop.match < loop.query < self._count:
@@ -58,7 +58,7 @@ class GraphOptimiser:
             self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
 
     def optimise(self) -> Poses:
-        """Optimise all poses, from the result of the last optimisation on."""
+        """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
         graph = gtsam.NonlinearFactorGraph()
         graph.push_back(self._odometry)
         graph.push_back(self._loops)
@@ -83,7 +83,10 @@ def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfi
 
 
 def squared_residual(T_W_B: Poses, loop: LoopEdge) -> float:
-    """Squared Mahalanobis distance between a loop's measurement and the poses (chi² with 6 degrees of freedom)."""
+    """Squared Mahalanobis distance between a loop edge's relative pose and the one that follows from `T_W_B`.
+
+    For a correct edge, this distance follows a chi² distribution with 6 degrees of freedom.
+    """
     predicted = gtsam.Pose3(between(T_W_B[loop.match], T_W_B[loop.query]))
     error = gtsam.Pose3.Logmap(gtsam.Pose3(loop.T_match_query).between(predicted))
     return float(error @ np.linalg.solve(loop.covariance, error))

@@ -18,9 +18,9 @@ MAX_NAME_LENGTH = 200
 """Largest length of a room name, in characters."""
 
 MAX_POSITION_M = 1e8
-"""Largest coordinate of a position [m]: any frame on Earth fits, and its squares and cubes remain accurate enough."""
+"""Largest coordinate of a position [m]. Every place on Earth fits, and squares and cubes of coordinates stay accurate."""
 MAX_STAMP_S = 1e12
-"""Largest stamp of an observation [s]: later than any clock shows, and small enough to resolve a microsecond."""
+"""Largest stamp of an observation [s]. No clock shows a later time, and a float still resolves a millisecond there."""
 MAX_VARIANCE = 1e12
 """Largest entry of a pose covariance [rad², m²]; it stands for an error of a thousand kilometres."""
 _ROUNDING = 1e-9
@@ -49,7 +49,7 @@ def check_camera(camera: Camera) -> None:
 
 
 def check_room_names(names: Sequence[str]) -> None:
-    """Raise LexisError unless there is at least one name, all are unique, and all are printable and short enough.
+    """Raise LexisError unless there are 1 to `MAX_ROOM_NAMES` unique names, all of them printable and short enough.
 
     Room names are looked up without regard to case and outer blanks, so two names may not differ in these alone.
     """
@@ -110,7 +110,7 @@ def is_pose(T: object) -> bool:
 
 
 def usable_covariances(matrices: Float64[np.ndarray, "*batch 6 6"]) -> Bool[np.ndarray, "*batch"]:
-    """Whether matrices are symmetric and positive semi-definite up to rounding, with entries up to `MAX_VARIANCE`."""
+    """Whether each matrix is symmetric and positive semi-definite up to rounding, with entries up to `MAX_VARIANCE`."""
     bounded = (np.abs(matrices) <= MAX_VARIANCE).all(axis=(-1, -2))
     matrices = np.where(bounded[..., None, None], matrices, 0.0)
     rounding = _ROUNDING * np.abs(matrices).max(axis=(-1, -2))

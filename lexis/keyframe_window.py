@@ -39,7 +39,10 @@ class KeyframeWindow:
         self._count = 0
 
     def add(self, frame: Frame, features: Features, embedding: Float32[np.ndarray, "d"] | None) -> list[Keyframe]:
-        """Add a frame and return the keyframe that it completes, if any. `embedding` is None for support frames."""
+        """Add a frame. If a keyframe was waiting only for this frame, return it in a list; otherwise return an empty list.
+
+        `embedding` is None for support frames.
+        """
         self._entries.append(_Entry(frame, features, embedding))
         centre = len(self._entries) - 1 - self._config.keyframes.supports
         return self._complete(centre) if centre >= 0 else []

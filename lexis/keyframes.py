@@ -22,14 +22,14 @@ class Frame:
     is_keyframe: bool
     """Whether the observation becomes a keyframe; False: a support frame, which only serves to triangulate landmarks."""
     step_covariance: Covariance
-    """Covariance of the odometry since the previous keyframe [rad², m²]."""
+    """Covariance of the odometry's motion estimate since the previous keyframe [rad², m²]."""
 
 
 class KeyframeSelector:
-    """Selects a keyframe every `spacing_m` of odometry path and a support frame every `support_spacing_m`."""
+    """Selects a keyframe every `spacing_m` of odometry path, and support frames in between, `support_spacing_m` apart."""
 
     def __init__(self, config: KeyframeConfig) -> None:
-        """Create a selector that expects the first observation."""
+        """Create a selector for a new sequence of observations."""
         self._config = config
         self._last: Pose | None = None
         self._path_since_keyframe = 0.0

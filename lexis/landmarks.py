@@ -26,7 +26,7 @@ from lexis.maths.se3 import between, inverse, skew, transform
 from lexis.types import Camera, Features, Intrinsics, Landmarks, Pose
 
 _MIN_BASELINE_M = 0.01
-"""Smallest distance between two cameras to match: with less, noise dominates the epipolar lines and the parallax [m]."""
+"""Smallest distance between the cameras of two matched views [m]. If they are closer, noise dominates the epipolar lines."""
 _ITERATIONS = 4
 _DAMPING = 1e-12
 """Damping that is added to a Hessian in Gauss-Newton, as a share of the Hessian's trace."""
@@ -38,7 +38,7 @@ Thetas = Float64[np.ndarray, "n 3"]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Features of one image and its odometry pose."""
+    """The features of one image, and the odometry pose of the body when the image was taken."""
 
     T_O_B: Pose
     features: Features
@@ -72,7 +72,10 @@ class _Tracks:
 
 
 def triangulate(reference: View, supports: Sequence[View], camera: Camera, config: LandmarkConfig) -> Landmarks:
-    """Triangulate the reference's key points that at least `min_views` images agree on; the result may be empty."""
+    """Triangulate the key points of the reference view, a keyframe, from the support views around it.
+
+    Only points that at least `min_views` views agree on become landmarks, so the result may be empty.
+    """
     if not len(reference.features.keypoints):
         return Landmarks(np.zeros((0, 3)), np.zeros(0, int))
     tracks = _match(reference, supports, camera, config)

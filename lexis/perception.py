@@ -1,4 +1,4 @@
-"""The embedding and the features of an observation, computed from its image or taken from its percept."""
+"""The embedding and the features of an observation, computed from its image or sent in place of the image (`Percept`)."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -38,7 +38,7 @@ class TextEncoder(Encoder, Protocol):
     """An encoder that can also embed arbitrary texts."""
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Text embedding of every text as it is, without prompts, with unit norm."""
+        """Text embedding of every text, with unit norm. The texts are not put into prompts, as room names are."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Place recognition: loop candidates from the room that the query's image shows (paper, Sec. III-D)."""
+"""Place recognition: loop candidates for a new keyframe, from the room that its image shows (paper, Sec. III-D)."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -14,24 +14,24 @@ from lexis.types import Keyframe, RoomInstance
 
 @runtime_checkable
 class PlaceRecogniser(Protocol):
-    """The interface of place recognition: `propose`, or a replacement of it."""
+    """A function that proposes loop candidates for a new keyframe: `propose`, or another function in its place."""
 
     def __call__(
         self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig, /
     ) -> tuple[int, ...]:
-        """Return the ids of the candidates; `propose` documents arguments and result."""
+        """Return the ids of the candidates; see `propose` for the arguments and the result."""
         ...
 
 
 def propose(
     query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
 ) -> tuple[int, ...]:
-    """Propose keyframes for verification; return their ids, most similar first.
+    """Propose earlier keyframes as loop candidates for a new keyframe, the query; return their ids, most similar first.
 
     1. Take the rooms that have the query's label and at least one keyframe old enough to close a loop with. Rooms with
        recent keyframes only are left out: when the robot re-enters a room, its new keyframes may at first form a cluster of
        their own, which would be closer than the old cluster of the room.
-    2. Choose the room whose mean is closest to the query at the current pose estimate.
+    2. Choose the room whose mean position is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
     The result is empty if no room has the label and an old enough keyframe.
@@ -60,9 +60,10 @@ def propose(
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe lies at least `min_gap_s` and `min_gap_m` of odometry path before the query.
+    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`.
 
-    More recent keyframes are not proposed, because odometry already constrains them well.
+    It must lie at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More recent keyframes are not
+    proposed, because odometry already constrains them well.
 
     Args:
         query: id of a keyframe.

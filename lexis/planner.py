@@ -23,24 +23,26 @@ from lexis.room_names import find_rooms, instance_names
 from lexis.types import LexisMap, LoopArrays, RoomInstance
 
 MAX_STEP_M = 3.0
-"""Largest distance between consecutive keyframes that are connected; a larger one is a gap in the recording [m]."""
+"""Largest distance between consecutive keyframes that are connected [m]. A larger distance is a gap in the recording."""
 MIN_LOOP_WEIGHT = 0.5
-"""Smallest weight, by the robust kernel, of a loop edge that connects keyframes."""
+"""Smallest weight, by the robust kernel of the optimisation, of a loop edge that a path may follow."""
 DOUBTFUL = 0.55
-"""A room is doubtful if its evidence (see `path_end`) is less than this share of the evidence of the clearest room with the
+"""A room is doubtful if its evidence (see `path_end`) is less than this share of the largest evidence of any room with the
 same label."""
 GRID_M = 2.0**-20
-"""Unit of path lengths [m]: a power of two, about a micrometre, so that sums are exact and equally long paths tie."""
+"""The lengths of connections are rounded to multiples of this, about a micrometre [m]. It is a power of two, so that sums of
+lengths are exact."""
 LOOK_AHEAD_M = 1.5
-"""Distance from a camera to the place that its image shows [m]; the image describes that place, not the camera's own."""
+"""Assumed distance from a camera to the place that its image shows [m]. The image describes that place, which is ahead of
+the camera, rather than the camera's own place."""
 REACH_M = 2.0
 """An image counts as evidence for a place if what the image shows is within this distance of the place [m]. The distance
 must exceed `LOOK_AHEAD_M`, so that at the position of every keyframe at least the keyframe's own image counts."""
 WEAK = 0.4
-"""A place counts as outside a room if its evidence is less than this share of the largest evidence in the room."""
+"""A place counts as outside a room if its evidence (see `path_end`) is less than this share of the largest evidence in the
+room."""
 MARGIN_M = 1.5
-"""Ends of a path that are at least this far from the room's boundary are equally good [m]. The distance allows for a
-robot's errors."""
+"""Sufficient distance between the end of a path and the boundary of the room [m]. A larger distance counts as no better."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Plan:
     start: RoomInstance
     goal: RoomInstance
     keyframes: tuple[int, ...]
-    """Ids from start to goal. The first and the last may be keyframes of neighbouring rooms; see `path_end`."""
+    """Ids of the keyframes from start to goal. The first and the last may belong to neighbouring rooms; see `path_end`."""
     length_m: float
     """Sum of the straight-line distances between consecutive keyframes of the path [m]."""
 
@@ -68,9 +70,9 @@ class PathEnd(NamedTuple):
 def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
     """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
-    A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Doubtful
-    instances are ignored unless the label has no other: most of them are a few mislabelled keyframes in a room of another
-    label. The path begins and ends well inside the rooms (`path_end`).
+    A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Instances with
+    little evidence (`DOUBTFUL`) are ignored unless the label has no other: most of them are a few mislabelled keyframes in a
+    room of another label. The path begins and ends well inside the rooms (`path_end`).
 
     Raises:
         PlanError: the map lacks one of the rooms, or no path connects them.
@@ -102,7 +104,7 @@ def path_end(map: LexisMap, room: RoomInstance) -> PathEnd:
 
 
 def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
-    """Lengths of the direct connections between keyframes that a robot can travel [m].
+    """Lengths of the direct connections between keyframes that a robot can travel [m], as a symmetric sparse matrix.
 
     As in the paper, consecutive keyframes and keyframes of the same room are connected; in addition, so are the two
     keyframes of each trusted loop edge. A connection that the robot did not travel itself is at most `shortcut_m` long,
@@ -176,8 +178,8 @@ def _candidates(map: LexisMap, room: RoomInstance) -> Int[np.ndarray, "k"]:
 def _margins(map: LexisMap, room: RoomInstance, keyframes: Int[np.ndarray, "k"], weak: float) -> Float64[np.ndarray, "k"]:
     """Distances of keyframes from the boundary of the room, at most `MARGIN_M` [m].
 
-    The boundary is the nearest keyframe with evidence below `weak`, or on stairs. Stairs are known by their height change,
-    because the images taken on them show the rooms at either end.
+    The boundary is the nearest keyframe with evidence below `weak` or, for a room that is not stairs, the nearest keyframe
+    on stairs. Images taken on stairs say little, because they show the rooms at either end.
     """
     positions = map.T_W_B[:, :3, 3]
     near = cKDTree(positions).query_ball_point(positions[keyframes], MARGIN_M)

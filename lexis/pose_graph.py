@@ -14,7 +14,7 @@ from lexis.types import Keyframe, LoopEdge, Poses
 
 
 class PoseGraph:
-    """Keyframes, loop edges and the current pose estimate. In frame W, the first keyframe starts at its T_O_B."""
+    """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B."""
 
     def __init__(self, config: PoseGraphConfig) -> None:
         """Create an empty graph."""
@@ -29,7 +29,7 @@ class PoseGraph:
 
     @property
     def T_W_B(self) -> Poses:
-        """The current estimate: optimised poses, continued by odometry since the last optimisation."""
+        """The current estimate: poses from the last optimisation; those of later keyframes continue them by odometry."""
         return self._T_W_B.rows
 
     @property
@@ -39,7 +39,7 @@ class PoseGraph:
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
-        """Odometry path from the first keyframe to each keyframe [m]."""
+        """Length of the odometry path from the first keyframe to each keyframe [m]."""
         return self._path_m.rows
 
     @property
@@ -49,7 +49,7 @@ class PoseGraph:
 
     @property
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
-        """DCS weights of the loop edges at the current estimate."""
+        """Weights of the loop edges under the robust DCS kernel at the current estimate, in [0, 1]."""
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
@@ -69,7 +69,7 @@ class PoseGraph:
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Append verified loop edges; they take effect at the next optimisation.
 
-        Raises LexisError, and appends none, if one of them does not lead from a keyframe of the graph to an earlier one.
+        Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
         """
         if self._optimiser is not None:
             self._optimiser.add_loops(loops)
@@ -79,9 +79,9 @@ class PoseGraph:
         self._unused_loops |= bool(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
-        """Optimise if there are new loops and `every` keyframes have passed since the last optimisation.
+        """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
 
-        With `final`, new loops alone suffice. Returns whether the graph was optimised.
+        With `final`, new loop edges alone suffice. Returns whether the graph was optimised.
         """
         waited = len(self.keyframes) - self._last_optimised >= self._config.every
         if not self._unused_loops or not (waited or final):

@@ -1,13 +1,13 @@
 """Room labels of keyframes (paper, Sec. III-B).
 
-1. Give every keyframe the label of the room prompt that its image resembles most.
+1. Give every keyframe the room name whose text embedding its image resembles most.
 2. Label keyframes on stairs by their height change, because the camera may not see the stairs.
 3. Replace the label of every other keyframe by the most common label among its nearest neighbours, because single images are
    ambiguous near doors and in front of bare walls.
 
-As in the paper, one pass of label propagation is run every K new keyframes; here it is also run after every optimisation.
-Unlike in the paper, each pass starts from the labels of the images and not from the labels of the previous pass. Labels are
-thus a function of the current graph, and a wrong label disappears as soon as its cause does.
+As in the paper, one pass of label propagation (step 3) is run after a fixed number of new keyframes, K. Here it is also run
+after every optimisation. Unlike in the paper, each pass starts from the labels of the images and not from the labels of the
+previous pass. Labels are thus a function of the current graph, and a wrong label disappears as soon as its cause does.
 """
 
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "
 
 
 def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
-    """Index of the prompt that an image resembles most, which is its label before refinement."""
+    """Index of the room name whose text embedding is most similar to an image embedding: the label before refinement."""
     return int(rounded(similarities(embedding[None], text)).argmax())
 
 
@@ -51,9 +51,9 @@ def label_keyframes(
 ) -> RoomLabels:
     """Label all keyframes from their images and their current positions.
 
-    If the vocabulary contains the stairs, only height change decides which keyframes get that label. As in the paper, a
-    keyframe on a climb is labelled as stairs whatever its image shows. Beyond the paper, a keyframe that sees stairs without
-    climbing takes its next best prompt. Keyframes on stairs take no part in label propagation.
+    If the stairs are among the room names, height change alone decides which keyframes get that label. As in the paper, a
+    keyframe on a climb is labelled as stairs whatever its image shows. Beyond the paper, a keyframe that is not on a climb
+    gets its best other label, even if its image shows stairs. Keyframes on stairs take no part in label propagation.
 
     Args:
         similarities: cosine similarities, rows in the order of the keyframes.
@@ -78,7 +78,7 @@ def label_keyframes(
 
 
 def propagate(labels: Labels, similarities: Similarities, positions: Positions, neighbours: int) -> Labels:
-    """Run one pass of label propagation: every node takes the most common label of its C nearest neighbours.
+    """Run one pass of label propagation: every node (keyframe) takes the most common label of its C nearest neighbours.
 
     All nodes vote with their labels from before the pass, so that their order does not matter. The paper does not say how
     to break ties. Here, a node keeps its own label if that is among the most common ones; otherwise it takes the tied label

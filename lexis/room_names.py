@@ -23,13 +23,13 @@ def numbered(labels: Sequence[str]) -> tuple[str, ...]:
 
 
 def unused_names(names: Sequence[str], rooms: Sequence[RoomInstance]) -> tuple[str, ...]:
-    """The names of a vocabulary that no room has, in the order of the vocabulary."""
+    """The entries of `names` that no room has as its label, in the same order."""
     used = {room.label for room in rooms}
     return tuple(name for name in names if name not in used)
 
 
 def find_rooms(rooms: Sequence[RoomInstance], name: str) -> tuple[RoomInstance, ...]:
-    """The room with this name or, if there is none, all rooms with this label; there may be none.
+    """The room with this name ("office 2"). If no room has it, all rooms with this label ("office"), which may be none.
 
     Case and outer blanks are ignored.
     """

@@ -73,9 +73,9 @@ class _Cluster:
 
 
 def _cluster(kinds: PerKeyframe, positions: Positions, distance_m: float) -> PerKeyframe:
-    """Id of the cluster of every keyframe, found in one pass over the walk.
+    """Id of the cluster of every keyframe, found in one pass over the walk. A kind is a pair of label and floor.
 
-    A kind has few clusters, so plain numbers are several times faster than arrays here.
+    Each kind has few clusters, so plain numbers are several times faster than arrays here.
     """
     growing: defaultdict[int, list[_Cluster]] = defaultdict(list)
     ids = []

@@ -18,9 +18,9 @@ from lexis.types import Keyframe, Poses, RoomInstance
 
 @runtime_checkable
 class Labeller(Protocol):
-    """The interface of a function that gives the labels of keyframes, such as the true labels.
+    """A function that gives the labels of keyframes, for example the true labels in a test.
 
-    They take the place of the labels that are found from images and refined.
+    Its labels take the place of those that LEXIS finds from the images and refines.
     """
 
     def __call__(self, keyframes: Sequence[Keyframe], /) -> Labels:

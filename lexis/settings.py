@@ -1,4 +1,4 @@
-"""Settings that check themselves: valid values are declared beside each field, and a refused value names its field."""
+"""Settings that check themselves: each field declares its valid values, and the error for another value names the field."""
 
 import math
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ _Settings = TypeVar("_Settings", bound="Settings")
 class Settings:
     """Base class of frozen dataclasses whose annotations declare the valid values.
 
-    `Annotated[float, Gt(0)]` and its relatives bound a number, `Annotated[str, MinLen(1)]` excludes an empty text, and
+    `Annotated[float, Gt(0)]` and the like bound a number, `Annotated[str, MinLen(1)]` excludes an empty text, and
     `Literal["a", "b"]` lists the choices. Numbers must be finite; texts and booleans do not count as numbers. A subclass
     gives its `place`, which error messages begin with, and the `error` to raise:
 
@@ -38,12 +38,12 @@ class Settings:
     error: ClassVar[type[Exception]]
 
     def __init_subclass__(cls, *, place: str = "", error: type[Exception] = ValueError) -> None:
-        """Store how the class's error messages begin, and the type of its errors; a subclass of a subclass inherits both."""
+        """Store `place`, with which error messages begin, and the type of errors; without `place`, a class inherits both."""
         if place:
             cls.place, cls.error = place, error
 
     def __post_init__(self) -> None:
-        """Raise the class's error for a value that its annotation excludes."""
+        """Raise the class's error if a field has a value that the field's annotation excludes."""
         for name, annotation in _annotations(type(self)).items():  # type: ignore[arg-type]
             if valid := _what_is_valid(getattr(self, name), annotation, _unit(name)):
                 self.refuse(name, valid)
@@ -77,7 +77,7 @@ def settings_of(kind: type[_Settings], data: object, place: str = "") -> _Settin
 
 
 def _value(annotation: Any, value: object) -> object:
-    """A value of a field: JSON has mappings for settings, lists for tuples, and whole numbers for some floats."""
+    """Convert a value of JSON data to the type of its field: settings for a mapping, a tuple for a list, or a float."""
     nested = isinstance(annotation, type) and issubclass(annotation, Settings) and is_dataclass(annotation)
     if nested:
         return settings_of(annotation, value)
@@ -103,7 +103,7 @@ def _unit(name: str) -> str:
 
 
 def _what_is_valid(value: object, annotation: Any, unit: str) -> str | None:
-    """The valid values in words if `value` is none of them; None if it is valid, or if the annotation declares nothing."""
+    """The valid values in words if `value` is not valid; None if it is valid, or if the annotation sets no limits."""
     origin = get_origin(annotation)
     if origin in (Union, UnionType):
         declared = next(option for option in get_args(annotation) if option is not NoneType)

@@ -13,7 +13,7 @@ Every observation passes through these stages (with the sections of the paper):
    one room need not show the same place.
 7. Optimise the graph when loops have been added (`lexis.graph_optimisation`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
-   This happens every K keyframes and after every optimisation, because the result depends on the poses of all keyframes.
+   This happens after every `labels.every` keyframes and after every optimisation, because the result depends on all poses.
 """
 
 from collections.abc import Sequence
@@ -82,7 +82,7 @@ class Slam:
         self._timed = StageTimer()
 
     def process(self, observation: Observation) -> None:
-        """Process the next observation; a keyframe enters the graph once the frames after it have arrived.
+        """Process the next observation. If it is a keyframe, it enters the graph once the frames after it have arrived.
 
         The caller may reuse the arrays of the observation, because they are not read after this method returns.
 
@@ -122,7 +122,8 @@ class Slam:
     def _add(self, keyframe: Keyframe) -> None:
         """Add a keyframe to the graph, close its loops, and update the rooms if they are due.
 
-        Loops are searched in the rooms as last derived, at most K keyframes ago, because deriving them labels all keyframes.
+        Loops are searched in the rooms that were derived last, at most `labels.every` keyframes ago. Deriving the rooms for
+        every keyframe would be slow, because it labels all keyframes.
         """
         self._graph.add_keyframe(keyframe)
         self._close_loops(keyframe)

@@ -9,7 +9,7 @@ from lexis.maths.stretches import Stretch, stretches_of
 LANDING_M = 2.5
 """Longest path between the first and the last keyframe on a half landing between two flights [m]."""
 FLOOR_PATH_M = 4.0
-"""Shortest path of a level stretch that is certainly a floor and not a landing [m]."""
+"""A level stretch of the walk that is at least this long certainly lies on a floor and not on a landing [m]."""
 FLOOR_TOLERANCE_M = 0.4
 """Smallest height difference between a half landing and the nearest floor [m]."""
 
@@ -38,7 +38,10 @@ def on_stairs(positions: Float64[np.ndarray, "n 3"], config: LabelConfig) -> Boo
 
 
 def _landings(climbs: PerKeyframe, path: PerKeyframe, height: PerKeyframe) -> list[slice]:
-    """Short level stretches between two flights in the same direction, at a height that differs from every floor's."""
+    """Slices of the keyframes on half landings.
+
+    A half landing is a short level stretch between two flights that both go up or both go down, at no floor's height.
+    """
     level = [run for run in stretches_of(climbs) if climbs[run.start] == 0]
     floors = [float(np.median(height[run.slice])) for run in level if path[run.stop - 1] - path[run.start] >= FLOOR_PATH_M]
     joining = [run.slice for run in level if _joins_flights(run, climbs, path)]

@@ -1,4 +1,4 @@
-"""Wall time by stage; it is only reported, and no decision depends on it."""
+"""Measurement of the wall time spent in each stage. The times are only reported; no decision depends on them."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -6,7 +6,7 @@ from time import perf_counter
 
 
 class StageTimer:
-    """Sums the wall time spent in named blocks."""
+    """Sums the wall time that `with` blocks spend in each stage."""
 
     def __init__(self) -> None:
         """Create a timer without stages."""
@@ -14,7 +14,7 @@ class StageTimer:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        """Time a `with` block, also if it raises an exception."""
+        """Add the wall time of a `with` block to the total of `stage`, also if the block raises an exception."""
         start = perf_counter()
         try:
             yield

@@ -83,7 +83,7 @@ class Landmarks:
     points: Float64[np.ndarray, "m 3"]
     """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """For each point, the row in the keyframe's features that it was triangulated from."""
+    """For each point, the row of its key point in the keyframe's features."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class Keyframe:
     """Time of the image [s]."""
     T_O_B: Pose
     step_covariance: Covariance
-    """Covariance of the odometry since the previous keyframe [rad², m²]."""
+    """Covariance of the odometry's motion estimate since the previous keyframe [rad², m²]."""
     embedding: Float32[np.ndarray, "d"]
     """CLIP embedding of the image (f_CLIP in the paper), with unit norm."""
     features: Features
@@ -117,12 +117,12 @@ class LoopEdge:
     covariance: Covariance
     """Covariance of ``T_match_query`` [rad², m²]."""
     inliers: int
-    """Number of key points in the query's image that lie where `T_match_query` predicts their landmark."""
+    """Number of key points in the later keyframe's image that lie where `T_match_query` predicts them."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoopArrays:
-    """The fields of loop edges, each stacked in the order of the edges. Without edges, the first axis has length 0."""
+    """Loop edges as arrays: one array for each field of `LoopEdge`, with one row for each edge."""
 
     query: Int[np.ndarray, "m"]
     match: Int[np.ndarray, "m"]
@@ -133,7 +133,7 @@ class LoopArrays:
 
     @staticmethod
     def of(edges: Sequence[LoopEdge]) -> "LoopArrays":
-        """The arrays of `edges`."""
+        """Stack the fields of `edges` into arrays."""
         return LoopArrays(
             np.array([edge.query for edge in edges], int),
             np.array([edge.match for edge in edges], int),
@@ -143,7 +143,7 @@ class LoopArrays:
         )
 
     def edges(self) -> tuple[LoopEdge, ...]:
-        """The loop edges: the inverse of `of`. Poses and covariances are views of the arrays."""
+        """Convert the arrays back to loop edges. Poses and covariances are views of the arrays, not copies."""
         numbers = zip(self.query.tolist(), self.match.tolist(), self.inliers.tolist(), strict=True)
         return tuple(
             LoopEdge(query, match, self.T_match_query[i], self.covariance[i], inliers)
@@ -167,7 +167,7 @@ class RoomInstance:
 
 @dataclass(frozen=True)
 class EncoderId:
-    """The model that made the embeddings. Only embeddings of models with equal fingerprints can be compared."""
+    """Identity of the model that made embeddings. Only embeddings of models with equal fingerprints can be compared."""
 
     name: str
     """Argument with which `load_encoder` loads the model."""
@@ -177,20 +177,20 @@ class EncoderId:
 
 @dataclass(frozen=True, eq=False)
 class LexisMap:
-    """The output of LEXIS: a semantically segmented pose graph (paper, Fig. 2). Arrays are indexed by keyframe id."""
+    """The output of LEXIS: a semantically segmented pose graph (paper, Fig. 2). Axes `n` are indexed by keyframe id."""
 
     camera: Camera
     encoder: EncoderId
     """The model that made the keyframes' embeddings."""
     room_names: tuple[str, ...]
-    """The vocabulary; labels are indices into it."""
+    """All names that a room can have. Labels are indices into this tuple."""
     keyframes: tuple[Keyframe, ...]
     T_W_B: Poses
     """Optimised poses of the keyframes."""
     similarities: Float64[np.ndarray, "n rooms"]
-    """Cosine similarity of every image with every room prompt (Eq. 1)."""
+    """Cosine similarity of every keyframe's image with every entry of `room_names` (paper, Eq. 1)."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Labels of the keyframes before refinement: the index of the prompt with the largest similarity."""
+    """Labels of the keyframes before refinement: for each image, the index of the room name with the largest similarity."""
     labels: Int[np.ndarray, "n"]
     """Labels of the keyframes after refinement, as indices into `room_names`."""
     floors: Int[np.ndarray, "n"]
@@ -198,11 +198,12 @@ class LexisMap:
     rooms: tuple[RoomInstance, ...]
     loops: tuple[LoopEdge, ...]
     loop_weights: Float64[np.ndarray, "loops"]
-    """The robust kernel's final weight of every loop edge, in [0, 1]."""
+    """Weight of every loop edge under the robust kernel at the final poses, in [0, 1]. An edge that fits badly has a small
+    weight."""
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
-    """For every query keyframe, the keyframes proposed for verification, most similar first."""
+    """Pairs of a new keyframe's id and the ids of the earlier keyframes proposed as its loop candidates, best first."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
-    """Wall time by stage [s]."""
+    """Wall time spent in each stage of the pipeline [s], by the stage's name."""
 
     @property
     def room_of(self) -> Int[np.ndarray, "n"]:

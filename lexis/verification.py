@@ -45,19 +45,21 @@ class _Correspondences:
 
 @runtime_checkable
 class Verifier(Protocol):
-    """The interface of loop verification: `verify`, or a replacement of it."""
+    """A function that confirms or rejects the loop candidates of a new keyframe: `verify`, or another in its place."""
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
     ) -> list[LoopEdge]:
-        """Return the confirmed loop edges; `verify` documents arguments and result."""
+        """Return the confirmed loop edges; see `verify` for the arguments and the result."""
         ...
 
 
 def verify(
     query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
 ) -> list[LoopEdge]:
-    """Return loop edges to the candidates that PnP confirms and the current estimate allows, most inliers first.
+    """Return loop edges from a new keyframe to the candidates that pass verification, those with the most inliers first.
+
+    A candidate passes if PnP confirms the loop and the loop is close enough to the current estimate of the poses.
 
     Args:
         query: the new keyframe, already in the graph.
@@ -72,7 +74,10 @@ def verify(
 
 
 def plausible_edges(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """Keep the edges of one query that agree with the current estimate: at most `max_edges`, most inliers first."""
+    """Of the loop edges of one new keyframe, return those close to the current estimate of the poses.
+
+    At most `max_edges` are returned, those with the most inliers first.
+    """
     T_W_B, path_m = graph.T_W_B, graph.path_m
     plausible = [
         edge
@@ -93,7 +98,10 @@ def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: Verifi
 
 
 class Locator:
-    """PnP for the candidates of one query; caches descriptor matches, because neighbouring candidates share landmarks."""
+    """Computes loop edges from one query keyframe to candidates by PnP.
+
+    Descriptor matches are cached, because neighbouring candidates share landmarks.
+    """
 
     def __init__(self, query: Keyframe, keyframes: Sequence[Keyframe], camera: Camera, config: VerificationConfig) -> None:
         self._query = query
@@ -103,7 +111,7 @@ class Locator:
         self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
 
     def from_match(self, match: int) -> LoopEdge | None:
-        """The loop edge from PnP with the landmarks around a candidate.
+        """The loop edge to the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
 
         None if too few landmarks agree, if they cover too little of the image, or if the position is too uncertain.
         """
@@ -127,7 +135,8 @@ class Locator:
     def _correspondences(self, match: int) -> _Correspondences:
         """Matches to the landmarks of the candidate and its neighbours, brought into the candidate's frame by odometry.
 
-        Each keyframe is matched by itself: in a common pool, two landmarks of one point would fail the ratio test.
+        Each keyframe is matched by itself. If all were matched together, two landmarks of the same physical point would have
+        similar descriptors and fail the ratio test.
         """
         pool = range(max(match - self._config.pool, 0), min(match + self._config.pool + 1, self._query.id))
         ids, points = [], []

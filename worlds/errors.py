@@ -2,7 +2,7 @@
 
 
 class WorldsError(ValueError):
-    """A house, spec or argument cannot be used; the message names the place and what would be valid."""
+    """A house, spec or argument cannot be used. The message names the place of the mistake and the valid values."""
 
 
 class SpecError(WorldsError):
@@ -14,7 +14,7 @@ class HouseError(WorldsError):
 
 
 def reworded(error: WorldsError, message: str) -> WorldsError:
-    """An error of the same class and with the same notes, but another message."""
+    """Return a new error with the class and the notes of `error`, but with another message."""
     other = type(error)(message)
     for note in getattr(error, "__notes__", ()):
         other.add_note(note)

@@ -1,4 +1,4 @@
-"""Free space of a house: its obstacles as upright boxes, and the exact distance from every grid point to the nearest one.
+"""Free space of a house: obstacles as upright boxes, and the exact distance from every grid point to the nearest obstacle.
 
 Distances are horizontal. An obstacle counts on a storey if it overlaps the heights that a standing body takes up.
 """
@@ -16,19 +16,19 @@ from worlds.house import House
 from worlds.labels import STAIRS
 
 BODY_LOW_M = 0.05
-"""Height above the walked surface up to which obstacles do not stop a body [m]; rugs are lower."""
+"""Obstacles that end at or below this height above the walked surface, such as rugs, do not stop a body [m]."""
 BODY_HIGH_M = 1.9
-"""Height of the space that a body needs, from the walked surface up [m]; lintels are higher."""
+"""Height of the space that a body needs above the walked surface [m]; lintels are higher."""
 CLEARANCE_CAP_M = 1.0
-"""Greatest distance that is computed; larger distances are cut to this value [m]."""
+"""Greatest distance to obstacles that is computed; larger distances are replaced by this value [m]."""
 _PADDING_M = 0.3
-"""Width of the margin of the grid around the rooms [m]."""
+"""Distance by which the grid extends beyond the rooms on every side [m]."""
 _TOLERANCE_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Obstacles:
-    """The obstacles of a house: upright boxes, each with a yaw."""
+    """The obstacles of a house: upright boxes, each rotated about z by a yaw."""
 
     centre: Float64[np.ndarray, "n 2"]
     """Centre of each box in the plan, in W [m]."""
@@ -41,7 +41,7 @@ class Obstacles:
 
     @cached_property
     def footprints(self) -> STRtree:
-        """Spatial index of the boxes' outlines in the plan, in the order of the arrays."""
+        """Spatial index of the boxes' outlines in the plan; item i of the index is box i."""
         corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * self.size[:, None, :]
         cos, sin = np.cos(self.yaw)[:, None], np.sin(self.yaw)[:, None]
         x, y = cos * corners[..., 0] - sin * corners[..., 1], sin * corners[..., 0] + cos * corners[..., 1]
@@ -53,7 +53,7 @@ class Obstacles:
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 
     def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
-        """All boxes within a distance of a point of the plan [m], and perhaps some that are a little farther away."""
+        """All boxes within `distance_m` [m] of a point of the plan; some boxes a little farther away may be included."""
         reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m
         near = (np.abs(self.centre - point) <= reach[:, None]).all(axis=1)
         return Obstacles(self.centre[near], self.size[near], self.yaw[near], self.span[near])
@@ -61,10 +61,11 @@ class Obstacles:
     def clear(
         self, start: Float64[np.ndarray, "m 3"], end: Float64[np.ndarray, "m 3"], radius_m: float
     ) -> Bool[np.ndarray, "m"]:
-        """For each straight step on the walked surface, whether an upright cylindrical body makes it without a collision.
+        """Whether an upright cylindrical body can make each of `m` straight steps on the walked surface without a collision.
 
-        `start` and `end` are points in W [m], `radius_m` is the body's radius [m]. On a slope the body's heights are taken
-        from the lower to the upper end of the step, which errs on the safe side.
+        Step i leads from `start[i]` to `end[i]`, which are points in W [m]; `radius_m` is the body's radius [m]. On a slope,
+        the body counts as tall enough to be at both ends of the step at once. A free step may therefore be reported as
+        blocked, but a blocked step is never reported as free.
         """
         steps = np.asarray(shapely.linestrings(np.stack([start[:, :2], end[:, :2]], axis=1)))
         step, box = self.footprints.query(steps, predicate="dwithin", distance=radius_m - _TOLERANCE_M)
@@ -77,7 +78,7 @@ class Obstacles:
 
 
 def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
-    """Walls, fences, solid furniture and, with `leaves`, door leaves at their angles."""
+    """Solid objects of a house as boxes: walls, fences, solid furniture and, with `leaves`, door leaves at their angles."""
     rows = [(*_box(wall.bounds), 0.0, wall.bottom_m, wall.top_m) for wall in house.walls]
     for thing in (*(piece for piece in house.furniture if piece.solid), *(house.leaves if leaves else ())):
         (x, y, z), (width, depth, height) = thing.position, thing.size
@@ -86,12 +87,12 @@ def solid_obstacles(house: House, leaves: bool = True) -> Obstacles:
 
 
 def stair_wells(house: House) -> Obstacles:
-    """The stairwells, from the lowest floor to the highest ceiling: one walks on flights there, not on a storey's floor."""
+    """Each stairwell as a box, from its lowest floor to its highest ceiling; storeys have no floor to walk on there."""
     return _obstacles([(*_box(r.polygon.bounds), 0.0, r.floor_m, r.ceiling_m) for r in house.rooms if r.label == STAIRS])
 
 
 def _box(bounds: Sequence[float]) -> tuple[float, float, float, float]:
-    """Centre x and y, width and depth of a rectangle (x0, y0, x1, y1)."""
+    """A rectangle (x0, y0, x1, y1) as (x of the centre, y of the centre, width, depth)."""
     x0, y0, x1, y1 = bounds
     return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
 
@@ -103,7 +104,7 @@ def _obstacles(rows: Sequence[tuple[float, ...]]) -> Obstacles:
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """The free space of all storeys of a house, on the same grid of points."""
+    """The free space of all storeys of a house, with the same grid of points on every storey."""
 
     x: Float64[np.ndarray, "nx"]
     """x coordinates of the grid points in W [m]."""
@@ -112,13 +113,13 @@ class FreeSpace:
     floors: Float64[np.ndarray, "storeys"]
     """Heights of the floors in W [m]."""
     clearance: Float64[np.ndarray, "storeys nx ny"]
-    """Distance to the nearest obstacle or stairwell, at most `CLEARANCE_CAP_M`; 0 inside of one [m]."""
+    """Distance to the nearest obstacle or stairwell, at most `CLEARANCE_CAP_M`; 0 inside an obstacle or stairwell [m]."""
     room: Int[np.ndarray, "storeys nx ny"]
     """Index in `house.rooms` of the room at each point, -1 outside of all rooms."""
 
 
 def survey(house: House, resolution_m: float) -> FreeSpace:
-    """The free space of a house on a grid with this spacing [m]."""
+    """The free space of a house on a grid with points `resolution_m` [m] apart."""
     x, y = lattice(house, resolution_m)
     solids, wells = solid_obstacles(house), stair_wells(house)
     floors = np.array([storey.floor_m for storey in house.storeys])
@@ -127,7 +128,7 @@ def survey(house: House, resolution_m: float) -> FreeSpace:
 
 
 def lattice(house: House, resolution_m: float) -> tuple[Float64[np.ndarray, "nx"], Float64[np.ndarray, "ny"]]:
-    """Coordinates of a grid of points that covers the plan of a house, with this spacing [m]."""
+    """Coordinates x and y in W of a grid that covers the plan of a house, with points `resolution_m` apart [m]."""
     x0, y0, x1, y1 = shapely.total_bounds([room.polygon for room in house.rooms])
     x = np.arange(x0 - _PADDING_M, x1 + _PADDING_M, resolution_m)
     return x, np.arange(y0 - _PADDING_M, y1 + _PADDING_M, resolution_m)
@@ -139,7 +140,7 @@ def clearance_on(
     groups: Sequence[Obstacles],
     cap_m: float = CLEARANCE_CAP_M,
 ) -> Float64[np.ndarray, "nx ny"]:
-    """Distance from every grid point to the nearest obstacle of any group, at most `cap_m` [m].
+    """Distance from every grid point (`x`, `y`) to the nearest obstacle of all `groups`, at most `cap_m` [m].
 
     Each box only changes the points within `cap_m` of its bounding rectangle. Boxes parallel to the axes are the common case
     and take a faster path, in which x and y are treated separately.

@@ -2,10 +2,11 @@
 
 The steps, in this order because each uses the results of those before it:
 
-1. Floor and ceiling heights of the storeys, from the ground up.
-2. Rooms: their polygons are checked, and the cells of a staircase become one room.
+1. Floor and ceiling heights of the storeys, from the lowest storey up.
+2. Rooms: their polygons are checked, and the rooms of a staircase on all its storeys become one room.
 3. A `StoreyPlan` per storey: the pieces of its room boundaries, and its windows.
-4. From the plans, storey by storey: walls, furniture, door leaves and windows. Stairs come from the spec and the heights.
+4. Walls, furniture, door leaves and windows, made from the plans of the storeys; and stairs, made from the spec and the
+   heights.
 """
 
 from collections import Counter
@@ -35,7 +36,7 @@ from worlds.walls import Boundary, Wall
 
 @dataclass(frozen=True)
 class Storey:
-    """Heights of a storey in W [m]."""
+    """Heights of the floor and the ceiling of a storey, in W [m]."""
 
     floor_m: float
     ceiling_m: float
@@ -46,16 +47,16 @@ class Room:
     """A room instance. A staircase is one room through all the storeys that it joins."""
 
     id: str
-    """The id in the spec; for stairs, the id of the lowest cell."""
+    """The id in the spec; for stairs, the id that the spec gives them on their lowest storey."""
     label: str
     storey: int
-    """Index of the storey; for stairs, of the lowest one."""
+    """Index of the storey; for stairs, index of the lowest storey that they join."""
     polygon: Polygon
     """Outline along the wall centre lines [m]."""
     floor_m: float
-    """Height of the floor in W; for stairs, of the lowest storey's floor [m]."""
+    """Height of the floor in W; for stairs, the floor of the lowest storey that they join [m]."""
     ceiling_m: float
-    """Height of the ceiling in W; for stairs, of the highest storey's ceiling [m]."""
+    """Height of the ceiling in W; for stairs, the ceiling of the highest storey that they join [m]."""
     outdoor: bool
 
 
@@ -71,7 +72,7 @@ class Furniture(Placed):
     yaw: float
     size: tuple[float, float, float]
     solid: bool
-    """Whether a person or robot cannot walk through the piece."""
+    """Whether the piece blocks a walking person or robot; a rug, for example, does not."""
     seed: int = 0
     """Seed of the piece's colours, variants and material details."""
 
@@ -89,7 +90,7 @@ class House:
     storeys: tuple[Storey, ...]
     rooms: tuple[Room, ...]
     boundaries: tuple[BoundaryPieces, ...]
-    """Room boundaries of each storey, cut at the openings: every piece with the opening in this piece, or None."""
+    """For each storey, the room boundaries cut at the openings: every piece with its opening, or with None for wall."""
     walls: tuple[Wall, ...]
     stairs: tuple[Stairs, ...]
     furniture: tuple[Furniture, ...]
@@ -99,12 +100,12 @@ class House:
 
     @cached_property
     def room_by_id(self) -> dict[str, Room]:
-        """Rooms by the ids of the spec; the ids of all cells of a staircase give the same room."""
+        """Rooms by the ids of the spec. A staircase has one id per storey; all these ids give the same room."""
         by_id = {room.id: room for room in self.rooms}
         return by_id | {cell: by_id[lowest] for cell, lowest in lowest_cells(self.spec).items()}
 
     def wall_height(self, level: int, boundary: Boundary) -> float:
-        """Height of a wall on a boundary of storeys[`level`] [m]: up to the ceiling, or the height of a fence outdoors."""
+        """Height of the wall on a boundary of `storeys[level]` [m]; a wall without an indoor room beside it is a fence."""
         storey = self.storeys[level]
         return wall_height(boundary, storey.ceiling_m - storey.floor_m, self._indoors)
 
@@ -116,8 +117,8 @@ class House:
 def build_house(spec: HouseSpec) -> House:
     """Build the house that `spec` describes. Windows and furniture are added where the spec has None.
 
-    Lists in the spec, even empty ones, stay as they are. Raises `HouseError` if the house cannot be built; the message names
-    the room, opening, stairs or piece at fault.
+    Lists of windows or furniture in the spec, even empty lists, are used as they are. Raises `HouseError` if the house
+    cannot be built; the message names the room, opening, stairs or piece at fault.
     """
     storeys = _storeys(spec)
     rooms = _rooms(spec, storeys)
@@ -174,7 +175,7 @@ def _is_solid(piece: FurnitureSpec) -> bool:
 
 
 def _with_unique_ids(pieces: Sequence[Furniture]) -> tuple[Furniture, ...]:
-    """The pieces. Raises `HouseError` if a piece of the spec and a filled-in piece have the same id."""
+    """Return the pieces unchanged. Raises `HouseError` if a piece of the spec and a filled-in piece have the same id."""
     repeated = [name for name, times in Counter(piece.id for piece in pieces).items() if times > 1]
     if repeated:
         raise HouseError(

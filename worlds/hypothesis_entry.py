@@ -1,8 +1,8 @@
 """The entry point through which Hypothesis learns that `st.from_type(HouseSpec)` draws `houses()`.
 
-Hypothesis calls `register` while it is being imported itself. If a program imports `worlds.strategies` first, that module
-imports Hypothesis and is therefore only partly loaded when `register` is called. So this module imports neither of the two
-until it needs them.
+Hypothesis calls `register` while Hypothesis itself is being imported. If a program imports `worlds.strategies` first, that
+module imports Hypothesis, and is therefore only partly loaded when `register` is called. So this module imports Hypothesis
+and `worlds.strategies` inside its functions only.
 """
 
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def register() -> None:
-    """Tell Hypothesis which strategy draws a `HouseSpec`."""
+    """Tell Hypothesis that the strategy for `HouseSpec` is `houses()`."""
     from hypothesis.strategies import register_type_strategy
 
     register_type_strategy(HouseSpec, _houses)

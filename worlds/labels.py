@@ -1,6 +1,6 @@
 """The labels that rooms can have. CONTRIBUTING.md lists what else a new label needs.
 
-Lists of labels are shown in this order.
+Lists of labels shown to users have the order of `ROOM_LABELS`.
 """
 
 STAIRS = "stairs"
@@ -35,4 +35,4 @@ ROOM_LABELS = (
 )
 
 OUTDOOR_LABELS = ("garden", "balcony")
-"""Labels of places without walls or ceiling."""
+"""Labels of outdoor rooms, which have no ceiling, and fences instead of outer walls."""

@@ -1,7 +1,7 @@
-"""`StoreyLayout`: the plan of a storey before its doors have positions: the rooms, and which of them are to be connected.
+"""`StoreyLayout`: the rooms of a storey and the pairs of rooms to be connected, before the openings have positions.
 
-A link is a request: these two rooms get an opening of this kind. `worlds.openings.placement` decides where in their shared
-wall the opening lies.
+A link is the request to connect two rooms by an opening of a certain kind. `worlds.openings.placement` decides where in the
+shared wall of the two rooms the opening lies.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ class Link:
     """Ids of the two rooms."""
     kind: OpeningKind = "door"
     seed: int | None = None
-    """Seed of the opening's position and size; links of twin rooms share one. None: the storey's generator draws them."""
+    """Seed of the opening's position and size, the same for links of twin rooms. None: the storey's generator draws them."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,6 @@ class StoreyLayout:
     rooms: tuple[RoomSpec, ...]
     links: tuple[Link, ...]
     openings: tuple[OpeningSpec, ...] = ()
-    """Openings that have a position already: those to the stairs."""
+    """Openings that already have a position, which are the openings to the stairs."""
     height_m: float = 2.6
     """Height of the ceiling above the floor [m]."""

@@ -17,12 +17,12 @@ class Part:
 
     shape: Shape
     centre: Vector
-    """Centre of the shape [m]."""
+    """Centre of the shape in the object's frame [m]."""
     size: Vector
-    """Extents along x, y and z [m]; the axis of cylinders and cones is z."""
+    """Extents along x, y and z before the rotation by `yaw` [m]; the axis of cylinders and cones is z."""
     colour: Colour
-    """RGB in [0, 1]; it tints the material."""
+    """RGB in [0, 1]; the pattern of the material is multiplied by this colour."""
     material: str = "plain"
     """Name of a pattern in `worlds.visuals.materials.PATTERNS`."""
     yaw: float = 0.0
-    """Rotation about the vertical axis through the centre [rad]."""
+    """Rotation about the vertical axis through the centre, counter-clockwise [rad]."""

@@ -10,7 +10,7 @@ from worlds.parts import Part, Vector
 
 
 class Placed(ABC):
-    """An object with a position, a size and parts in its own frame (see `Part`)."""
+    """An object in a house, with a pose, a size, and parts in its own frame (see `Part`)."""
 
     id: str
     """Name of the object, unique in the house."""
@@ -26,7 +26,7 @@ class Placed(ABC):
     @cached_property
     @abstractmethod
     def parts(self) -> tuple[Part, ...]:
-        """The parts in the object's own frame; they are built at the first access, because only rendering needs them."""
+        """The parts in the object's own frame. They are built at the first access, because only rendering needs them."""
 
     @cached_property
     def footprint(self) -> Polygon:

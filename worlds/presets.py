@@ -1,6 +1,6 @@
 """Presets: families of generated houses, one house for every seed.
 
-The presets "home", "ori", "uh2-apt" and "uh2-office" are named after the paper's datasets (Sec. IV-A).
+The presets "home", "ori", "uh2-apt" and "uh2-office" are named after the datasets of the LEXIS paper (Sec. IV-A).
 """
 
 from collections.abc import Sequence
@@ -65,9 +65,9 @@ def sample_from_rooms(
 ) -> HouseSpec:
     """Generate a house with a room for each of `labels`; the same arguments always give the same house.
 
-    The rooms stand along the first corridor, entrance hall or lobby in the list, or along a corridor that is added. Stairs
-    are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid. See `sample_house`
-    for the other arguments.
+    The rooms stand along the first corridor, entrance hall or lobby in the list. A corridor is added if the list has none,
+    and stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid. See
+    `sample_house` for the other arguments.
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
@@ -148,7 +148,7 @@ def _finished(
     openness: float | None,
     clutter: float,
 ) -> HouseSpec:
-    """The spec of a house from its programmes, with the rooms' positions, openings and the requested openness."""
+    """Lay out the rooms that the programmes list for each storey, place the openings, and return the spec of the house."""
     if not 0.0 <= clutter <= 4.0:
         raise WorldsError(f"clutter is {clutter}; valid: 0 (empty) to 4 (a hoarder's), 1 is usual")
     layouts = lay_out(programmes, style, rngs[1])

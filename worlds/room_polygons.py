@@ -1,4 +1,4 @@
-"""`room_polygons`: the rooms of a spec as polygons that are fit to build walls on."""
+"""`room_polygons`: the rooms of a spec as polygons, checked so that walls can be built along their sides."""
 
 import numpy as np
 import shapely
@@ -10,10 +10,10 @@ from worlds.spec import HouseSpec
 
 
 def room_polygons(spec: HouseSpec) -> dict[str, Polygon]:
-    """Polygons of the rooms along the wall centre lines, by room id, in the order of the spec [m].
+    """The polygon of each room along the wall centre lines [m], by room id, in the order of the spec.
 
-    Raises `HouseError` for a polygon that crosses itself or turns clockwise, and for stairs that are not rectangular. All
-    polygons are checked together, because one call of shapely for all is faster than one for each.
+    Raises `HouseError` for polygons that cross or touch themselves or are clockwise, and for stairs that are no rectangle.
+    All polygons are checked together, because one call of shapely for all rooms is faster than one call for each room.
     """
     rooms = [room for storey in spec.storeys for room in storey.rooms]
     points = np.array([point for room in rooms for point in (*room.polygon_m, room.polygon_m[0])])

@@ -1,4 +1,4 @@
-"""Random generators of the rooms: each room has one of its own for every purpose."""
+"""Random generators of a house: one for every purpose in each room, and one for each thing that belongs to no room."""
 
 import zlib
 from typing import Literal
@@ -14,8 +14,9 @@ _PURPOSES: dict[Purpose, int] = {"windows": 0, "furniture": 1, "finish": 2}
 def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Generator:
     """The generator for one purpose in one room.
 
-    It is seeded with the house's seed and the room's id, so that a change to one room changes no other room. For a room with
-    a seed of its own, this seed replaces both, so that rooms with the same seed (twins) get the same draws.
+    The generator is seeded with the house's seed and the room's id, so that a change to one room changes no other room. If
+    the room has a seed of its own, only that seed is used, so that rooms with the same seed (twins) get the same random
+    numbers. The generator for finishes also depends on `appearance.seed`.
     """
     own = [spec.seed, zlib.crc32(room.id.encode())] if room.seed is None else [room.seed]
     painted = _repaint(spec) if purpose == "finish" else []
@@ -23,7 +24,7 @@ def room_rng(spec: HouseSpec, room: RoomSpec, purpose: Purpose) -> np.random.Gen
 
 
 def house_rng(spec: HouseSpec, *key: int) -> np.random.Generator:
-    """The generator for the appearance of things that belong to no room; each thing has a `key` of its own."""
+    """The generator for the appearance of a thing that belongs to no room; `key` identifies the thing."""
     return np.random.default_rng([spec.seed, *_repaint(spec), _PURPOSES["finish"], *key])
 
 

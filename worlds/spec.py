@@ -1,8 +1,8 @@
 """`HouseSpec`: a house as pure data, with a JSON form that is validated when it is read.
 
-A spec contains only what cannot be derived. `worlds.house.build_house` turns it into exact geometry; the same spec always
-gives the same house. Lengths are in metres, angles in radians; x points east, y north, z up. The origin may be any point of
-the plan.
+A spec leaves out everything that can be computed from the rest. `worlds.house.build_house` turns a spec into exact geometry;
+the same spec always gives the same house. Lengths are in metres, angles in radians; x points east, y north, z up. The origin
+may be any point of the plan.
 """
 
 import json
@@ -27,11 +27,11 @@ MAX_ROOMS = 200
 MIN_WALL_M = 0.005
 """Least length of a side of a room's polygon [m]."""
 MAX_PLAN_M2 = 20_000.0
-"""Limit for the area of the rectangle around all rooms, multiplied by the number of storeys [m²], so that a grid of 10 cm
-fits in memory."""
+"""Greatest product of the number of storeys and the area of the rectangle around all rooms [m²]. Within this limit, a grid
+of 10 cm fits in memory."""
 
 _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]""", re.VERBOSE)
-"""Matches arrays of numbers, of points and of strings in indented JSON, which are written on one line instead."""
+"""Matches the arrays of numbers, points or strings in indented JSON. These arrays are written on one line instead."""
 
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
 Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
@@ -40,7 +40,7 @@ Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
-"""Kinds of openings that one can walk through; over a half wall or a counter one can only look."""
+"""Kinds of openings that a person can walk through; a half wall or a counter can only be looked over."""
 
 
 class _MistakesError(ValueError):
@@ -128,11 +128,11 @@ class OpeningSpec(_Data):
 
     @property
     def width_m(self) -> float:
-        """Clear width [m]."""
+        """Clear width of the opening [m]."""
         return math.dist(self.start_m, self.end_m)
 
     def gap_m(self, ceiling_m: float) -> tuple[float, float]:
-        """Lower and upper end of the gap above the floor, in a storey whose ceiling is `ceiling_m` above it [m]."""
+        """Heights of the gap's lower and upper end above the floor, if the ceiling is `ceiling_m` above the floor [m]."""
         match self.kind:
             case "open":
                 return 0.0, ceiling_m
@@ -228,7 +228,7 @@ class HouseSpec(_Data):
 
     @property
     def room_labels(self) -> tuple[str, ...]:
-        """The labels that occur in the house, each once, in the order of `ROOM_LABELS`: the prompts for LEXIS."""
+        """The labels that occur in the house, each once, in the order of `ROOM_LABELS`. LEXIS uses them as prompts."""
         present = {room.label for storey in self.storeys for room in storey.rooms}
         return tuple(label for label in ROOM_LABELS if label in present)
 
@@ -238,14 +238,14 @@ class HouseSpec(_Data):
         return _SHORT.sub(_on_one_line, json.dumps(self.data(), indent=1)) + "\n"
 
     def data(self) -> dict[str, Any]:
-        """The spec as plain data, which `to_json` writes."""
+        """The spec as plain data, as `to_json` writes it; fields with their default values are left out."""
         return {"schema": self.schema_version, **self.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
 
     @classmethod
     def from_json(cls, text: str, source: str = "house") -> "HouseSpec":
-        """Read a spec; `source` is named in errors.
+        """Read a spec from JSON; error messages begin with `source`.
 
-        Raises `SpecError` with the first malformed field as its message, and the further ones as its notes.
+        Raises `SpecError`: its message names the first malformed field, and its notes name the further malformed fields.
         """
         try:
             data = read_json(text, json_schema())
@@ -258,7 +258,7 @@ class HouseSpec(_Data):
 
     @classmethod
     def load(cls, path: Path | str) -> "HouseSpec":
-        """Read a spec from a file of at most 16 MB. Raises `SpecError`."""
+        """Read a spec from a file of at most 16 MB. Raises `SpecError` for an unreadable or malformed file."""
         try:
             text = read_text(Path(path))
         except SpecError as error:
@@ -271,7 +271,7 @@ def _on_one_line(match: re.Match[str]) -> str:
 
 
 def _room_names(storey: StoreySpec) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-    """Everything in a storey that refers to rooms, as (name of its list, index in the list, ids of the rooms)."""
+    """Every item of a storey that refers to rooms, as (name of the list, index in the list, ids of the rooms)."""
     yield from (("openings", i, opening.rooms) for i, opening in enumerate(storey.openings))
     yield from (("windows", i, (window.room,)) for i, window in enumerate(storey.windows or ()))
     yield from (("furniture", i, (piece.room,)) for i, piece in enumerate(storey.furniture or ()))
@@ -296,7 +296,7 @@ def _repeated(what: str, ids: list[str]) -> Iterator[str]:
 
 @cache
 def json_schema() -> dict[str, Any]:
-    """The format of a house as JSON Schema (draft 2020-12). `worlds/house.schema.json` holds a copy of it."""
+    """The format of a house as JSON Schema (draft 2020-12). `worlds/house.schema.json` is a copy of this schema."""
     schema = HouseSpec.model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 

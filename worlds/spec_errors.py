@@ -1,7 +1,7 @@
 """Reading the JSON of a house: huge input is refused early, and every mistake is explained in plain words.
 
-Sizes are checked before validation, which would take long on huge input. Messages are made from the JSON Schema of the
-format, so that what a message calls valid always agrees with the schema.
+Sizes are checked first, because validation would take long on huge input. Messages are made from the JSON Schema of the
+format, so that the valid values in a message always agree with the schema.
 """
 
 import json
@@ -33,7 +33,7 @@ _PATH = tuple[str | int, ...]
 
 
 def read_json(text: str, schema: dict[str, Any]) -> object:
-    """Parse a JSON text.
+    """Parse a JSON text; `schema` gives the greatest lengths of its lists.
 
     Raises `SpecError` if the text is not JSON, is huge, repeats a field in an object, or is nested too deeply.
     """
@@ -58,7 +58,7 @@ def read_json(text: str, schema: dict[str, Any]) -> object:
 
 
 def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """The fields of an object, as json.loads gives them. Raises `SpecError` for a repeated one, which JSON permits."""
+    """The fields of a JSON object as a dict. Raises `SpecError` for a repeated field, although JSON permits it."""
     fields = dict(pairs)
     if len(fields) < len(pairs):
         key, times = Counter(key for key, _ in pairs).most_common(1)[0]
@@ -68,7 +68,7 @@ def _check_fields(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _check_sizes(data: object, path: _PATH, node: dict[str, Any], schema: dict[str, Any]) -> None:
-    """Raise `SpecError` for lists and objects that are too long; validation would look at every item first."""
+    """Raise `SpecError` for lists and objects that are too long, so that validation does not look at every item of them."""
     node = _resolved(node, schema)
     if isinstance(data, list) and "items" in node:
         if len(data) > node["maxItems"]:
@@ -133,7 +133,7 @@ def _explained(problem: ErrorDetails, data: object, schema: dict[str, Any]) -> l
 
 
 def mistakes_error(source: str, mistakes: Sequence[str]) -> SpecError:
-    """The error for a file with mistakes: the first mistake is the message, the others are notes; long lines are cut."""
+    """The error for a file with mistakes: its message is the first mistake, its notes are the others; long lines are cut."""
     room = max(_MAX_LINE - len(source), _MAX_LINE // 2)
     first, *others = (f"{source}: {textwrap.shorten(mistake, room, placeholder=' ...')}" for mistake in mistakes)
     error = SpecError(first)
@@ -191,7 +191,7 @@ def _node(path: _PATH, schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _resolved(node: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
-    """A part of the schema with references followed; of "a value or null", the part for the value."""
+    """A part of the schema, with references followed. For a part that allows a value or null, the part for the value."""
     if "anyOf" in node:
         chosen = next(choice for choice in node["anyOf"] if choice.get("type") != "null")
         node = {**chosen, "description": node.get("description", "")}

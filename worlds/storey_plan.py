@@ -1,7 +1,8 @@
 """`StoreyPlan`: a storey with its room boundaries, before walls, windows, door leaves and furniture are made.
 
-The room boundaries, cut at the openings, give the walls, and the door leaves in them. The pieces without an opening and with
-nothing behind them are the outer walls, which windows can be in. Furniture comes last, because it keeps clear of windows.
+The room boundaries are cut at the openings. A piece of boundary without an opening is a wall; a piece with an opening may
+have a door leaf. Walls with a room on one side only are outer walls, in which windows can lie. Furniture is placed last,
+because it must not cover windows.
 """
 
 import functools
@@ -29,7 +30,7 @@ from worlds.walls import (
 )
 
 BoundaryPieces = tuple[tuple[Boundary, OpeningSpec | None], ...]
-"""The room boundaries of a storey, cut at its openings: every piece with the opening that lies in it, or None."""
+"""The room boundaries of a storey, cut at its openings: every piece with the opening that fills it, or None for wall."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,13 +46,13 @@ class StoreyPlan:
     """Height of the ceiling in W [m]."""
     pieces: BoundaryPieces
     outer: Mapping[str, Sequence[Boundary]]
-    """Outer walls without an opening, by room id; rooms that have none are missing."""
+    """For each room with outer walls, by the room's id: the pieces of its outer walls that have no opening."""
     windows: tuple[WindowSpec, ...]
-    """Windows of the storey: the windows in the spec, or sampled windows if the spec lists none."""
+    """Windows of the storey: the windows in the spec, or randomly drawn windows if the spec has None instead of a list."""
 
     @staticmethod
     def of(house: HouseSpec, level: int, floor_m: float, ceiling_m: float) -> "StoreyPlan":
-        """The plan of storeys[`level`]. Raises `HouseError` where rooms overlap or an opening is not along x or y."""
+        """Plan `house.storeys[level]`. Raises `HouseError` where rooms overlap or an opening runs along neither x nor y."""
         storey = house.storeys[level]
         pieces = tuple(piece for line in boundaries(storey) for piece in split_at_openings(line, storey.openings))
         outer = _outer_walls(pieces)
@@ -59,7 +60,7 @@ class StoreyPlan:
         return StoreyPlan(house, level, floor_m, ceiling_m, pieces, outer, windows)
 
     def standing_walls(self) -> Iterator[Wall]:
-        """The pieces of wall that remain after the openings are cut out."""
+        """The pieces of wall that remain after the openings are cut out, including the corners above arches."""
         meeting, indoors = corners([boundary for boundary, _ in self.pieces]), indoor_rooms(self.house)
         for boundary, opening in self.pieces:
             height = wall_height(boundary, self.ceiling_m - self.floor_m, indoors)
@@ -70,26 +71,26 @@ class StoreyPlan:
                 yield from self._spandrels(boundary, opening, height)
 
     def _spandrels(self, boundary: Boundary, opening: OpeningSpec, height_m: float) -> Iterator[Wall]:
-        """The corners of an arch, in upright strips that reach down as far as the curve does."""
+        """The wall above the curve of an arch, as narrow boxes; each box reaches down to the lowest point of its curve."""
         floor, top = self.floor_m, min(opening.height_m, height_m)
         for (a0, z0), (a1, z1) in itertools.pairwise(arch_curve(boundary, opening, top)):
             if min(z0, z1) < top:
                 yield Wall(self.level, boundary, a0, a1, floor + min(z0, z1), floor + top, spandrel=True)
 
     def hung_windows(self) -> Iterator[Window]:
-        """The windows in their walls.
+        """The windows of the storey as objects in their walls.
 
         Raises `HouseError` for a window that lies in no outer wall of its room, or whose sill is not below its upper edge.
         """
         return hang_windows(self.house, self.level, self.windows, self.outer, self.floor_m)
 
     def hung_leaves(self) -> Iterator[DoorLeaf]:
-        """The door leaves, as far open as the spec says."""
+        """The door leaves of the storey as objects, as far open as the spec says."""
         seed = self.house.seed if self.house.appearance.seed is None else self.house.appearance.seed
         return hang_leaves(self.level, self.pieces, self.house.storeys[self.level].openings, self.floor_m, seed)
 
     def furniture(self) -> tuple[FurnitureSpec, ...]:
-        """The furniture that the spec lists, or furniture filled in from the catalogue if the spec lists none."""
+        """The furniture in the spec, or furniture filled in from the catalogue if the spec has None instead of a list."""
         storey = self.house.storeys[self.level]
         if storey.furniture is not None:
             return storey.furniture
@@ -103,7 +104,7 @@ def indoor_rooms(house: HouseSpec) -> frozenset[str]:
 
 
 def wall_height(boundary: Boundary, ceiling_height_m: float, indoors: frozenset[str]) -> float:
-    """Height of a wall: up to the ceiling, or `FENCE_HEIGHT_M` if none of its rooms is in `indoors` [m]."""
+    """Height of the wall on a boundary [m]: `ceiling_height_m`, or `FENCE_HEIGHT_M` if no room beside it is in `indoors`."""
     return FENCE_HEIGHT_M if indoors.isdisjoint(boundary.rooms) else ceiling_height_m
 
 

@@ -57,9 +57,10 @@ def houses(
         max_storeys: at most 4; houses of several storeys have one staircase through all of them.
         furnished: whether `build_house` fills in furniture; the amount is drawn.
         labels: labels that rooms can have, the simplest first; gardens and balconies are valid in one-storey houses only.
-        kinds: kinds of openings, the simplest first; an opening that one cannot walk through gets a door beside it where
-            the room has no other entrance.
-        doors: how door leaves can stand, the simplest first; a body that cannot open doors is stopped by "closed" ones.
+        kinds: kinds of openings, the simplest first. Half walls and counters, which cannot be walked through, get a door
+            beside them where the room has no other entrance.
+        doors: states of doors ("no leaf", "open", "ajar", "closed"), the simplest first; a "closed" door stops a body that
+            cannot open doors.
         openness: range from which the house's openness is drawn; inner walls are opened, or closed with doors, until the
             openness is within 0.05 of the value drawn (see `worlds.openings.openness`). None: openings stay as drawn.
     """
@@ -104,7 +105,7 @@ def room_pairs(
     kinds: Sequence[str] = KINDS,
     doors: Sequence[str] = ("no leaf", "open"),
 ) -> SearchStrategy[HouseSpec]:
-    """Draw unfurnished houses of exactly two rooms with one boundary between them; see `houses` for the arguments."""
+    """Draw unfurnished houses of exactly two neighbouring rooms; see `houses` for the arguments."""
     room = _rooms(_choices("labels", labels, DRAWABLE), _ways(kinds, doors), ("beside", "row"))
     return st.builds(grow, st.lists(room, min_size=2, max_size=2))
 
@@ -120,8 +121,8 @@ def _rooms(
 ) -> SearchStrategy[RoomRequest]:
     """Draw requests for rooms, either plain or with all options.
 
-    Plain rooms exist for shrinking: Hypothesis deletes at most five consecutive draws at once, which is what a plain room
-    takes in a list.
+    Plain rooms help Hypothesis to shrink a house: Hypothesis deletes at most five consecutive draws at once, and a plain
+    room in a list takes exactly five draws.
     """
     size = st.integers(MIN_SIZE_DM, _MAX_SIZE_DM)
     plain = st.builds(RoomRequest, label, size, size)

@@ -24,7 +24,7 @@ from worlds.walls import Boundary
 AMBIGUITY_BAND_M = 0.75
 """Greatest distance from an open boundary at which the labels of both rooms count as correct [m]."""
 AMBIGUOUS_FRAME_M = 1.2
-"""Least width of a cased opening or an arch that counts as an open boundary [m]."""
+"""Least width at which a cased opening or an arch counts as an open boundary [m]."""
 NOWHERE = -1
 FLOOR_TOLERANCE_M = 1e-6
 """Greatest depth below a floor at which a point counts as on the floor [m]; it covers rounding errors of heights."""
@@ -84,9 +84,9 @@ class ObjectInstance:
 def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
     """Index into `house.rooms` of the room that contains each point in W [m]; `NOWHERE` outside of all rooms.
 
-    Rooms end at the centre lines of walls; a point exactly on a centre line belongs to the later of the two rooms. A room
-    extends from its floor up to the next floor, both lowered by `FLOOR_TOLERANCE_M`, so that a point on the floor is in
-    the room.
+    Rooms end at the centre lines of walls; a point exactly on a centre line belongs to the room that comes later in
+    `house.rooms`. A room extends from its floor to the top of the slab above its ceiling. Both ends are lowered by
+    `FLOOR_TOLERANCE_M`, so that a point on the floor is in the room.
     """
     owner = np.full(len(points), NOWHERE)
     heights = points[:, 2] + FLOOR_TOLERANCE_M
@@ -97,7 +97,7 @@ def room_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "
 
 
 def floor_at(house: House, points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
-    """Index of the storey of each point in W [m]: the storey with the highest floor that is not above the point."""
+    """Index of the storey of each point in W [m]: the highest one whose floor is not above the point; 0 below all floors."""
     return storey_of(points[:, 2], [storey.floor_m for storey in house.storeys])
 
 
@@ -111,9 +111,9 @@ def ambiguity_at(
 ) -> Bool[np.ndarray, "n rooms"]:
     """Whether the label of each room counts as right at each point in W [m].
 
-    The label of the room that contains the point always counts. Near an open boundary, one cannot tell by looking where a
-    room ends; so within `band_m` [m] of the opening, straight in front of it or behind it, the labels of both rooms count.
-    `is_ambiguous` says which openings make a boundary open in this sense.
+    The label of the room that contains the point always counts. Where the boundary between two rooms is open, an image does
+    not show where a room ends. So the labels of both rooms count at points of these rooms that are straight in front of the
+    opening and at most `band_m` [m] away. `is_ambiguous` says which openings count as open.
     """
     owner, storey = room_at(house, points), floor_at(house, points)
     allowed = owner[:, None] == np.arange(len(house.rooms))
@@ -130,9 +130,9 @@ def ambiguity_at(
 
 
 def is_ambiguous(opening: OpeningSpec) -> bool:
-    """Whether an opening makes a boundary so open that an image does not show where one room ends.
+    """Whether a boundary with this opening is so open that an image does not show where a room ends.
 
-    This holds for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
+    This is so for removed walls, half walls and counters, and for arches and cased openings of at least 1.2 m, but never for
     doors.
     """
     if opening.kind in ("cased", "arch"):
@@ -141,9 +141,10 @@ def is_ambiguous(opening: OpeningSpec) -> bool:
 
 
 def boundary_openness(house: House) -> dict[tuple[str, str], float]:
-    """Openness of the boundary between each two neighbouring indoor rooms, except stairs, by the rooms' ids in sorted order.
+    """Openness of the boundary between each pair of neighbouring indoor rooms, by the pair of their ids in sorted order.
 
-    It is the share of the boundary's area, from floor to ceiling, that is permanently open; doors count as wall.
+    The openness is the share of the boundary's area, from floor to ceiling, that is permanently open; doors count as wall.
+    Stairs are not included.
     """
     return {pair: gap / area for pair, (gap, area) in _gap_and_area(house).items()}
 
@@ -151,7 +152,7 @@ def boundary_openness(house: House) -> dict[tuple[str, str], float]:
 def openness(house: House) -> float:
     """Openness of a house: the mean of `boundary_openness` over all boundaries, weighted by area, in [0, 1].
 
-    0: every room is behind doors, or there are no boundaries between rooms; 1: there is no wall between any rooms.
+    0: all openings are doors, or there are no boundaries between rooms; 1: there is no wall between any two rooms.
     """
     pairs = _gap_and_area(house).values()
     total = sum(area for _, area in pairs)
@@ -159,7 +160,7 @@ def openness(house: House) -> float:
 
 
 def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
-    """For each pair of neighbouring indoor rooms, the open area and the whole area of their boundary [m²]."""
+    """For each pair of neighbouring indoor rooms except stairs, the open area and the whole area of their boundary [m²]."""
     sums: dict[tuple[str, str], tuple[float, float]] = defaultdict(lambda: (0.0, 0.0))
     inner = {room.id for room in house.rooms if room.label != STAIRS and not room.outdoor}
     for level, boundary, opening in _pieces(house):
@@ -174,7 +175,7 @@ def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
 
 
 def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
-    """All room boundaries of a house, as straight stretches. The polygons of the rooms are in `house.rooms`."""
+    """All room boundaries of a house, as straight stretches."""
     return tuple(
         BoundaryLine(
             level,
@@ -187,7 +188,7 @@ def boundary_lines(house: House) -> tuple[BoundaryLine, ...]:
 
 
 def room_graph(house: House) -> RoomGraph:
-    """The graph of the rooms between which one can walk; a staircase is connected to the rooms at both ends."""
+    """The graph of rooms and passages. A staircase is one room, with passages to rooms on all storeys that it joins."""
     passages = []
     for level, storey in enumerate(house.spec.storeys):
         for opening in storey.openings:
@@ -219,7 +220,7 @@ def objects(house: House) -> tuple[ObjectInstance, ...]:
 
 
 def floor_area(house: House) -> float:
-    """Indoor area of all storeys, measured to the centre lines of the walls [m²]."""
+    """Indoor area of all storeys, measured to the centre lines of the walls [m²]; stairs count once for each storey."""
     storeys = house.spec.storeys
     return float(
         sum(house.room_by_id[r.id].polygon.area for s in storeys for r in s.rooms if not house.room_by_id[r.id].outdoor)
@@ -227,12 +228,12 @@ def floor_area(house: House) -> float:
 
 
 def _pieces(house: House) -> Iterator[tuple[int, Boundary, OpeningSpec | None]]:
-    """The storey's index, the stretch, and the opening in it or None, for every stretch of room boundary."""
+    """Every stretch of room boundary, as (index of the storey, stretch, opening that fills the stretch or None)."""
     for level, pieces in enumerate(house.boundaries):
         for boundary, opening in pieces:
             yield level, boundary, opening
 
 
 def _room(house: House, cell: str | None) -> str | None:
-    """The id in `house.rooms` for a room id of the spec; the two differ for stairs."""
+    """The id that `house.rooms` has for a room id of the spec; the two ids differ for stairs. None stays None."""
     return None if cell is None else house.room_by_id[cell].id

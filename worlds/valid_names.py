@@ -1,4 +1,4 @@
-"""Valid names in error messages: a guess at the name that was meant, and lists of names that stay on one line."""
+"""Valid names in error messages: a guess at the name that was meant, and lists of names that are short enough to read."""
 
 import difflib
 from collections.abc import Iterable, Sequence
@@ -14,5 +14,5 @@ def did_you_mean(word: str, valid: Iterable[str], likeness: float = 0.6) -> str:
 
 
 def listed(names: Sequence[str], most: int = 30) -> str:
-    """The first `most` names, separated by commas, and the number of further ones."""
+    """The first `most` names, separated by commas, followed by the number of the names that are left out, if any."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

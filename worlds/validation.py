@@ -31,13 +31,13 @@ def validate(house: House) -> None:
 
 
 def problems(house: House) -> Iterator[str]:
-    """A message for every rule that a house breaks; it names the rooms or objects. Messages are found lazily, one by one.
+    """A message for every rule that a house breaks; it names the rooms or objects. The next rule is checked only on demand.
 
     The rules:
 
     - Rooms of a storey do not overlap or nearly touch, and rooms of upper storeys stand on indoor rooms.
     - Stairs join storeys. (`worlds.stairs.build` has further rules of stairs: a house that breaks them cannot be built.)
-    - Openings and windows lie in the right walls, do not overlap, and openings let a body through.
+    - Openings and windows lie in the walls of their rooms and do not overlap. Doors and other passages let a body through.
     - Furniture stays in its room, collides with nothing, and does not stand in the swing area of a door leaf.
     - Every room can be reached on foot from every other, with all doors opened.
     """
@@ -62,6 +62,6 @@ def spec_problems(spec: HouseSpec) -> Iterator[str]:
 
 
 def _why_not_built(spec: HouseSpec, error: HouseError) -> Iterator[str]:
-    """Why a house cannot be built: overlapping rooms, which often cause other errors, or else the error itself."""
+    """Why a house cannot be built: the overlaps of rooms, which often cause other errors, or `error` if none overlap."""
     overlaps = list(overlap_problems(PlanGrid.of(spec)))
     yield from overlaps or [str(error)]

@@ -1,4 +1,4 @@
-"""`variant`: the same house with one property changed, so that runs in both houses can be compared."""
+"""`variant`: the same house with chosen properties changed, so that runs in both houses can be compared."""
 
 from worlds.errors import WorldsError
 from worlds.floor_plans.symmetry import in_place
@@ -27,14 +27,15 @@ def variant(
         openness: new openness in [0, 1]; inner walls are opened or closed (see `with_openness`), while room polygons,
             windows and seeds stay.
         clutter: how much furniture is filled in, in [0, 4]; furniture that the spec lists stays as it is.
-        mirror: whether x is mirrored.
-        rotate: number of quarter turns, counter-clockwise. To keep windows and furniture at their walls when mirroring or
-            rotating, they are written into the spec first. Pieces are rotated, but not mirrored themselves; finishes are
-            drawn in each room's own frame.
+        mirror: whether the house is mirrored, so that x changes its sign. Pieces of furniture change places, but their
+            shapes are not mirrored.
+        rotate: number of quarter turns, counter-clockwise.
         repaint: new `appearance.seed`; all geometry stays.
         add_storey: whether the plan of the top storey is repeated on top, with new room ids and therefore new furniture.
 
-    Room ids stay, because the draws of a room depend on its id.
+    Room ids stay, because the random numbers of a room depend on its id. Before a house is mirrored or rotated, its windows
+    and furniture are written into the spec, so that they stay at their walls. The textures of rooms are painted anew; they
+    are neither mirrored nor rotated.
 
     Raises:
         WorldsError: a value is out of its range, or no storey can be added.
@@ -58,7 +59,7 @@ def variant(
 
 
 def explicit(spec: HouseSpec) -> HouseSpec:
-    """The same house with all windows and furniture listed in the spec, including those that `build_house` fills in.
+    """The spec of the same house, in which all windows and furniture that `build_house` fills in are listed explicitly.
 
     Raises `HouseError` for a house that cannot be built.
     """

@@ -1,7 +1,7 @@
 """`Walkable`: where an upright cylindrical body can walk in a house, and the shortest paths between two places.
 
-1. On every storey, the points of a grid are free where the body has space. Besides the body's radius, they keep a margin
-   from obstacles, so that the straight step between two neighbouring free points is free as well.
+1. On every storey, the points of a grid are free where the body has space. Free points are a little farther from obstacles
+   than the body's radius, so that the straight step between two neighbouring free points is free as well.
 2. The walking line of every flight of stairs is divided into points. Its ends are joined to the free grid points near them.
 3. All these points are the nodes of one sparse graph, whose edges are the steps between neighbours. Dijkstra's algorithm
    finds the shortest path in it.
@@ -27,7 +27,7 @@ from worlds.house import House
 from worlds.truth import room_at
 
 _CROWDING = 3.0
-"""Weight that makes steps beside obstacles more costly, for `prefer_clearance_m`."""
+"""Weight of missing clearance in the cost of a step, for paths with `prefer_clearance_m`; see `Walkable._costs`."""
 
 
 class UnreachableError(WorldsError):
@@ -38,9 +38,9 @@ class UnreachableError(WorldsError):
 class Walkable:
     """The free points (nodes) of a house and the graph that joins them. Positions are on the walked surface, in W [m].
 
-    Nodes are numbered storey by storey; those on stairs come last. Distances along the graph, an 8-connected grid, are at
-    most 8 % longer than the shortest path; `path` and `distance` straighten the path and are more precise. Raises
-    `WorldsError` for a radius or resolution out of its range.
+    Nodes are numbered storey by storey; nodes on stairs come last. The graph is an 8-connected grid, so distances along the
+    graph are up to about 8 % longer than the shortest path; `path` and `distance` straighten the path and are more precise.
+    Raises `WorldsError` for a radius or resolution out of its range.
     """
 
     house: House
@@ -58,7 +58,7 @@ class Walkable:
 
     @cached_property
     def free_space(self) -> FreeSpace:
-        """The clearance and the room of every grid point."""
+        """The distance to obstacles (clearance) and the room of every grid point."""
         return survey(self.house, self.resolution_m)
 
     @cached_property
@@ -79,13 +79,13 @@ class Walkable:
 
     @cached_property
     def _level(self) -> Float64[np.ndarray, "level 3"]:
-        """The nodes on the floors of the storeys."""
+        """Positions of the nodes on the floors of the storeys, in W [m]."""
         storey, i, j = np.nonzero(self._free)
         return np.stack([self.free_space.x[i], self.free_space.y[j], self.free_space.floors[storey]], axis=-1)
 
     @cached_property
     def _flights(self) -> tuple[Float64[np.ndarray, "_ 3"], ...]:
-        """The nodes of each flight of stairs, upwards."""
+        """Positions of the nodes of each flight of stairs, from its foot to its head, in W [m]."""
         return tuple(_resample(stairs.walking_line, self.resolution_m) for stairs in self.house.stairs)
 
     @cached_property
@@ -123,7 +123,7 @@ class Walkable:
         return csr_array(coo_array((np.tile(length, 2), (np.concatenate([a, b]), np.concatenate([b, a]))), shape=(n, n)))
 
     def _stairs_steps(self) -> Int[np.ndarray, "2 m"]:
-        """Pairs of nodes: neighbours along each flight, and the ends of a flight with the grid points around them."""
+        """Pairs of numbers of nodes: neighbours along each flight, and the end of a flight with a grid point near it."""
         steps, first = [np.zeros((2, 0), dtype=np.int64)], len(self._level)
         for line in self._flights:
             last = first + len(line) - 1
@@ -174,9 +174,9 @@ class Walkable:
         return np.equal(part, np.argmax(np.bincount(part, minlength=1)))
 
     def distances_from(self, start: Float64[np.ndarray, "3"] | int, limit_m: float = np.inf) -> Float64[np.ndarray, "n"]:
-        """Length of the shortest path along the graph from a point in W or a node to every node [m].
+        """Length of the shortest path along the graph from `start` to every node [m]; `start` is a point in W or a node.
 
-        It is infinite for nodes to which there is no path, and for nodes farther away than `limit_m` [m].
+        The length is infinite for nodes to which there is no path, and for nodes farther away than `limit_m` [m].
         """
         node = start if isinstance(start, int) else self.snap(start)
         return np.ravel(dijkstra(self.graph, indices=[node], limit=limit_m))
@@ -205,7 +205,7 @@ class Walkable:
         return self._shorten(np.array(nodes), prefer_clearance_m)
 
     def _costs(self, prefer_clearance_m: float) -> "csr_array[np.float64, tuple[int, int]]":
-        """The graph with its lengths multiplied by a factor that grows linearly with the clearance lacking at both ends."""
+        """The graph with longer steps near obstacles: a factor grows linearly with the clearance that a step's ends lack."""
         if prefer_clearance_m <= 0.0:
             return self.graph
         if prefer_clearance_m not in self._known_costs:
@@ -221,7 +221,8 @@ class Walkable:
     def _shorten(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> Float64[np.ndarray, "j 3"]:
         """Straighten a path: from each corner, go to the last node that can be reached in a straight line.
 
-        That node is found by bisection, as if all nodes up to some index could be reached, and none beyond it.
+        Bisection finds this node quickly. It assumes that all nodes before a certain node of the path can be reached, and no
+        node after it.
         """
         kept, here = [0], 0
         while here < len(nodes) - 1:
@@ -234,10 +235,10 @@ class Walkable:
         return np.take(self.nodes, nodes[kept], axis=0)
 
     def _sees(self, nodes: Int[np.ndarray, "k"], prefer_clearance_m: float) -> bool:
-        """Whether the straight line between the first and the last node can replace a piece of path.
+        """Whether the straight line from the first to the last of `nodes`, a piece of a path, can replace the piece.
 
-        The line must be on one storey, or, on stairs, run along the piece itself. It may come as near to obstacles as
-        `prefer_clearance_m` [m] allows, or as near as the piece does, but never nearer than the radius.
+        If the piece has nodes on stairs, it must be straight already. Otherwise the line must keep `prefer_clearance_m` [m]
+        from obstacles, or only about as much as the piece does if that is less, but always at least the body's radius.
         """
         line = self.nodes[nodes[[0, -1]]]
         if nodes.max() >= len(self._level):

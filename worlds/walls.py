@@ -1,7 +1,7 @@
 """Room boundaries and walls: a wall is a piece of boundary that is left when the openings are cut out.
 
-A boundary lies on the centre line of its wall. The coordinate across a boundary is y if the boundary runs along x, and x if
-it runs along y.
+A boundary lies on the centre line of its wall. The coordinate across a boundary is y if the boundary runs along x, and x
+if the boundary runs along y.
 """
 
 import itertools
@@ -31,13 +31,13 @@ class Boundary:
     axis: int
     """0: the boundary runs along x at y = `at`; 1: it runs along y at x = `at`."""
     at: float
-    """Coordinate across the boundary [m]."""
+    """Position of the boundary: its y if it runs along x, its x if it runs along y [m]."""
     low: float
     """Lower end of the boundary along its axis [m]."""
     high: float
     """Upper end of the boundary along its axis [m]."""
     rooms: tuple[str | None, str | None]
-    """Ids of the rooms on both sides, the one at smaller coordinates across the boundary first; None: outside."""
+    """Ids of the rooms on both sides (None: outside). The first room is at smaller y, or x if the boundary runs along y."""
 
     @property
     def length(self) -> float:
@@ -45,7 +45,7 @@ class Boundary:
         return self.high - self.low
 
     def point(self, along: float) -> tuple[float, float]:
-        """The point (x, y) at the coordinate `along` on the axis [m]."""
+        """The point (x, y) of the boundary at the coordinate `along` on its axis [m]."""
         return (along, self.at) if self.axis == 0 else (self.at, along)
 
 
@@ -57,9 +57,9 @@ class Wall:
     boundary: Boundary
     """The stretch of boundary on which the wall stands."""
     low: float
-    """Lower end of the wall along the boundary, including a corner that the wall fills [m]."""
+    """Lower end of the wall along the boundary; includes the corner, if the wall fills it [m]."""
     high: float
-    """Upper end of the wall along the boundary, including a corner that the wall fills [m]."""
+    """Upper end of the wall along the boundary; includes the corner, if the wall fills it [m]."""
     bottom_m: float
     top_m: float
     spandrel: bool = False
@@ -72,17 +72,17 @@ class Wall:
 
     @property
     def start(self) -> tuple[float, float]:
-        """Lower end of the wall's centre line, as (x, y) [m]."""
+        """End of the wall's centre line with the smaller coordinate, as (x, y) [m]."""
         return self.boundary.point(self.low)
 
     @property
     def end(self) -> tuple[float, float]:
-        """Upper end of the wall's centre line, as (x, y) [m]."""
+        """End of the wall's centre line with the larger coordinate, as (x, y) [m]."""
         return self.boundary.point(self.high)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """The rectangle that the wall covers in the plan, as x0, y0, x1, y1 [m]."""
+        """The rectangle that the wall covers in the plan, as (x0, y0, x1, y1) [m]."""
         (x0, y0), (x1, y1), half = self.start, self.end, WALL_THICKNESS_M / 2
         return (x0, y0 - half, x1, y1 + half) if self.boundary.axis == 0 else (x0 - half, y0, x1 + half, y1)
 
@@ -128,7 +128,7 @@ def _place(axis: int, at: float, low: float, high: float) -> str:
 
 
 def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[int, float, float, float] | None:
-    """A segment along x or y as (axis, at, low, high), as in `Boundary`; None for other segments."""
+    """The fields (axis, at, low, high) of `Boundary` for a segment along x or y; None for other segments."""
     (x0, y0), (x1, y1) = start, end
     if abs(y0 - y1) <= _TOLERANCE_M < abs(x0 - x1):
         return 0, round(y0, 6), min(x0, x1), max(x0, x1)
@@ -138,7 +138,7 @@ def segment_span(start: tuple[float, float], end: tuple[float, float]) -> tuple[
 
 
 def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
-    """An opening as (axis, at, low, high), as in `Boundary`. Raises `HouseError` if it runs along neither x nor y."""
+    """The fields (axis, at, low, high) of `Boundary` for an opening. Raises `HouseError` unless it runs along x or y."""
     span = segment_span(opening.start_m, opening.end_m)
     if span is None:
         raise HouseError(
@@ -149,7 +149,7 @@ def opening_span(opening: OpeningSpec) -> tuple[int, float, float, float]:
 
 
 def split_at_openings(boundary: Boundary, openings: Sequence[OpeningSpec]) -> Iterator[tuple[Boundary, OpeningSpec | None]]:
-    """Cut a boundary at the ends of the openings; yields the pieces, each with the opening in it, or None for wall."""
+    """Cut a boundary at the ends of the openings. Yields the pieces in order, each with its opening, or None for wall."""
     position = boundary.low
     spans = sorted((opening_span(opening), i) for i, opening in enumerate(openings))
     for (axis, at, low, high), i in spans:
@@ -187,9 +187,9 @@ def wall_extent(piece: Boundary, meeting: set[tuple[float, float]]) -> tuple[flo
 
 
 def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float, float]]:
-    """Lower and upper ends of the parts of a wall below and above an opening, in a wall that is `height_m` high [m].
+    """Heights above the floor of the parts of a wall below and above an opening, each as (lower end, upper end) [m].
 
-    Without an opening, the only part is the whole wall.
+    The wall is `height_m` [m] high. Without an opening, the only part is the whole wall.
     """
     if opening is None:
         return [(0.0, height_m)]
@@ -198,7 +198,7 @@ def wall_spans(opening: OpeningSpec | None, height_m: float) -> list[tuple[float
 
 
 def arch_curve(boundary: Boundary, opening: OpeningSpec, top_m: float) -> list[tuple[float, float]]:
-    """Points of an arch's curve: coordinate along the boundary, and height above the floor, limited to `top_m` [m]."""
+    """Points of an arch's curve, as (coordinate along the boundary, height above the floor, at most `top_m`) [m]."""
     _, _, low, high = opening_span(opening)
     half = (high - low) / 2
     turns = [math.pi * i / ARCH_STRIPS for i in range(ARCH_STRIPS + 1)]

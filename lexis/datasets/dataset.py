@@ -24,7 +24,7 @@ from lexis.types import Camera, Observation, Poses
 __all__ = ["Dataset", "DatasetConfig", "assumed_covariances", "open_dataset", "write_dataset"]
 
 TURNING_M = 0.3
-"""Path length that adds as much to assumed odometry covariances as a rotation by one radian does [m/rad]."""
+"""In assumed odometry covariances, a rotation by one radian counts as much as this length of path [m/rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,10 @@ def _check_contents(directory: Path, config: DatasetConfig) -> None:
 
 
 def assumed_covariances(T_O_B: Poses, config: DatasetConfig) -> Float64[np.ndarray, "n 6 6"]:
-    """Covariances of odometry increments if drift is a random walk: they grow in proportion to the path and the rotation."""
+    """Covariances to assume for the odometry's increments between images, if the dataset has none; 0 for the first image.
+
+    Drift is taken for a random walk, so the covariances grow in proportion to the path length and the rotation.
+    """
     increments = between(T_O_B[:-1], T_O_B[1:])
     path = np.linalg.norm(increments[:, :3, 3], axis=1) + rotation_angle(increments) * TURNING_M
     variances = np.repeat([config.rotation_sigma**2, config.translation_sigma**2], 3)

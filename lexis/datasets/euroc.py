@@ -48,12 +48,12 @@ _DATA_FILE = FileKind("lines of numbers separated by commas", 200_000_000, Datas
 
 
 def is_euroc(directory: Path) -> bool:
-    """Whether a folder looks like a dataset in this format."""
+    """Whether a folder looks like a dataset in EuRoC's ASL format."""
     return (directory / SENSORS).is_dir()
 
 
 def read_euroc(directory: Path, config: DatasetConfig) -> Recorded:
-    """Read a dataset in this format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
+    """Read a dataset in EuRoC's ASL format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     folder = directory / SENSORS / (config.camera or CAMERA)
     camera, distortion = _read_camera(folder / "sensor.yaml")
     listed = folder / "data.csv"

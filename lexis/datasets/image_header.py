@@ -1,4 +1,4 @@
-"""Size and completeness of PNG and JPEG images, read from their headers without decoding the image."""
+"""The size of PNG and JPEG images, and a check that a PNG is complete, both without decoding the image."""
 
 import zlib
 

@@ -34,9 +34,11 @@ class DatasetConfig:
     max_odometry_gap_s: float = 0.5
     """Longest gap between odometry poses that is interpolated [s]."""
     rotation_sigma: float = 0.003
-    """Drift of the orientation to assume if the dataset has no covariances, per square root of the path length [rad/√m]."""
+    """Standard deviation to assume for the drift of the orientation after one metre of path, if the dataset has no
+    covariances [rad/√m]."""
     translation_sigma: float = 0.015
-    """Drift of the position to assume if the dataset has no covariances, per square root of the path length [m/√m]."""
+    """Standard deviation to assume for the drift of the position after one metre of path, if the dataset has no covariances
+    [m/√m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +60,11 @@ class Recorded:
     stamps: Float64[np.ndarray, "n"]
     """Stamps of the images, ascending [s]."""
     images: Callable[[], Iterator[Image]]
-    """Iterates over the images in order. Raises DatasetError if one is unreadable or does not have the camera's size."""
+    """Function that starts an iteration over the images, in order. The iteration raises DatasetError if an image is
+    unreadable or does not have the camera's size."""
     odometry: OdometryTrack
     increment_covariances: Float64[np.ndarray, "n 6 6"] | None
-    """Covariances of the odometry's increments since the previous image [rad², m²]; None if the dataset has none."""
+    """Covariances of the odometry's increments from image to image [rad², m²]; None if the dataset does not state them."""
 
 
 def odometry_at(track: OdometryTrack, at: Float64[np.ndarray, "n"], max_gap_s: float) -> Poses:

@@ -47,7 +47,7 @@ _INFO, _ODOMETRY = "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
 _MATRIX, _TRANSFORMS = "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"
 
 Message: TypeAlias = Any
-"""A message, whose class `rosbags` creates at run time."""
+"""A ROS message; `rosbags` creates its class at run time."""
 
 _CHANNELS: dict[str, Callable[[Image], Image]] = {
     "rgb8": lambda image: image,
@@ -57,7 +57,7 @@ _CHANNELS: dict[str, Callable[[Image], Image]] = {
 
 
 def is_bag(directory: Path) -> bool:
-    """Whether a folder is a bag, or contains a bag named `bag`."""
+    """Whether a folder is a ROS 2 bag, or contains one named `bag`."""
     return (directory / METADATA).is_file() or (directory / "bag" / METADATA).is_file()
 
 

@@ -35,7 +35,7 @@ _COVARIANCE_FILE = FileKind("lines of a stamp and 36 numbers", 200_000_000, Data
 
 
 def read_tum_dataset(directory: Path, config: DatasetConfig) -> Recorded:
-    """Read a dataset in this format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
+    """Read a dataset in TUM RGB-D format. Raises LexisError, with file and line, if it is incomplete or inconsistent."""
     camera, distortion = _read_camera(directory / (config.camera or CAMERA))
     rectified = rectifier(camera, distortion)
     stamps, paths = _read_image_list(directory)
@@ -86,12 +86,12 @@ def write_camera(path: Path, camera: Camera, distortion: Sequence[float] = ()) -
 
 
 def odometry_line(stamp: str, observation: Observation) -> str:
-    """A line of the odometry file, with all digits of the numbers."""
+    """The observation's line in the odometry file, with all digits of the numbers; `stamp` is its time as written [s]."""
     return f"{stamp} {' '.join(map(repr, pose_rows(observation.T_O_B[None])[0].tolist()))}\n"
 
 
 def covariance_line(stamp: str, observation: Observation) -> str:
-    """A line of the covariance file, with all digits of the numbers."""
+    """The observation's line in the covariance file, with all digits of the numbers; `stamp` is its time as written [s]."""
     return f"{stamp} {' '.join(map(repr, observation.increment_covariance.ravel().tolist()))}\n"
 
 

@@ -11,10 +11,10 @@ from lexis.errors import EncoderError, one_line
 
 
 def fetch(repo: str, names: Sequence[str]) -> Path:
-    """Return the local path of the first of the files `names` in the repository; cached files need no network access.
+    """Return the local path of one file of a repository: the first of `names` that is cached, else the first that exists.
 
-    Raises EncoderError. If the hub does not answer, the error comes at once; the hub's own client would retry for most of a
-    minute.
+    A cached file needs no network access; any other is downloaded. Raises EncoderError. If the hub does not answer, the
+    error comes at once, whereas the hub's own client would retry for most of a minute.
     """
     try:
         for name in names:
@@ -26,7 +26,7 @@ def fetch(repo: str, names: Sequence[str]) -> Path:
 
 
 def _download_first(repo: str, names: Sequence[str]) -> Path:
-    """Download the first of these files. Raises the errors of the hub's client; EntryNotFoundError if there is no file."""
+    """Download the first of `names` that exists. Raises the hub client's errors: EntryNotFoundError if none exists."""
     *others, last = names
     for name in others:
         with suppress(EntryNotFoundError):

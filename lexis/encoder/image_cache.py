@@ -25,9 +25,9 @@ class ImageCache:
     """A cache of one encoder's embeddings, with hashes of the images as keys."""
 
     def __init__(self, folder: Path, encoder: str, most: int = MOST_IMAGES) -> None:
-        """Open or create the cache in `folder` for the encoder with this hash. Raises EncoderError if that fails.
+        """Open or create the cache of one encoder in `folder`. Raises EncoderError if that fails.
 
-        `most` is the largest number of entries.
+        `encoder` is a text that identifies the encoder, and `most` is the largest number of entries.
         """
         self._path = folder / f"{encoder}.sqlite"
         self._most = most
@@ -41,14 +41,14 @@ class ImageCache:
             )
 
     def find(self, keys: Sequence[bytes]) -> dict[bytes, Float32[np.ndarray, "d"]]:
-        """The embeddings that are cached under these keys; damaged entries are left out."""
+        """The cached embeddings by key. Keys that are not in the cache, or have a damaged entry, are left out."""
         with self._reported():
             query = "SELECT row FROM images WHERE key = ?"
             rows = {key: _row(self._connection.execute(query, (key,)).fetchone()) for key in keys}
         return {key: row for key, row in rows.items() if row is not None}
 
     def add(self, rows: Mapping[bytes, Float32[np.ndarray, "d"]]) -> None:
-        """Store embeddings of unit norm, and delete the oldest entries beyond the largest number."""
+        """Store embeddings of unit norm by their keys, and delete the oldest entries if there are too many."""
         entries = [(key, row.astype("<f4").tobytes()) for key, row in rows.items()]
         with self._reported(), self._connection:
             self._connection.executemany("INSERT OR REPLACE INTO images (key, row) VALUES (?, ?)", entries)

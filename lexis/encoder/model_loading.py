@@ -1,6 +1,6 @@
 """Loading of open_clip networks, with checks that weights, tokenizer and preprocessing belong together.
 
-open_clip itself only logs some mismatches, and passes on the errors of many libraries. Here, each ends in one EncoderError.
+open_clip itself only logs some mismatches, and passes on errors of many libraries. Here, all of these raise EncoderError.
 """
 
 import logging
@@ -23,7 +23,10 @@ _POSITIONS = ("visual.positional_embedding", "positional_embedding", "text.posit
 
 
 def load_network(model: str, source: ModelSource) -> tuple[Any, Any, Preprocessing]:
-    """Load a network with its tokenizer and preprocessing. `model` is its name in messages. Raises EncoderError."""
+    """Load a model; return its network, tokenizer and preprocessing.
+
+    Raises EncoderError; its message calls the model `model`.
+    """
     with open_clip_quiet():
         try:
             weights = source.weights()
@@ -90,7 +93,7 @@ def _pair(size: Any) -> tuple[int, int]:
 
 @contextmanager
 def open_clip_quiet() -> Iterator[None]:
-    """Suppress the log lines of open_clip and the hub (retries, fallbacks); raised errors contain the important lines."""
+    """Suppress the log lines of open_clip and the hub (retries, fallbacks); anything important is raised as an error."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

@@ -43,11 +43,11 @@ class ModelSource:
     kind: str
     """Description of the weights, for messages."""
     preprocess: Mapping[str, Any]
-    """Mean and standard deviation of the image and, if stated, size [px] and resizing; empty for a `mini` model."""
+    """Mean and standard deviation that normalise images and, if stated, image size [px] and resizing; empty for `mini`."""
     checkpoint: Path | None = None
     """Local file with the weights; None if the weights come from the hub, or if the local folder contains no weights."""
     hub: tuple[str, tuple[str, ...]] | None = None
-    """Repository on the hub, and the possible names of the weights there."""
+    """Repository on the hub, and the possible names of the file with the weights there; None for local weights."""
     config: Path | None = None
     """For a `mini` model only: the file with its architecture, which open_clip registers under the name of the file."""
     published: bool = False
@@ -64,7 +64,10 @@ class ModelSource:
 
 
 def parse_model(model: str) -> ModelSource:
-    """Resolve `mini`, MODEL, MODEL:PRETRAINED, MODEL:PATH, hf-hub:OWNER/NAME or local-dir:PATH. Raises EncoderError."""
+    """Find the source of `mini`, MODEL, MODEL:PRETRAINED, MODEL:PATH, hf-hub:OWNER/NAME or local-dir:PATH.
+
+    Raises EncoderError if the model or its weights are unknown or do not exist.
+    """
     _register_mini()
     if model == MINI:
         return _mini(MINI_CONFIG.with_suffix(".safetensors"), "mini")

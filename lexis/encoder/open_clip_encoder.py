@@ -70,7 +70,7 @@ class OpenClipEncoder:
 
     @property
     def temperature(self) -> float:
-        """Temperature that the model was trained with; its probabilities are softmax(similarities / temperature)."""
+        """Temperature that the model was trained with: the model's probabilities are softmax(similarities / temperature)."""
         return float(1.0 / self._model.logit_scale.detach().float().exp())
 
     def encode_image(self, image: Image) -> Float32[np.ndarray, "d"]:
@@ -104,7 +104,10 @@ class OpenClipEncoder:
         return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True), np.float32)
 
     def encode_texts(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Text embedding of every text as it is, without prompts, with unit norm; recent lists of texts are cached."""
+        """Text embedding of every text, with unit norm. Unlike room names, the texts are not put into prompts.
+
+        The embeddings of recent lists of texts are cached in memory.
+        """
         return self._texts(tuple(texts)).copy()
 
     def _compile(self) -> None:

@@ -1,4 +1,4 @@
-"""`EncoderOptions`: how an encoder computes. The model is chosen in `load_encoder`. This module imports no torch."""
+"""`EncoderOptions`: how an encoder computes. The model is an argument of `load_encoder`. This module imports no torch."""
 
 import re
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class EncoderOptions(Settings, place="encoder", error=EncoderError):
     compiled: bool = False
     """Whether torch compiles the network first. That takes half a minute or more, so it pays in long runs only."""
     threads: Annotated[int, Ge(1)] = 1
-    """Threads of torch while it encodes; the setting of the process is restored afterwards."""
+    """Number of CPU threads that torch uses while it encodes; the process's own setting is restored afterwards."""
     batch: Annotated[int, Ge(1)] = 32
     """Largest number of images or texts that are encoded at once."""
     templates: tuple[str, ...] = TEMPLATES
@@ -39,7 +39,7 @@ class EncoderOptions(Settings, place="encoder", error=EncoderError):
     """Folder in which embeddings of images are kept from run to run. None: no cache."""
 
     def __post_init__(self) -> None:
-        """Raise EncoderError for a setting that is not valid; whether the device exists is found out when loading."""
+        """Raise EncoderError for a setting that is not valid. Only `load_encoder` checks whether the device exists."""
         super().__post_init__()
         if not _DEVICES.fullmatch(self.device):
             self.refuse("device", "cpu, cuda, cuda:N")

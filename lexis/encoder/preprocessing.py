@@ -1,4 +1,4 @@
-"""Preprocessing of RGB images of any size for an image tower, with the settings that the tower was trained with."""
+"""Preprocessing of RGB images of any size for the image network of a model, with the settings that it was trained with."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -38,7 +38,10 @@ def squashing(height: int, width: int) -> Preprocessing:
 
 
 def as_open_clip(settings: Mapping[str, Any]) -> Preprocessing:
-    """open_clip's preprocessing, for values of all fields of its `PreprocessCfg`. Raises ValueError for unusable values."""
+    """The preprocessing of open_clip with given settings, which are the values of all fields of its `PreprocessCfg`.
+
+    Raises ValueError for unusable values.
+    """
     transform = image_transform_v2(PreprocessCfg(**settings), is_train=False)
     told = [settings[key] for key in ("resize_mode", "size", "mean", "std", "interpolation")]
     return Preprocessing(json.dumps(told), lambda image: transform(PILImage.fromarray(image)))

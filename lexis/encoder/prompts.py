@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from lexis.errors import EncoderError
 
 TEMPLATES = ("a photo of {}", "a picture of {}", "{} in a house", "a view of {}", "inside {}")
-"""Prompts whose embeddings are averaged, so that no single wording decides."""
+"""Prompts for a room name; {} stands for the name with its article. Their embeddings are averaged, so that no single wording
+decides."""
 
 _CONSONANT_SOUND = ("uni", "use", "uti", "eu", "one ")
 _VOWEL_SOUND = ("hour", "honour", "honor")

@@ -1,7 +1,7 @@
 """Figures that compare a run with the truth: pure functions of arrays, without the simulator.
 
-There is a module for each thing that LEXIS claims: `labels`, `rooms` (with `partitions`), `floors`, `loops` and
-`place_recognition` (with `relative`), `trajectory`, `planning`, and `coverage` of the walk by keyframes.
+There is a module for each aspect of a run: `labels`, `rooms` (with `partitions`), `floors`, `loops` and `place_recognition`
+(with `relative`), `trajectory`, `planning`, and `coverage` of the walk by keyframes.
 """
 
 import lazy_loader

@@ -22,15 +22,15 @@ class LoopScores:
     proposed: int
     """Number of pairs of query and candidate that were passed to verification."""
     verified: int
-    """Number of those pairs that verification accepted as edges."""
+    """Number of proposed pairs that verification accepted as loop edges."""
     true: int
-    """Number of edges within 0.5 m and 0.2 rad of the true relative pose."""
+    """Number of loop edges within 0.5 m and 0.2 rad of the true relative pose."""
     false: int
-    """Number of edges farther than 0.5 m or 0.2 rad from the true relative pose."""
+    """Number of loop edges farther than 0.5 m or 0.2 rad from the true relative pose."""
     precision: float | None
-    """Share of edges that are true; None without an edge."""
+    """Share of loop edges that are true; None without an edge."""
     recall: float | None
-    """Share of true revisits with at least one true edge; None without a revisit."""
+    """Share of true revisits from which at least one true loop edge leads; None without a revisit."""
 
 
 def score_loops(
@@ -44,7 +44,7 @@ def score_loops(
     """Compute all metrics of loop closure.
 
     Args:
-        proposed: number of pairs of query and candidate.
+        proposed: number of pairs of query and candidate that were passed to verification.
         query: later keyframe of every edge.
         match: earlier keyframe of every edge.
         T_match_query: relative pose of every edge.
@@ -73,7 +73,7 @@ def true_edges(
 
 
 def true_revisits(T_W_B: Poses, stamps: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "k"]:
-    """Revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
+    """Ids of the revisits: keyframes within 1 m and 0.5 rad of a keyframe at least 10 s earlier, by their true poses."""
     later, earlier = np.nonzero(stamps[:, None] - stamps[None, :] >= REVISIT_S)
     near = np.linalg.norm(T_W_B[later, :3, 3] - T_W_B[earlier, :3, 3], axis=1) <= REVISIT_M
     later, earlier = later[near], earlier[near]

@@ -5,7 +5,7 @@ from jaxtyping import Float64, Int
 
 
 def overlap(predicted: Int[np.ndarray, "n"], truth: Int[np.ndarray, "n"]) -> Int[np.ndarray, "p t"]:
-    """Number of keyframes that each predicted instance (rows, ascending id) shares with each true one (columns)."""
+    """Number of keyframes that each predicted instance (row) shares with each true one (column), by ascending ids."""
     _, rows = np.unique(predicted, return_inverse=True)
     _, columns = np.unique(truth, return_inverse=True)
     table = np.zeros((rows.max(initial=-1) + 1, columns.max(initial=-1) + 1), int)
@@ -14,6 +14,6 @@ def overlap(predicted: Int[np.ndarray, "n"], truth: Int[np.ndarray, "n"]) -> Int
 
 
 def iou(table: Int[np.ndarray, "p t"]) -> Float64[np.ndarray, "p t"]:
-    """Intersection over union of every predicted instance with every true one, from their overlap."""
+    """Intersection over union of every predicted instance with every true instance, from the table of `overlap`."""
     union = table.sum(axis=1, keepdims=True) + table.sum(axis=0, keepdims=True) - table
     return np.asarray(table / np.maximum(union, 1))

@@ -49,8 +49,8 @@ def count_matches(
 
     Args:
         candidates: the query keyframes, each with the keyframes proposed for it.
-        eligible: for every keyframe as the query (rows), whether each keyframe is old enough to be proposed.
-        right: for every pair of keyframes, whether they match; see `at_one_place`.
+        eligible: for every keyframe as the query (rows), whether each keyframe (columns) is old enough to be proposed.
+        right: for every pair of keyframes, whether they are at the same place; see `at_one_place`.
         n: the number N; 1, 3 and 5 in the paper.
     """
     found = [int(right[query, list(proposed)].sum()) for query, proposed in candidates if len(proposed)]

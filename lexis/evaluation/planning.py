@@ -8,14 +8,14 @@ from jaxtyping import Bool, Float64
 
 
 def success_rate(success: Bool[np.ndarray, "n"]) -> float | None:
-    """Share of the queries that succeeded; None without a query."""
+    """Share of the planning queries that succeeded; None without a query."""
     return float(success.mean()) if len(success) else None
 
 
 def spl(
     success: Bool[np.ndarray, "n"], shortest_m: Float64[np.ndarray, "n"], travelled_m: Float64[np.ndarray, "n"]
 ) -> float | None:
-    """Mean over queries of success * shortest / max(travelled, shortest); None without a query.
+    """Mean over planning queries of success * shortest / max(travelled, shortest); None without a query.
 
     A query that begins at its goal, with both lengths 0, contributes its success, 0 or 1.
     """

@@ -16,9 +16,9 @@ from lexis.evaluation.partitions import iou, overlap
 Instances = Int[np.ndarray, "n"]
 
 MATCH_IOU = 0.5
-"""IoU above which two instances match; at 0.5, each instance has at most one match."""
+"""IoU above which a predicted and a true instance match; at 0.5, each instance has at most one match."""
 SHARE = 0.5
-"""An instance lies mostly in another one if the other one contains more than this share of its keyframes."""
+"""An instance lies mostly in an instance of the other partition if that contains more than this share of its keyframes."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class RoomScores:
     """
 
     pq: float | None
-    """Panoptic quality: the sum of the IoUs of matches, over the number of matches plus half the unmatched instances."""
+    """Panoptic quality: the sum of the IoUs of matches, divided by the number of matches plus half the number of unmatched
+    instances, true or predicted."""
     precision: float | None
     """Share of predicted instances with a match (IoU > 0.5)."""
     recall: float | None
@@ -41,11 +42,11 @@ class RoomScores:
     ari: float | None
     """Adjusted Rand index: agreement on pairs of keyframes, 0 for chance and 1 for equal partitions."""
     v_measure: float | None
-    """Harmonic mean of homogeneity and completeness."""
+    """V-measure: the harmonic mean of the homogeneity and the completeness of the predicted instances."""
     splits: int | None
-    """Number of surplus predicted instances: of k that lie mostly (> half) in the same true instance, k - 1 are surplus."""
+    """Number of surplus predicted instances: where k of them lie mostly (> half) in one true instance, k - 1 are surplus."""
     merges: int | None
-    """Number of surplus true instances: of k that lie mostly (> half) in the same predicted instance, k - 1 are surplus."""
+    """Number of surplus true instances: where k of them lie mostly (> half) in one predicted instance, k - 1 are surplus."""
     count_error: int | None
     """Predicted minus true number of instances with keyframes."""
 
@@ -75,7 +76,7 @@ def score_rooms(predicted: Instances, truth: Instances) -> RoomScores:
 
 
 def adjusted_rand_index(table: Int[np.ndarray, "p t"]) -> float:
-    """Hubert and Arabie's adjusted Rand index of two partitions, from their overlap.
+    """Hubert and Arabie's adjusted Rand index of two partitions, from the table of `overlap`.
 
     It is 1 if both partitions consist of a single instance, or if both put every keyframe into an instance of its own.
     """
@@ -86,7 +87,7 @@ def adjusted_rand_index(table: Int[np.ndarray, "p t"]) -> float:
 
 
 def v_measure(table: Int[np.ndarray, "p t"]) -> float:
-    """Rosenberg and Hirschberg's V-measure (beta = 1) of two partitions, from their overlap."""
+    """Rosenberg and Hirschberg's V-measure (beta = 1) of two partitions, from the table of `overlap`."""
     predicted, truth = _entropy(table.sum(axis=1)), _entropy(table.sum(axis=0))
     mutual = predicted + truth - _entropy(table.ravel())
     homogeneity = mutual / truth if truth > 0 else 1.0

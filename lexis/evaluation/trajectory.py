@@ -10,7 +10,7 @@ from lexis.types import Pose, Poses
 Points = Float64[np.ndarray, "n 3"]
 
 LEAST_POSES = 3
-"""Smallest number of poses to evaluate: an alignment to fewer is ambiguous or removes the error."""
+"""Smallest number of poses for which an error is computed. With fewer, the alignment is ambiguous or removes the error."""
 
 
 def align(estimate: Points, truth: Points) -> Pose:
@@ -26,7 +26,7 @@ def align(estimate: Points, truth: Points) -> Pose:
 
 
 def aligned(estimate: Poses, truth: Poses) -> Poses:
-    """Move the estimate onto the truth by the alignment of the absolute trajectory error.
+    """Move the estimated poses onto the true poses by the same alignment that `ate_rmse` uses.
 
     With fewer than 3 poses, which cannot be aligned, move the estimate so that its first pose equals the first true pose.
     """

@@ -46,7 +46,7 @@ class FileKind:
 
 
 def open_file(path: Path, kind: FileKind) -> IO[bytes]:
-    """Open a regular file of at most `max_bytes`. Raises the error of `kind` for any other.
+    """Open a regular file of at most `kind.max_bytes`. Raises the error of `kind` for anything else.
 
     Pipes and devices are refused, because reading them may never end.
     """
@@ -69,7 +69,7 @@ def _status(path: Path, kind: FileKind) -> os.stat_result:
 
 
 def read_bytes(path: Path, kind: FileKind) -> bytes:
-    """The content of a file. Raises the error of `kind`, also if the file turns out larger than its stated size."""
+    """The content of a file. Raises the error of `kind`, also if the file grows beyond `max_bytes` while it is read."""
     with open_file(path, kind) as file:
         try:
             content = file.read(kind.max_bytes + 1)
@@ -89,7 +89,7 @@ def read_text(path: Path, kind: FileKind) -> str:
 
 
 def numbered_lines(path: Path, kind: FileKind) -> Iterator[tuple[int, str]]:
-    """Iterate over the lines of a text file, with numbers from 1; blank lines and lines that begin with # are skipped.
+    """Yield the lines of a text file with their numbers, from 1; blank lines and lines that begin with # are skipped.
 
     Raises the error of `kind` during iteration, not at the call.
     """
@@ -130,7 +130,7 @@ def read_model(path: Path, kind: FileKind, model: type[_Model]) -> _Model:
 
 
 def read_yaml(path: Path, kind: FileKind) -> dict[str, Any]:
-    """The mapping of a YAML file, in which every scalar is read as text. Raises the error of `kind`.
+    """The mapping that a YAML file holds. Every scalar in it is read as text. Raises the error of `kind`.
 
     Aliases are refused and tags are ignored: calibration files need neither, and a few lines with aliases can expand to more
     data than memory holds.

@@ -41,7 +41,10 @@ def move_folder(folder: Path, to: Path) -> None:
 
 
 def exchange(a: Path, b: Path) -> bool:
-    """Exchange two paths in one step. Returns False if the system does not support it; raises OSError if it fails."""
+    """Exchange the names of two files or folders in one step.
+
+    Returns False if the system does not support this. Raises OSError if the exchange fails for another reason.
+    """
     rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if sys.platform == "linux" else None
     if rename is None:
         return False

@@ -22,7 +22,10 @@ _NAME = re.compile(r"\.lexis-(\d+)-\w+")
 
 @contextmanager
 def temporary_folder(place: Path) -> Iterator[Path]:
-    """Create a hidden folder in `place`, with an empty folder `new` in it; it is removed at the end. Raises OSError."""
+    """Yield a hidden folder in `place`, with an empty folder `new` in it.
+
+    The hidden folder is removed when the `with` block ends. Raises OSError.
+    """
     remove_abandoned(place)
     folder = Path(tempfile.mkdtemp(prefix=f".lexis-{os.getpid()}-", dir=place))
     try:
@@ -39,7 +42,10 @@ def temporary_folder(place: Path) -> Iterator[Path]:
 
 
 def remove_abandoned(place: Path) -> None:
-    """Remove the temporary folders that killed processes left in `place`; old content is moved back to its target."""
+    """Remove the temporary folders that killed processes left in `place`.
+
+    If a killed process had moved old content into its temporary folder and the target is missing, the content is moved back.
+    """
     with suppress(OSError):
         for folder in place.iterdir():
             if _is_abandoned(folder):

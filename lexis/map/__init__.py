@@ -1,6 +1,6 @@
 """A finished map: its folder on disk, pictures, summaries, directions for people, and other room names.
 
-`folder` saves and loads a map (`arrays` is the layout of its numbers). `info` summarises it, `picture` and `export` show it
+`folder` saves and loads a map (`arrays` converts it to arrays). `info` summarises it, `picture` and `export` show it
 to other programs, `path_directions` describes a plan in words, `relabelling` assigns other room names without encoding an
 image again, and `encoder_check` compares encoders by their weights.
 """

@@ -18,7 +18,7 @@ from lexis.room_names import instance_names
 from lexis.types import Covariance, LexisMap, Pose
 
 TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
-"""Indices that reorder our rotation-first tangents for g2o's information matrices, which have translation first."""
+"""Order of rows and columns that turns a 6x6 matrix with rotation first into one with translation first, as g2o has it."""
 
 
 def export_map(map: LexisMap, format: str, path: Path) -> None:
@@ -100,7 +100,7 @@ def summary(map: LexisMap) -> dict[str, Any]:
 
 
 def _edge(a: int, b: int, T_a_b: Pose, covariance: Covariance) -> str:
-    """A line EDGE_SE3:QUAT, with the information matrix in g2o's order, of the tangent as GTSAM reads and writes it.
+    """A line EDGE_SE3:QUAT. Its information matrix is for tangent vectors in g2o's order, as GTSAM reads and writes them.
 
     (0.1 mm, 0.1 mrad)² is added to the covariance, because exact odometry would have infinite information.
     """

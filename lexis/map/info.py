@@ -10,7 +10,7 @@ from lexis.types import LexisMap
 
 
 def map_info(map: LexisMap) -> dict[str, Any]:
-    """Numbers of keyframes, rooms and loops, and other properties of a map, as plain data; lengths in [m], times in [s]."""
+    """A summary of a map as plain data for JSON: rooms, floors, counts of keyframes and loops, path [m] and duration [s]."""
     steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
     size = map.camera.intrinsics
     rooms = [

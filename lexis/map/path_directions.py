@@ -28,12 +28,12 @@ MIN_CLIMB_M = 0.5
 
 @dataclass(frozen=True)
 class Step:
-    """One direction and its position on the path."""
+    """One of the directions for a path, and its position on the path."""
 
     at_m: float
     """Distance along the path from the start [m]."""
     text: str
-    """The direction itself, for example "turn left" or "enter corridor 1 (floor 0)"."""
+    """The direction in words, for example "turn left" or "enter corridor 1 (floor 0)"."""
 
 
 def directions(map: LexisMap, plan: Plan) -> tuple[Step, ...]:
@@ -62,7 +62,7 @@ def plan_summary(map: LexisMap, plan: Plan) -> dict[str, Any]:
 
 
 def place(map: LexisMap, room: int) -> str:
-    """The name of a room with its floor, such as "office 2 (floor 1)"."""
+    """Name and floor of the room with the id `room`: "office 2 (floor 1)", or "stairs (between floors)"."""
     floor = map.rooms[room].floor
     return f"{instance_names(map.rooms)[room]} ({'between floors' if floor is None else f'floor {floor}'})"
 

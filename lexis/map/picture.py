@@ -12,7 +12,7 @@ from lexis.room_names import instance_names
 from lexis.types import LexisMap
 
 MARGIN_M = 1.5
-"""Width of the free space around the keyframes [m]."""
+"""Width of the empty border around the keyframes in every plan [m]."""
 TITLE_M = 1.0
 """Height of the title above every plan [m]."""
 _GREY = "#8a8a8a"
@@ -22,9 +22,10 @@ stroke-width:.08px}.title{font-size:.6px;fill:#555}path{fill:none;stroke-linecap
 
 
 def map_svg(map: LexisMap) -> str:
-    """The text of an SVG file, with x to the right and y up, and all plans at the same scale with a scale bar of one metre.
+    """The picture as the text of an SVG file: one plan per floor, all at the same scale, with x to the right and y up.
 
-    Keyframes on stairs are drawn on every floor as small dots. Red lines are loop edges: solid if trusted, dashed if not.
+    Each plan has a scale bar of one metre. Keyframes on stairs are drawn on every floor as small dots. Red lines are loop
+    edges: solid if trusted, dashed if not.
     """
     low = map.T_W_B[:, :2, 3].min(axis=0) - MARGIN_M
     size = map.T_W_B[:, :2, 3].max(axis=0) + MARGIN_M - low

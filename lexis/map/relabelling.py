@@ -14,13 +14,13 @@ from lexis.types import LexisMap
 
 
 def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: Config | None = None) -> LexisMap:
-    """Derive labels, rooms and floors for another vocabulary; poses, loops and candidates stay as they are.
+    """Derive labels, rooms and floors for other room names; poses, loops and candidates stay as they are.
 
     Args:
         map: the map to relabel; its old room names are ignored.
-        room_names: the new vocabulary.
+        room_names: the new room names.
         encoder: the encoder that made the map.
-        config: should have the settings of labels and segmentation that the map was made with.
+        config: settings, which should equal those that the map was made with; only labels and segmentation matter.
 
     Raises:
         LexisError: the room names are unusable, or the map was made with another encoder.

@@ -45,7 +45,7 @@ def exp(tangents: Float64[np.ndarray, "*batch 6"]) -> Transforms:
 
 
 def log(T: Transforms) -> Float64[np.ndarray, "*batch 6"]:
-    """The logarithm, the inverse of `exp`."""
+    """The logarithm map, the inverse of `exp`. Tangents are ``(rotation [rad], translation [m])``."""
     return RigidTransform.from_matrix(T).as_exp_coords()
 
 
@@ -74,7 +74,7 @@ def rotation_angle(T: Transforms) -> Float64[np.ndarray, "*batch"]:
 
 
 def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch"]:
-    """Whether matrices are finite, with 0 0 0 1 as last row and a right-handed, orthonormal (within tolerance) rotation."""
+    """Whether each matrix is finite, with 0 0 0 1 as last row and a right-handed rotation, orthonormal within tolerance."""
     R = T[..., :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
         orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - _IDENTITY).max(axis=(-1, -2)) <= tolerance

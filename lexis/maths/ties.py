@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Float64, Int, Shaped
 from scipy.spatial import cKDTree
 
 DECIMALS = 6
-"""Number of decimals that are kept: positions are rounded to a micrometre, cosine similarities to a millionth."""
+"""Number of decimals to which values are rounded: a micrometre for positions, a millionth for cosine similarities."""
 
 
 def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape"]:
@@ -18,7 +18,7 @@ def rounded(values: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "*shape
 
 
 def reaches(values: Float[np.ndarray, "*shape"] | float, limit: float) -> Bool[np.ndarray, "*shape"]:
-    """Whether values reach a limit. Values a millionth below it do too, so ten steps of 0.1 reach 1 despite rounding."""
+    """Whether each value is at least `limit` minus a millionth. Ten steps of 0.1 thus reach 1 despite rounding errors."""
     return np.asarray(np.asarray(values) >= limit - 10.0**-DECIMALS)
 
 

@@ -24,7 +24,8 @@ from lexis.query.questions import Captions, read_question
 from lexis.types import LexisMap, RoomInstance
 
 BEST_VIEWS = 5
-"""Number of best views that a room is scored by, because most views of the room may not show the requested thing."""
+"""A room is scored by those of its images (views) that are most similar to the question, at most this many. Its other images
+may not show the requested thing."""
 FITS = 0.5
 """Least probability at which a room counts as an answer."""
 
@@ -34,7 +35,7 @@ class RoomFit(NamedTuple):
 
     room: RoomInstance
     similarity: float
-    """Mean cosine similarity between the question's captions and the room's best views."""
+    """Mean cosine similarity between the question and the room's best views (`BEST_VIEWS`)."""
     probability: float | None
     """Probability that the room fits the question; None without a calibration."""
     keyframe: int
@@ -45,7 +46,7 @@ class RoomFit(NamedTuple):
 
 
 class KeyframeFit(NamedTuple):
-    """A keyframe and the cosine similarity between its image and the text."""
+    """A keyframe and the cosine similarity between its image and the question."""
 
     keyframe: int
     similarity: float
@@ -60,7 +61,7 @@ class Answer:
 
     @property
     def unknown(self) -> bool:
-        """Whether no room fits; always False without a calibration."""
+        """Whether even the best room has a probability below `FITS`; always False without a calibration."""
         best = self.rooms[0].probability
         return best is not None and best < FITS
 
@@ -68,9 +69,9 @@ class Answer:
 def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration | None = None) -> Answer:
     """Rank all rooms and keyframes of the map by how well they fit a question; the map's room names are not used.
 
-    If a question has several readings, the reading with the best-fitting room is used.
-    For a negated question ("not a kitchen"), similarities are to the excluded thing, and the smallest come first;
-    probabilities are probabilities of not fitting the excluded thing.
+    A question may have several readings, such as a thing and the room that it is usually in. The reading with the
+    best-fitting room is used. For a negated question ("not a kitchen"), similarities are to the excluded thing, and the
+    smallest come first; probabilities are probabilities of not fitting the excluded thing.
 
     Args:
         map: the map to search.
@@ -96,7 +97,7 @@ def ask(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration
 
 
 def embed_questions(texts: Sequence[str], encoder: TextEncoder) -> Float32[np.ndarray, "texts d"]:
-    """Embed every question by the normalised mean over the captions of its first reading.
+    """Embed every question, taken literally, as the normalised mean of the embeddings of its captions.
 
     Raises LexisError for a question that `read_question` refuses.
     """

@@ -29,7 +29,7 @@ _FILE = FileKind("a file of calibrate-queries", 1_000_000)
 
 @dataclass(frozen=True)
 class Calibration:
-    """Calibration of one encoder's similarities between a text and the best views of a room."""
+    """A fitted conversion of one encoder's similarities, between a text and the best views of a room, to probabilities."""
 
     fingerprint: str
     """Fingerprint of the encoder that was calibrated."""
@@ -87,7 +87,7 @@ def load_calibration(path: Path) -> Calibration:
 
 
 def find_calibration(encoder: TextEncoder, path: Path | None = None) -> Calibration | None:
-    """The calibration at `path`; without a path, the one shipped with `mini`, or None if that is for another encoder.
+    """The calibration at `path`. Without a path, the calibration that ships with `mini`, or None if `encoder` is not `mini`.
 
     Raises LexisError if the file is unusable or was fitted to another encoder.
     """

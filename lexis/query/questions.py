@@ -23,7 +23,7 @@ THING_CAPTIONS = ("{}", "{a}", "a photo of {a}", "a view of {a}")
 ACTIVITY_CAPTIONS = (
     "{}", "a place to {}", "where can I {}", "a room to {} in", "where to {}", "I want to {}", "a room where people {}",
 )  # fmt: skip
-"""Captions for an activity, which {} stands for."""
+"""Captions for an activity: {} stands for its words, such as "wash my hands"."""
 
 Captions: TypeAlias = tuple[str, ...]
 """Captions with the same meaning, which are embedded together as the mean of their embeddings."""
@@ -92,9 +92,10 @@ class Question(NamedTuple):
     """A question as captions for an encoder."""
 
     readings: tuple[Captions, ...]
-    """The literal reading of the question, then readings that serve the same need. A room need only fit one of them."""
+    """Captions for the question taken literally, then captions for each room or thing that serves the same need. A room need
+    only fit one of these readings."""
     negated: bool
-    """Whether the question is negated: rooms are wanted that do not fit the first reading."""
+    """Whether the question is negated, as in "not a kitchen": the answer is the rooms that do not fit the first reading."""
 
 
 def read_question(text: str) -> Question:

@@ -1,4 +1,4 @@
-"""The proofs behind `worlds.validation`: each module lists what is wrong with one aspect of a house, and where.
+"""The checks behind `worlds.validation`: each module lists what is wrong with one aspect of a house, and where.
 
 `plan_checks` looks at rooms and stairs, `opening_checks` at openings and windows, `furniture_checks` (with `collisions`) at
 furniture and door leaves, and `reachability` (with `barriers`, which names what blocks the path) at paths on foot.

@@ -22,8 +22,9 @@ _BESIDE_M = 0.6
 
 
 def reachability_problems(house: House, grid: PlanGrid, radius_m: float) -> Iterator[str]:
-    """A message for each piece of furniture that cuts rooms off, and one for all rooms unreachable even without furniture.
+    """Yield a message for each piece of furniture that blocks the path to rooms, with the names of these rooms.
 
+    Rooms that cannot be reached even without furniture are listed in one last message. `grid` is the plan of the house, and
     `radius_m` is the radius of the body that walks [m].
     """
 

@@ -11,13 +11,14 @@ from jaxtyping import Bool, Float64, Int
 from worlds.free_space import Obstacles
 
 Pairs = Int[np.ndarray, "k 2"]
-"""Pairs of indices, in ascending order."""
+"""One pair of indices per row; rows are sorted by the first index, then by the second."""
 
 
 def overlaps(a: Obstacles, b: Obstacles, tolerance_m: float) -> Pairs:
     """Pairs (index in `a`, index in `b`) of boxes that overlap by more than `tolerance_m` in every direction [m].
 
-    The result is exact for boxes with any yaw; a box without thickness acts as a line.
+    The result is exact for boxes with any yaw. A box without thickness counts as a line, which overlaps a box if it reaches
+    more than `tolerance_m` into the box.
     """
     i, j = _near(_corners(a), _corners(b), tolerance_m).T
     meet = _at_one_height(a.span[i], b.span[j], tolerance_m)

@@ -1,4 +1,4 @@
-"""Checks of furniture and door leaves: furniture collides with nothing, and nothing stands in a leaf's swing area."""
+"""Checks of furniture and door leaves: furniture collides with nothing, and nothing stands where a door leaf swings."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ _AT_ONCE = 64
 
 
 def furniture_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """Yield a message for every rule that a piece of furniture or a door leaf breaks; it names the piece or leaf."""
+    """Yield a message for every rule that furniture or a door leaf breaks. The message names the piece or leaf."""
     pieces, leaves = house.furniture, house.leaves
     boxes = boxes_of([(*p.position, *p.size, p.yaw) for p in pieces])
     hung = boxes_of([(*leaf.position, *leaf.size, leaf.yaw) for leaf in leaves])
@@ -55,7 +55,10 @@ def boxes_of(rows: Sequence[tuple[float, ...]]) -> Obstacles:
 
 
 def _clashes(boxes: Obstacles) -> Iterator[tuple[int, int]]:
-    """Pairs of boxes that overlap; a few boxes are tested at a time, since a heap has more pairs than fit in memory."""
+    """Yield each pair of boxes that overlap, as two ascending indices.
+
+    Only a few boxes are tested at a time, because many boxes in one place have more pairs than fit in memory.
+    """
     for first in range(0, len(boxes.yaw), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
         these = Obstacles(boxes.centre[some], boxes.size[some], boxes.yaw[some], boxes.span[some])
@@ -105,7 +108,7 @@ def _on_the_stairs(house: House, boxes: Obstacles) -> Iterator[str]:
 
 
 def _swings(house: House, boxes: Obstacles, hung: Obstacles, walls: Obstacles) -> Iterator[str]:
-    """A message for each thing in a leaf's swing area: furniture, another leaf, or a wall other than the leaf's own."""
+    """Yield a message for each thing where a door leaf swings: furniture, another leaf, or a wall other than its own."""
     leaves = house.leaves
     if not leaves:
         return

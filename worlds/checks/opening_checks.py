@@ -11,16 +11,17 @@ from worlds.spec import PASSABLE, OpeningSpec
 from worlds.walls import opening_span, segment_span
 
 MIN_WIDTH_M = 0.6
-"""Least width of an opening that a body of radius 0.25 m walks through [m]."""
+"""Least width of an opening that a body with a radius of 0.25 m can walk through [m]."""
 MIN_HEIGHT_M = 1.9
 _TOLERANCE_M = 1e-3
 
 Span = tuple[int, float, float, float]
-"""A segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis, its lower and upper end [m]."""
+"""A segment along x or y: its axis (0: x, 1: y), its coordinate on the other axis [m], and its lower and upper end along its
+own axis [m]."""
 
 
 def opening_problems(house: House) -> Iterator[str]:
-    """Yield a message for every rule that an opening or window breaks; it names the place in the spec."""
+    """Yield a message for every rule that an opening or window breaks. The message names its place in the spec."""
     for level, storey in enumerate(house.spec.storeys):
         windows = [window for window in house.windows if window.storey == level]
         spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]

@@ -1,4 +1,4 @@
-"""Checks of the floor plan: rooms do not overlap or nearly touch, stand on rooms below, and stairs join storeys."""
+"""Checks of the plan: rooms do not overlap, gaps are not too narrow, upper rooms are supported, and stairs join storeys."""
 
 from collections.abc import Iterator
 
@@ -11,12 +11,12 @@ from worlds.labels import OUTDOOR_LABELS, STAIRS
 MIN_APART_M = 0.3
 """Least distance between two rooms that do not touch [m]: nothing could be built in a narrower gap."""
 MIN_SUPPORT = 0.9
-"""Least share of the floor area of an indoor room on an upper storey that must lie above indoor rooms."""
+"""Least share of an upper indoor room's floor area that must lie above indoor rooms of the storey below."""
 _TOLERANCE_M, _TOLERANCE_M2 = 1e-6, 1e-3
 
 
 def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
-    """Yield a message for every rule that a room breaks; it names the room."""
+    """Yield a message for every rule of the floor plan that a room breaks. The message names the room."""
     yield from overlap_problems(grid)
     yield from _narrow_gaps(grid)
     yield from _unsupported(grid)
@@ -26,7 +26,7 @@ def plan_problems(house: House, grid: PlanGrid) -> Iterator[str]:
 
 
 def overlap_problems(grid: PlanGrid) -> Iterator[str]:
-    """Yield a message for every two rooms of a storey that overlap."""
+    """Yield a message for every pair of rooms on one storey that overlap."""
     for a, b, area in grid.clashes:
         if area > _TOLERANCE_M2:
             yield (
@@ -36,7 +36,7 @@ def overlap_problems(grid: PlanGrid) -> Iterator[str]:
 
 
 def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
-    """A message for every two rooms with a gap between them that is narrower than `MIN_APART_M`.
+    """Yield a message for every pair of rooms with a gap between them that is narrower than `MIN_APART_M`.
 
     For each row of cells, and then for each column, the nearest room before and after every empty cell is found; the
     distance between the two is the width of the gap.
@@ -64,7 +64,7 @@ def _narrow_gaps(grid: PlanGrid) -> Iterator[str]:
 
 
 def _unsupported(grid: PlanGrid) -> Iterator[str]:
-    """A message for every indoor room on an upper storey with too little area on indoor rooms of the storey below."""
+    """Yield a message for every upper indoor room with too little area above indoor rooms of the storey below."""
     indoor = np.array([*(room.label not in OUTDOOR_LABELS for room in grid.rooms), False])
     area, rooms = grid.area.ravel(), len(grid.rooms)
     for level in range(1, len(grid.owner)):

@@ -24,16 +24,16 @@ class PlanGrid:
     """
 
     x: Float64[np.ndarray, "columns"]
-    """The x at which cells begin or end, ascending [m]; one more than there are cells along x."""
+    """The x coordinates of the lines between cells and around the grid, ascending [m]: one more than cells along x."""
     y: Float64[np.ndarray, "rows"]
-    """The y at which cells begin or end, ascending [m]; one more than there are cells along y."""
+    """The y coordinates of the lines between cells and around the grid, ascending [m]: one more than cells along y."""
     rooms: tuple[RoomSpec, ...]
     level_of_room: tuple[int, ...]
     """Index of every room's storey."""
     owner: Int[np.ndarray, "storeys nx ny"]
     """Number of the room that covers a cell: the last room if several do, `NO_ROOM` if none does."""
     clashes: tuple[tuple[int, int, float], ...]
-    """Pairs of rooms of a storey that overlap, and the area that they share [m²]."""
+    """Numbers of two overlapping rooms on one storey and the area that they share [m²], for each such pair."""
 
     @staticmethod
     def of(spec: HouseSpec) -> "PlanGrid":
@@ -63,7 +63,7 @@ class PlanGrid:
         return np.asarray(self._padded[level, self._index(self.x, points[:, 0]), self._index(self.y, points[:, 1])])
 
     def lattice(self, x: Float64[np.ndarray, "n"], y: Float64[np.ndarray, "m"]) -> Int[np.ndarray, "storeys n m"]:
-        """Number of the room at each point (x, y) of a lattice [m], for every storey; `NO_ROOM` outside of all rooms."""
+        """Number of the room at each point (x[i], y[j]) [m], for every storey; `NO_ROOM` outside of all rooms."""
         return np.asarray(self._padded[:, self._index(self.x, x)[:, None], self._index(self.y, y)])
 
     @cached_property
@@ -77,9 +77,9 @@ class PlanGrid:
 
 
 def _cells(i: Int[np.ndarray, "n"], j: Int[np.ndarray, "n"]) -> tuple[tuple[int, int], Bool[np.ndarray, "a b"]]:
-    """The cells inside a rectilinear polygon whose corners are grid points, and the indices of the first of these cells.
+    """The cells of a rectilinear polygon's bounding rectangle: the indices of the first cell, and whether each is inside.
 
-    A cell is inside where the winding number of the polygon around it is not 0.
+    The corners of the polygon are grid points (i, j). A cell is inside if the polygon's winding number around it is not 0.
     """
     i0, j0 = int(i.min()), int(j.min())
     turns = np.zeros((int(i.max()) - i0, int(j.max()) - j0), np.int8)

@@ -16,10 +16,10 @@ joined to the end [m]."""
 
 
 def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_m: float = 0.1) -> tuple[str, ...]:
-    """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the largest part of the house.
+    """Ids of the rooms that an upright cylindrical body of `radius_m` [m] cannot reach from the house's largest free part.
 
-    Doors count as opened: leaves are no obstacles. The result equals `Walkable.reachable_rooms`, but is computed faster,
-    without a graph:
+    Doors count as opened: leaves are no obstacles. The result is all rooms but those in `Walkable.reachable_rooms`. It is
+    computed faster here, without a graph:
 
     1. On a grid of points, find those at which the body has space: inside a room, and far enough from obstacles and stairs
        that also the step to a diagonal neighbour is free.
@@ -47,7 +47,7 @@ def unreachable_rooms(house: House, grid: PlanGrid, radius_m: float, resolution_
 
 
 def _parts(free: Bool[np.ndarray, "storeys nx ny"]) -> Int[np.ndarray, "storeys nx ny"]:
-    """Number of each grid point's connected part; 0 for points that are not free. Steps may be diagonal."""
+    """Number of each grid point's connected part, from 1; 0 for points that are not free. Diagonal neighbours connect."""
     parts, used = [], 0
     for storey in free:
         count, labels = cv2.connectedComponents(storey.astype(np.uint8), connectivity=8)
@@ -85,7 +85,7 @@ def _near(
     solids: Obstacles,
     radius_m: float,
 ) -> set[int]:
-    """The parts into which a body can step from the end of a walking line without a collision."""
+    """Numbers of the connected parts that a body can step into from the end of a walking line without a collision."""
     i, j = np.nonzero(np.add.outer((x - end[0]) ** 2, (y - end[1]) ** 2) <= STAIRS_LINK_M**2)
     i, j = i[parts[i, j] > 0], j[parts[i, j] > 0]
     places = np.stack([x[i], y[j], np.full(len(i), end[2])], axis=-1)

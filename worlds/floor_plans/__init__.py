@@ -1,12 +1,14 @@
-"""Floor plans: from a list of rooms to rooms with outlines, joined by links, storey by storey.
+"""Floor plans: from a list of rooms to rooms with outlines and links (requests for openings between rooms), by storey.
 
-For presets, `building_kinds` and `room_lists` choose the rooms, and `programmes` groups them into bays and runs of bays by
-their `room_sizes`. `floor_plan` then lays out all storeys: `wings` places corridors, stairs and bands (rows of rooms along a
-corridor), `bands` assigns bays to bands, `bays` cuts bays into rooms, `outdoors` adds gardens and balconies, and
-`storey_draft` collects `rectangles` in whole centimetres until they become a `worlds.layout`.
+For presets, `building_kinds` and `room_lists` choose the rooms. `programmes` draws areas from `room_sizes`, and groups the
+rooms: a bay is a main room with the small rooms carved from it, and a run is a group of bays that stay side by side.
 
-For Hypothesis, `grown_plan` grows a house room by room. For variants of a house, `symmetry` mirrors and turns it, and
-`upper_storey` adds a storey.
+`floor_plan` then lays out all storeys. `wings` places corridors, stairs and bands (rows of rooms along a corridor), `bands`
+chooses a band for every run, `bays` cuts bays into rooms, and `outdoors` adds gardens and balconies. `storey_draft` collects
+the rooms of a storey as `rectangles` in whole centimetres and turns them into a `worlds.layout`.
+
+For property-based tests, `grown_plan` builds a house from a list of room requests. For variants of a house, `symmetry`
+mirrors and rotates it, and `upper_storey` adds a storey.
 """
 
 import lazy_loader

@@ -25,13 +25,13 @@ from worlds.floor_plans.storey_draft import PlacedBay
 from worlds.floor_plans.wings import BANDS, Band, Shell, distribute
 
 _SHORTEST_BELOW = 350
-"""Least length of a band (a row of rooms along a corridor) on which an upper storey is built [cm]. Small rooms in a shorter
-band would grow with the rooms above them."""
+"""Least length of a band (a row of rooms along a corridor) on which the next storey may have rooms [cm]. A shorter band
+would have to be lengthened to carry these rooms, and its own small rooms would become too large."""
 _WRAPPING_LABELS = ("living room", "dining room", "open-plan office", "library", "lobby", "gym", "meeting room", "classroom")
 """Labels of rooms that may bend round the end of the spine (the corridor)."""
 _STRETCH = 1.5
-"""Greatest factor by which a band (a row of rooms) is stretched to the building's length; bands that need more stay
-shorter."""
+"""Greatest factor by which a band (a row of rooms) is stretched to the building's length; a band that would need a larger
+factor ends before the building does."""
 
 
 @dataclass
@@ -40,17 +40,17 @@ class BandedStorey:
 
     bands: dict[Band, list[BayRun]]
     slot: BayRun | None = None
-    """The room behind the stairs, as a run of one bay; None if no room is there (see `Shell.slot`)."""
+    """The room in the space behind the stairs (see `Shell.slot`); None: no room is there."""
     lengths: dict[Band, int] = field(default_factory=dict)
-    """Length of every band [cm]; `measured` fills it in."""
+    """Length of every band (row of rooms) [cm]; `measured` fills it in."""
     wrap: int = 0
-    """Length of the part of the last southern room that lies beyond the end of the spine (the corridor), round which it
-    bends [cm]; 0: no room bends."""
+    """Length of the part that the last southern room has beyond the end of the spine (the corridor), if this room bends
+    round that end [cm]; 0: no room bends."""
     past_spine: frozenset[Band] = frozenset()
-    """Bands that continue past the end of the spine (the corridor), beside the stairs at this end."""
+    """Bands (rows of rooms) that continue past the end of the spine (the corridor), beside the stairs at this end."""
 
     def bays(self, band: Band) -> list[Bay]:
-        """Return the bays (rooms with the small rooms carved from them) of a band, in order along the band."""
+        """Return the bays (main rooms with the small rooms carved from them) of a band, in order along the band."""
         return [bay for run in self.bands.get(band, ()) for bay in run.bays]
 
 
@@ -59,14 +59,16 @@ def assign(
 ) -> list[BandedStorey]:
     """Choose a band for every run of every storey, and the order of the runs in each band.
 
-    For each storey, lowest first:
+    A band is a row of rooms along a corridor; a run is a group of rooms that stay side by side. For each storey, lowest
+    first:
 
-    1. A storey that repeats the storey below (the same `runs` object) gets a copy of its assignment: the floors stay equal.
+    1. If the storey repeats the storey below (it has the same `runs` object), it gets a copy of that storey's result, so
+       that both stay equal. The other steps are skipped.
     2. A single room may go behind the stairs, where no band reaches; on an upper storey only if the storey below has a room
        there, too.
     3. `distribute` shares the other runs among the bands. On the ground storey the bands have the lengths planned in `room`
-       [cm]; above, they have the lengths of the storey below, on which they stand.
-    4. The runs of each band are put in order; the comments in the code give the reason of each step.
+       [cm]; on an upper storey they have the lengths of the storey below, on which they stand.
+    4. The runs of each band are put in order; the comments in the code give the reason for each step.
     """
     storeys: list[BandedStorey] = []
     for k, programme in enumerate(programmes):
@@ -95,21 +97,22 @@ def assign(
 
 
 def _room_above(storey: BandedStorey, shell: Shell) -> dict[Band, int]:
-    """Lengths of the bands that may be built on a storey [cm].
+    """The bands (rows of rooms) that the storey above this one may have, with their lengths on this storey [cm].
 
-    Short bands are left out: `measured` makes a band as long as the band above, so the small rooms of a short band would
-    grow large. The south band always stays, because every storey needs one.
+    Short bands are left out: `measured` makes a band at least as long as the band above, so the small rooms of a short band
+    would become too large. The south band always stays, because every storey needs one.
     """
     length = {band: sum(_widths(storey, band, shell)) for band in storey.bands}
     return {band: n for band, n in length.items() if n > _SHORTEST_BELOW or (band == "south" and n)}
 
 
 def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Generator) -> None:
-    """Let a large room at the end of the south band bend round the spine's end, on the ground storey and its repetitions.
+    """Let a large room south of the spine (the corridor) bend round the spine's end, if a room is suitable.
 
-    The room must have no small rooms carved from it, which would not fit the new shape, and no twins, which would not bend.
-    About half of its area goes beyond the spine's end. Nothing changes if that part would be narrower than 1.8 m, or if the
-    spine is wider than 2.8 m.
+    This changes the ground storey and the storeys that repeat it. The room moves to the end of its row. It must have no
+    small rooms carved from it, because they would not fit the new shape, and no twin, because a twin has the same shape.
+    About half of the room's area goes beyond the spine's end. Nothing changes if that part would be narrower than 1.8 m, or
+    if the spine is wider than 2.8 m.
     """
     south = storeys[0].bands["south"]
     able = [run for run in south if run.bays[-1].form == "plain" and run.bays[-1].twin is None]
@@ -128,10 +131,10 @@ def wrap_round(storeys: Sequence[BandedStorey], shell: Shell, rng: np.random.Gen
 
 
 def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
-    """The run that must go to the south band, as a mapping from its index to "south".
+    """Choose the run (group of rooms) that must go to the south band; return a mapping from its index to "south".
 
-    Every storey needs a run there, since gardens and most balconies lie in the south. The run with most living rooms, dining
-    rooms and kitchens, which lead outside, is chosen; among equal runs, the run with the largest first room.
+    Every storey needs rooms in the south, since gardens and most balconies lie there. The run with most living rooms, dining
+    rooms and kitchens is chosen, because these rooms lead outside; among equal runs, the run with the largest first room.
     """
     garden = ("living room", "dining room", "kitchen")
     best = max(range(len(runs)), key=lambda i: (sum(b.labels[0] in garden for b in runs[i].bays), runs[i].bays[0].areas[0]))
@@ -139,10 +142,10 @@ def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
 
 
 def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """Choose a run that fits the place behind the stairs, remove it from `runs` and return it; None if no run fits.
+    """Choose a run that fits the space behind the stairs, remove it from `runs` and return it; None if no run fits.
 
-    The place has a given area: a run fits if it is one plain room, no twin, whose drawn area is about the same. At least two
-    runs are left over for the bands.
+    A run (group of rooms) fits if it is one room, without small rooms carved from it and without a twin, and if the area
+    chosen for this room is close to the area of the space. At least two runs must be left for the bands (rows of rooms).
     """
     slot = shell.slot()
     if slot is None or len(runs) < 3:
@@ -157,17 +160,19 @@ def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
 
 
 def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
-    """The shell with the length of every band; also sets `lengths` of every storey.
+    """Return the shell with the length of every band; also set `lengths` of every storey.
+
+    The shell is what all storeys share; a band is a row of rooms along a corridor, and the spine is the main corridor.
 
     1. Each band of the shell gets the greatest length that the band has on any storey.
-    2. On a storey whose south band is so short that it cannot be stretched to the spine's end, no room bends round that
-       end. This changes widths, so the shell is measured again.
-    3. With stairs at the spine's end, find the bands that reach past that end, from the top storey downwards: where a band
-       passes the end on one storey, it does so on all storeys below, which bear it. The last bays of these bands get wider,
+    2. On a storey whose south band is too short to be stretched to the spine's end, no room bends round that end. This
+       changes widths, so the shell is measured again.
+    3. With stairs at the spine's end, the bands that reach past that end are found, from the top storey downwards. A band
+       that does so on one storey also does so on all storeys below, which bear it. The last rooms of these bands get wider,
        so the shell is measured a third time.
     4. `Shell.flush` removes small steps between the ends of bands.
-    5. From the top storey downwards, a band is stretched to the shell's length if the factor is at most `_STRETCH`, and made
-       at least as long as the band above, which stands on it.
+    5. From the top storey downwards, every band is stretched to its length in the shell, if the factor is at most
+       `_STRETCH`. It is also made at least as long as the band above, which stands on it.
     """
     shell = replace(shell, lengths=_longest(shell, storeys))
     for storey in storeys:
@@ -199,12 +204,12 @@ def measured(shell: Shell, storeys: Sequence[BandedStorey]) -> Shell:
 
 
 def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
-    """Greatest length of every band over all storeys [cm]."""
+    """Greatest length that every band (row of rooms) has on any storey, before it is stretched [cm]."""
     return {b: max(sum(_widths(s, b, shell)) if b in s.bands else 0 for s in storeys) for b in BANDS}
 
 
 def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
-    """Wished-for width of every bay of a band, before the band is stretched [cm]."""
+    """Preferred width of every bay (main room with its small rooms) of a band, before the band is stretched [cm]."""
     widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
     if widths and storey.wrap and band == "south":
         # The area beyond the spine's end is taken from the room's width in the band, so that its total area stays.
@@ -217,9 +222,9 @@ def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
 
 
 def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
-    """The bays of a storey with their positions and widths; `measured` comes first, since it sets the bands' lengths.
+    """The bays (main rooms with their small rooms) of a storey, with their positions in the bands and their widths.
 
-    The bays of a band are widened in proportion until they fill it.
+    The bays of a band are widened in proportion until they fill the band, whose length `measured` must have set before.
     """
     out = []
     for band in storey.bands:
@@ -239,5 +244,5 @@ def placed_bays(storey: BandedStorey, shell: Shell) -> list[PlacedBay]:
 
 
 def _joints(runs: Sequence[BayRun]) -> list[BayRun | None]:
-    """For every bay, the run that it shares with the bay before it; None for the first bay of a run."""
+    """For every bay of `runs` (groups of bays side by side), its run, but None for the first bay of a run."""
     return [run if i else None for run in runs for i in range(len(run.bays))]

@@ -20,15 +20,18 @@ DOOR_FRONT = 140
 _ARM = 170
 """Least depth of the part of a main room behind a small room carved from it, so that this part can be used [cm]."""
 _SLENDER = {"toilet": 2.6, "storage room": 2.6, "pantry": 2.6, "laundry room": 2.4, "bathroom": 2.2, "print room": 2.2}
-"""Greatest ratio of depth to width of a bay, by the label of its main room; `_MOST_SLENDER` for other labels."""
+"""Greatest ratio of depth to width of a bay, by the label of its main room; `_MOST_SLENDER` for all other labels."""
 _MOST_SLENDER = 1.75
 
 
 def bay_width(bay: Bay, depth: int) -> int:
-    """Return the preferred width of a bay in a band of this depth, rounded up to 5 cm [cm].
+    """Return the preferred width of a bay in a band (a row of rooms) of this depth, rounded up to 5 cm [cm].
 
-    It is the largest of three widths: the width at which the rooms get the areas chosen for them; the least width at which
-    the host is neither too narrow nor too slender; and the width at which the carved rooms fit beside the host's own front.
+    It is the largest of three widths:
+
+    - the width at which the rooms get the areas chosen for them;
+    - the least width at which the host (the main room) is neither too narrow nor too slender;
+    - the least width at which the small rooms carved from the host leave it enough width beside them.
     """
     host = bay.labels[0]
     wished = round(sum(bay.areas) * 1e4 / depth)
@@ -40,14 +43,14 @@ def bay_width(bay: Bay, depth: int) -> int:
 
 
 def run_width(run: BayRun, depth: int) -> int:
-    """Sum of the preferred widths of a run's bays in a band of this depth [cm]."""
+    """Sum of the preferred widths of a run's bays in a band (a row of rooms) of this depth [cm]."""
     return sum(bay_width(bay, depth) for bay in run.bays)
 
 
 def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
-    """Width along the front and depth of a carved room, the i-th room of its bay (i > 0), in steps of 5 cm [cm].
+    """Width (along the corridor) and depth of the i-th room of a bay, a small room (i > 0), in steps of 5 cm [cm].
 
-    It is a little deeper than wide, and not so deep that the host's part behind it becomes unusable.
+    The small room is a little deeper than wide, but leaves a usable part of the main room behind it.
     """
     side, area = round(100 * SIZES[bay.labels[i]].side_m), bay.areas[i] * 1e4
     most = max(side, depth - _ARM)
@@ -56,10 +59,11 @@ def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
 
 
 def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
-    """Return the rectangles of every room of a bay that stands along `edge` from `start` on, the main room's first [cm].
+    """Return the rectangles in the plan [cm] for every room of a bay, the main room first.
 
-    Each form is written down in the bay's own frame: the first coordinate runs along the front, the second away from the
-    corridor; `_placed` moves the rectangles to the plan.
+    The bay stands along `edge`, from `start` to `start + width`, and is `depth` deep. The code writes each `Bay.form` in the
+    bay's own coordinates: the first runs along the corridor, the second away from it. `_placed` moves the rectangles to the
+    plan.
     """
     cut = [_small_size(bay, i, depth) for i in range(1, len(bay.labels))]
     rooms: list[tuple[Rect, ...]]
@@ -95,10 +99,10 @@ def _placed(r: tuple[int, int, int, int], bay: Bay, edge: Edge, start: int, widt
 
 
 def share_out(widths: Sequence[int], bays: Sequence[Bay], length: int) -> list[int]:
-    """Widen bays in proportion so that they fill `length`, which is at least the sum of `widths` [cm].
+    """Return the widths of bays, enlarged in proportion until they fill `length`, at least the sum of `widths` [cm].
 
-    Widths are rounded down to centimetres. The remainder goes to the last bay without a twin, because twins must stay equal,
-    or to the last bay if all bays are twins.
+    The new widths are rounded down to centimetres. The rest goes to the last bay without a twin, because twins must stay
+    equal, or to the last bay if all bays are twins.
     """
     total = sum(widths)
     out = [w + (length - total) * w // total for w in widths]

@@ -14,7 +14,7 @@ class BuildingKind:
     """Range from which the number of rooms is drawn if the caller gives no number; corridors, halls and stairs are not
     counted."""
     storeys: tuple[int, ...]
-    """Numbers of storeys from which one is drawn if the caller gives no number."""
+    """Possible numbers of storeys; one is drawn if the caller gives no number."""
     first: tuple[str, ...]
     """Labels of the rooms that a building gets before any others, the most important first. A building with few rooms gets
     only the beginning of this list."""
@@ -23,16 +23,16 @@ class BuildingKind:
     style: PlanStyle
     habits: LayoutShares
     halls: tuple[str | None, ...] = (None,)
-    """Labels from which one is drawn for the hall at the start of the ground storey's corridor; None: no hall."""
+    """Possible labels of the hall at the start of the ground storey's corridor; one is drawn. None: no hall."""
     upstairs: tuple[str, ...] = ()
     """Labels of rooms that belong on upper storeys."""
     repeats: float = 0.0
     """Share of buildings whose upper storeys are all equal."""
     flat: tuple[int, int] | None = None
-    """Range from which the number of rooms per storey is drawn in buildings of several storeys, if the caller gives no
-    number of rooms; None: `rooms` is used for these buildings, too."""
+    """Range from which the number of rooms per storey is drawn for a building of several storeys, if the caller gives no
+    number of rooms. None: the number for the whole building is drawn from `rooms`, as for one storey."""
     shuffled: int = 0
-    """Greatest number of places by which a room may move when the order of `first` is shuffled."""
+    """When the order of `first` is shuffled, every label moves by fewer places than this number; 0 and 1 keep the order."""
 
 
 _HOME_STYLE = PlanStyle(spine_m=(1.5, 2.1), stairs=(None, None, "U", "L", "straight"))

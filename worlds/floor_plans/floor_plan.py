@@ -2,8 +2,8 @@
 
 The plan of a building is a corridor, called the spine, with rows of rooms along it, called bands; a second corridor with two
 more bands may leave the first at a right angle (see the drawing in `wings`). The parts of the plan that all storeys share -
-the depths of the bands, the stairs - are called the shell. A plan is valid by construction: nothing is drawn again until it
-fits.
+the depths of the bands, the stairs - are called the shell. Every plan is valid by construction: none is made and then
+rejected.
 """
 
 from collections.abc import Sequence
@@ -28,42 +28,50 @@ _SHORTEST_BAND = 250
 
 @dataclass(frozen=True)
 class PlanStyle:
-    """Dimensions of a kind of building; (low, high) pairs are ranges to draw from."""
+    """Dimensions of the floor plans of a kind of building, and shares of plans with certain features.
+
+    A value is drawn from each (low, high) range.
+    """
 
     spine_m: tuple[float, float] = (1.4, 2.0)
     """Width of the spine (the corridor) [m]."""
     depth_m: tuple[float, float] = (3.7, 4.6)
-    """Depth of a band (a row of rooms along the spine), across the spine [m]."""
+    """Depth of a band (a row of rooms along the corridor), at a right angle to the corridor [m]."""
     heights_m: tuple[float, ...] = (2.6,)
-    """Heights of the ceiling above the floor from which one is drawn [m]."""
+    """Possible heights of the ceiling above the floor; one is drawn for the whole building [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """Kinds of stairs from which one is drawn. The kind None is U-shaped stairs at the end of the spine (the corridor);
-    stairs of all other kinds stand on the north side of the spine."""
+    """Possible kinds of stairs; one is drawn. None stands for U-shaped stairs at the end of the spine (the corridor); all
+    other stairs stand on the north side of the spine."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
-    """Range from which a limit is drawn [m]. If each storey's rooms, put side by side, are shorter than this limit, all
-    rooms stand on one side of the spine (the corridor)."""
+    """Range from which a limit is drawn [m]. If no storey's rooms, put side by side, reach this length, all rooms stand on
+    one side of the spine (the corridor)."""
     winged_m: float = 26.0
-    """Total length of a storey's rooms, put side by side, from which a plan may get a second wing [m]."""
+    """Least total length of a storey's rooms, put side by side, at which a plan may get a second wing (a second corridor
+    with rooms along it) [m]."""
     wings: float = 0.7
-    """Share of plans with a second wing if the rooms of the largest storey, put side by side, are `winged_m` to 40 m long;
-    if they are longer, the plan always has one."""
+    """Share of plans with a second wing if the rooms of the largest storey, put side by side, are `winged_m` to 40 m long.
+    If they are longer, the plan always has a second wing."""
     spine_m2: float = 0.0
-    """Least area of the spine, for plans in which a living room takes the place of the corridor [m²]."""
+    """Least area of the spine, for plans in which a living room takes the place of the corridor [m²]. The spine is made
+    wider to reach this area, but at most 5.2 m wide."""
     wrapped: float = 0.35
-    """Share of plans in which the last room south of the spine (the corridor), if suitable, bends round the spine's end."""
+    """Share of plans in which a room south of the spine (the corridor) bends round the spine's end, if a room is suitable
+    and no stairs stand there."""
 
 
 def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator) -> tuple[StoreyLayout, ...]:
     """Return the layouts of all storeys, lowest first.
 
-    1. `_topology` chooses how many bands there are, and draws their depths, from the total length of the rooms.
+    The spine is the corridor, or the living room in its place; a band is a row of rooms along the spine.
+
+    1. `_topology` decides how many bands there are, by the total length of the rooms, and draws the depths of the bands.
     2. `_stairs` chooses the stairs before any room is placed, because they take the same part of every storey.
-    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend the last room of a band round the spine's
+    3. `bands.assign` chooses a band for every room, `bands.wrap_round` may bend a room of the south band round the spine's
        end, and `bands.measured` sets the lengths of all bands so that every storey stands on the storey below.
     4. The spine becomes wider if it is a living room whose area would be too small. This comes after step 3, because
        the area depends on the spine's length.
     5. Each storey is drafted in whole centimetres: spine, stairs, rooms (`storey_draft`), then gardens and balconies
-       (`outdoors`). The draft is mirrored and rotated at random, the same for all storeys, and becomes a layout.
+       (`outdoors`). The drafts of all storeys are mirrored and rotated in the same random way, and become layouts.
     """
     depths, room = _topology(programmes, style, rng)
     height = float(rng.choice(style.heights_m))
@@ -90,10 +98,11 @@ def lay_out(programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.ran
 def _topology(
     programmes: Sequence[StoreyProgramme], style: PlanStyle, rng: np.random.Generator
 ) -> tuple[Depths, dict[Band, int]]:
-    """The depths of spine and bands, and the planned length of each band [cm].
+    """Choose the form of the plan. Return the depths of spines and bands, and the planned length of each band [cm].
 
-    The total length of a storey's rooms, side by side, decides the form: short ones stand on one side of the spine, longer
-    ones on both, the longest get a second wing. The largest total of all storeys counts.
+    A spine is a corridor, a band a row of rooms along it. The total length of the rooms on the largest storey, put side by
+    side, decides the form. If it is short, all rooms stand on one side of the spine. If it is longer, they stand on both
+    sides. If it is longer still, a second wing (another spine with bands) is added.
     """
 
     def draw(bounds: tuple[float, float]) -> int:
@@ -121,16 +130,17 @@ def _topology(
 
 
 def _worth_while(room: dict[Band, int]) -> dict[Band, int]:
-    """The planned lengths without bands that are too short for a room; the south band always stays."""
+    """The planned length of each band (row of rooms), without bands too short for a room; the south band always stays."""
     return {band: length for band, length in room.items() if length > _SHORTEST_BAND or band == "south"}
 
 
 def _stairs(
     depths: Depths, room: dict[Band, int], style: PlanStyle, storeys: int, height_m: float, rng: np.random.Generator
 ) -> tuple[StairsBay | None, bool, Depths]:
-    """The stairs, whether they stand at the spine's end, and the depths changed to suit them.
+    """Choose the stairs. Return them, whether they stand at the end of the spine (the corridor), and the changed depths.
 
-    Also changes the planned lengths in `room` [cm]: the bands share the length that the stairs take from the north side.
+    The stairs are None in a building of one storey. `depths` are changed to suit the stairs. So is `room`, in place: it has
+    the planned length of each band (row of rooms) [cm], and stairs in the north push some of the rooms to the south.
     """
     if storeys == 1:
         return None, False, depths

@@ -8,10 +8,10 @@ A request (`RoomRequest`) gives a room's label and size, its place relative to t
 
 `worlds.strategies` draws the requests with Hypothesis. Two properties matter for that, and explain the rules below:
 
-- Any list of requests gives a valid house that can be walked, so that no drawn example is thrown away.
+- Any list of requests gives a valid house in which every room can be reached, so that no drawn example is thrown away.
 - A request never changes the rooms before it, so that Hypothesis can shrink a failing house by leaving rooms out.
 
-A storey below another storey is a full rectangle that is at least as large as the storey above. All arithmetic is in whole
+A storey below another storey covers at least the bounding rectangle of the storey above. All arithmetic is in whole
 decimetres, so that walls meet exactly.
 """
 
@@ -37,10 +37,10 @@ _MIN_GAP_DM = 4
 _MIN_STEM_DM = 12
 """Least length of a wall that has room for a door [dm]."""
 _ROW_DM, _STACK_DM = 240, 360
-"""Width of a row from which the next room starts a new row, and depth of a storey from which requests for a new row are
-ignored [dm]."""
+"""If a row is at least `_ROW_DM` wide, the next room starts a new row. If a storey is at least `_STACK_DM` deep, requests
+for a new row are ignored [dm]."""
 _MARGIN_DM = 2
-"""Distance of an opening from the ends of its wall [dm]."""
+"""Least distance of an opening from the ends of its wall [dm]."""
 _STAIRS_DM = 34
 """Length of the stairs' room on each storey [dm]."""
 _ANGLES: dict[DoorState, float] = {"open": math.pi / 2, "ajar": 0.5, "closed": 0.0}
@@ -55,15 +55,15 @@ class OpeningRequest:
     kind: OpeningKind | None = "door"
     """Kind of the opening; None: no opening."""
     width_dm: int = MIN_WIDTH_DM
-    """Requested width, reduced if the wall is too short [dm]. An "open" boundary is open along its whole length."""
+    """Requested width, reduced if the wall is too short [dm]. The kind "open" ignores it and removes the whole wall."""
     offset_dm: int = 0
     """Requested distance from the western or southern end of the wall [dm]; reduced if the wall is too short."""
     leaf: DoorState = "no leaf"
     """State of the door's leaf; a leaf that would hit something is left out."""
     hinge: Literal["start", "end"] = "start"
-    """End of the opening at which the leaf hangs."""
+    """End of the opening at which the leaf hangs; the opening starts at its western or southern end."""
     into_first: bool = True
-    """Whether the leaf swings into the older of the two rooms."""
+    """Whether the leaf swings into the room that was requested earlier, and not into the other room."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class RoomRequest:
     other: OpeningRequest = OpeningRequest(None)
     """Opening to the second neighbour, if rooms exist both in the west and in the row below; `way_in` leads to the first."""
     from_south: bool = False
-    """Whether `way_in` leads to the row below and not to the room in the west, if both exist."""
+    """Whether `way_in` leads to the row below and not to the room in the west, if rooms exist in both places."""
 
 
 def grow(
@@ -99,8 +99,8 @@ def grow(
        rooms touch.
 
     `clutter` says how much furniture is filled in; None: the house stays empty. `min_openness` is the least openness of
-    every storey in [0, 1]: as soon as more than the share 1 - `min_openness` of the inner boundaries would be closed, a
-    boundary is opened along its whole length instead.
+    every storey, in [0, 1]: at most the share 1 - `min_openness` of the length of all inner walls stays closed. A wall that
+    would exceed this share is removed along its whole length.
     """
     floors: list[list[RoomRequest]] = []
     for request in requests:
@@ -155,7 +155,7 @@ class _Placed:
         return tuple(_metres(corner) for corner in corners)
 
     def has_room_for(self, box: Box) -> bool:
-        """Whether a box [dm] lies in the room, with a distance of 1 dm from the notches."""
+        """Whether a box [dm] lies in the room, at least 1 dm away from the notches."""
         x0, y0, x1, y1 = box
         (left, right), (west, east) = self.top, self.sides
         inside = self.box[0] <= x0 and self.box[1] <= y0 and x1 <= self.box[2] and y1 <= self.box[3]
@@ -180,7 +180,7 @@ class _Contact:
     """Upper end of the stretch along the wall [dm]."""
     way: OpeningRequest
     needed: bool
-    """Whether the younger room is entered here, so that the opening must be passable."""
+    """Whether the room requested later is entered here, so that one must be able to walk through the opening."""
 
     @property
     def length(self) -> int:
@@ -228,8 +228,9 @@ class _Plan:
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
         """Return the storey as a spec; `more` are further fields of the spec.
 
-        With `min_openness` > 0, the stretches of inner wall are treated in order. A stretch whose closed part would make the
-        total closed length too large is opened along its whole length; the others get the openings requested for them.
+        If `min_openness` is above 0, the stretches of wall between indoor rooms are treated in order. A stretch whose closed
+        part would make the total closed length too large is removed as a whole; all other stretches get the openings
+        requested for them.
         """
         rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []
@@ -268,8 +269,8 @@ def _split_into_rows(requests: Sequence[RoomRequest]) -> list[list[RoomRequest]]
 def _east(x1: int, below: Sequence["_Placed"]) -> int:
     """The x of the east end of a room: `x1`, or a little farther [dm].
 
-    The end is moved east until it is equal to the end of each wall in the row below or at least `_MIN_CONTACT_DM` away. So
-    rooms share either no wall or enough of it for an opening.
+    The end is moved east until every wall end in the row below is either at the same x or at least `_MIN_CONTACT_DM` away.
+    Two rooms then share either no wall or enough wall for an opening.
     """
     ends = [end for room in below for end in room.top]
     while any(0 < abs(x1 - end) < _MIN_CONTACT_DM for end in ends):
@@ -294,10 +295,10 @@ def _placed(name: str, request: RoomRequest, box: Box, *, solid: bool, first: bo
 
 
 def _contacts(room: _Placed, west: _Placed | None, below: Sequence[_Placed]) -> list[_Contact]:
-    """The stretches of wall between a room and those placed before it: to the west and in the row below.
+    """The stretches of wall that a room shares with the room `west` of it and with rooms in the row `below`.
 
-    `way_in` goes to one of these sides, `other` to the other. Where several rooms of the row below touch the room, only the
-    longest stretch gets an opening.
+    The opening `way_in` goes to one of these two sides; the opening `other` goes to the second side, if rooms are on both.
+    If several rooms of the row below touch the room, only the longest of these stretches gets an opening.
     """
     x0, y0, x1, _ = room.box
     spans = [(other, max(x0, other.top[0]), min(x1, other.top[1])) for other in below]
@@ -358,9 +359,9 @@ def _opening(contact: _Contact, kind: OpeningKind, low: int, high: int, leaf: Le
 
 
 def _gap_dm(opening: OpeningSpec, ceiling_m: float) -> float:
-    """Length of wall, open from floor to ceiling, with the same area as an opening [dm].
+    """Length that an opening would have if it had the same area but reached from floor to ceiling [dm].
 
-    Doors and arches count as 0; for arches this is too little, which errs on the safe side.
+    Doors and arches count as 0. For arches this is too little, so the house becomes more open than requested, never less.
     """
     if opening.kind in ("door", "arch"):
         return 0.0
@@ -373,9 +374,10 @@ def _outdoor(contact: _Contact) -> bool:
 
 
 def _stairs(level: int, levels: int, hall: str) -> tuple[RoomSpec, list[OpeningSpec]]:
-    """The stairs of a storey and their openings, in the west of the storey's first room `hall`.
+    """The room of the stairs on a storey, to the west of the storey's first room `hall`, and its openings to `hall`.
 
-    The flight up begins at the southern half of the cell's front, the flight down at the northern half.
+    In the wall that both rooms share, the opening to the flight up is in the southern half, and the opening to the flight
+    down is in the northern half.
     """
     name, depth = f"{STAIRS} {level}", MIN_SIZE_DM / 10
     corners = ((-_STAIRS_DM / 10, 0.0), (0.0, 0.0), (0.0, depth), (-_STAIRS_DM / 10, depth))

@@ -1,4 +1,4 @@
-"""Gardens and balconies: outdoor areas that adjoin the outer side of a storey's bands (its rows of rooms)."""
+"""Gardens and balconies: outdoor areas along the outer walls of a storey's bands (its rows of rooms)."""
 
 from collections.abc import Sequence
 
@@ -13,9 +13,9 @@ from worlds.floor_plans.wings import Shell
 _LEADING_OUTSIDE = ("living room", "dining room", "kitchen", "bedroom", "lobby", "library", "meeting room", "office")
 """Labels of rooms that should lead outside, the most suitable first."""
 _WIDEST_BALCONY, _LEAST_BALCONY = 500, 150
-"""Greatest and least width of a balcony [cm]."""
+"""Width of a balcony along a much longer outer wall, and least width of a balcony that shares a wall with a garden [cm]."""
 _MARGIN = 60
-"""Least length of a bay's outer wall left on either side of a balcony that is narrower than the bay [cm]."""
+"""Least length of outer wall left on either side of a balcony that is narrower than the wall [cm]."""
 
 
 def add_outdoors(
@@ -26,17 +26,19 @@ def add_outdoors(
     hosts: Sequence[int],
     rng: np.random.Generator,
 ) -> None:
-    """Add the garden and the balcony of the programme, if it has them, each with a link to a room that leads there.
+    """Add the programme's garden and balcony, if it has them, each with an opening requested to a room that leads there.
 
-    `hosts` are the numbers of the main rooms of the bays in `placed`, in the same order.
+    A bay is a main room with its small rooms. `hosts` are the numbers of the main rooms of the bays in `placed`, in the same
+    order.
 
-    1. Collect the bays whose outer wall faces the outside. In a plan with a second wing these are the bays in the south and
-       along that wing: the north bands lie in the corners between the wings.
-    2. The balcony goes behind the bay whose room suits best (a living room first); if there is a garden, bays in the south
-       come last. The balcony is centred on the bay and at most 5 m wide.
+    1. The bays with free outer walls are collected. In a plan with a second wing these are the bays in the south and along
+       that wing, because the north bands (rows of rooms) lie in the corners between the wings.
+    2. The balcony adjoins the bay whose main room suits best (a living room first); if there is a garden, bays in the south
+       are considered last. The balcony is as wide as a bay of less than 6.2 m; on a wider bay it is 5 m wide, in the middle.
     3. The garden takes the whole south side. If the balcony has to be there too, the balcony gets a part of the first bay's
        width, and the garden starts where the balcony ends.
-    4. The garden's link goes to a living room, dining room or kitchen if one is in the south, otherwise to any room there.
+    4. The garden is entered from a living room, dining room or kitchen if one is in the south, otherwise from any main room
+       there.
     """
     depth, edge, first = shell.depths.south, shell.edge("south"), 0
     open_bands = ("south", "west", "east") if shell.depths.cross else ("south", "north 0", "north 1", "north 2")
@@ -65,14 +67,20 @@ def add_outdoors(
 
 
 def _balcony_rank(pair: tuple[PlacedBay, int], south_last: bool) -> tuple[bool, int]:
-    """Sort key: the smaller, the better a bay suits a balcony; `south_last` puts bays in the south behind all others."""
+    """Sort key: bays whose main rooms suit a balcony come first; with `south_last`, bays in the south come last.
+
+    `pair` is a bay (a main room with its small rooms) and the number of its main room.
+    """
     label = pair[0].bay.labels[0]
     rank = _LEADING_OUTSIDE.index(label) if label in _LEADING_OUTSIDE else len(_LEADING_OUTSIDE)
     return south_last and pair[0].band == "south", rank
 
 
 def _way_out(draft: StoreyDraft, outside: int, host: int) -> int:
-    """The room that leads outside: the host, or the room with the longest shared wall where the host has too little."""
+    """The number of the room that leads to the outdoor area `outside`.
+
+    It is `host`; if `host` shares too little wall with the area for a door, it is the room that shares the longest wall.
+    """
     if contact(draft.rooms[outside].rects, draft.rooms[host].rects) >= DOOR_FRONT:
         return host
     return draft.nearest(outside, range(outside))

@@ -15,7 +15,7 @@ Up to two small rooms may be carved from the host of a bay, which leaves the hos
     plain      corner     corners    middle     inner (reached from the host only)
     +-----+    +-----+    +-----+    +-----+    +---+--+
     |     |    |     |    |     |    |     |    |   |  |
-    |     |    +--+  |    +-+ +-+    | +-+ |    |   +--+   two inner ones stand in both corners
+    |     |    +--+  |    +-+ +-+    | +-+ |    |   +--+   a second inner room: in the other corner
     |     |    |  |  |    | | | |    | | | |    |      |
     +-----+    +--+--+    +-+-+-+    +-+-+-+    +------+    corridor side
 """
@@ -33,37 +33,41 @@ Form = Literal["plain", "corner", "corners", "middle", "inner"]
 SMALL = ("toilet", "storage room", "pantry", "laundry room", "print room")
 """Labels of rooms that may be carved from a larger one."""
 _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-plan office", "gym")
-"""Labels of rooms that may be open to the spine, without a door."""
+"""Labels of rooms that may be open to the corridor, without a door."""
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
-"""Labels of rooms that stand side by side in this order or the reverse one."""
+"""Labels of rooms that stand side by side, in this order or in reverse."""
 _SEEDS = 2**31
 _MOST_TWINS_IN_RUN = 4
-"""Greatest number of twins (equal bays) that stand side by side."""
+"""Greatest number of twins (rooms of exactly the same shape) that stand side by side."""
 _OTHER_SEED = 1009
 """Number that is added to a seed to derive a different seed."""
 
 
 @dataclass(frozen=True)
 class Bay:
-    """A slice of a band: a host and the small rooms carved from it."""
+    """A slice of a band (a row of rooms along a corridor): a main room, the host, and the small rooms carved from it."""
 
     labels: tuple[str, ...]
     """Labels of the rooms in the bay: first the main room (the host), then the small rooms."""
     areas: tuple[float, ...]
-    """Area drawn for each room [m²]."""
+    """Area chosen at random for each room, in the order of `labels` [m²]."""
     form: Form = "plain"
     """Arrangement of the small rooms; the module's docstring draws the forms."""
     flipped: bool = False
-    """Whether the form is mirrored along the band."""
+    """Whether the arrangement of the small rooms is mirrored, left for right as seen from the corridor."""
     entry: OpeningKind = "door"
     """Kind of the opening between the main room (the host) and the spine (the corridor)."""
     twin: int | None = None
     """Bays with the same twin number get exactly the same shape; None: the bay has no twin."""
     seed: int | None = None
-    """Seed of the host's furniture and finishes; the small rooms use the next numbers. None: the house's seed decides."""
+    """Seed of the main room's furniture and finishes; the small rooms use the next numbers. None: the house's seed
+    decides."""
 
     def apart(self, steps: int) -> "Bay":
-        """Return the bay with another seed and twin number, so that it is no twin of this bay; 0 `steps` change nothing."""
+        """Return the bay with a different seed and twin number for each value of `steps`.
+
+        Bays with different twin numbers are no twins. With 0 `steps`, the bay does not change; a number of None stays None.
+        """
         twin, seed = (None if value is None else value + _OTHER_SEED * steps for value in (self.twin, self.seed))
         return replace(self, twin=twin, seed=seed)
 
@@ -74,7 +78,7 @@ class Bay:
 
 @dataclass(frozen=True)
 class BayRun:
-    """A group of bays that stay side by side in a band."""
+    """A group of bays (main rooms with the small rooms carved from them) that stay side by side in a row of rooms."""
 
     bays: tuple[Bay, ...]
     joint: OpeningKind | None = None
@@ -87,13 +91,13 @@ class StoreyProgramme:
 
     runs: tuple[BayRun, ...]
     spine: str = "corridor"
-    """Label of the room that the bays stand along."""
+    """Label of the room along which the other rooms stand."""
     hall: str | None = None
-    """Label of the first stretch of the spine, if that is a room of its own."""
+    """Label of the hall that takes the place of the corridor's first stretch; None: no hall."""
     garden: bool = False
     balcony: bool = False
     seed: int | None = None
-    """Seed of the spine's furniture and finishes; storeys with equal plans share it. None: the house's seed decides."""
+    """Seed of the corridor's furniture and finishes; storeys with equal plans share it. None: the house's seed decides."""
 
 
 @dataclass(frozen=True)
@@ -107,14 +111,17 @@ class LayoutShares:
 
 
 def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """Group the rooms of a storey into bays and runs, in random order.
+    """Group the rooms of a storey into bays, and the bays into runs. Return the runs in random order.
 
-    1. A kitchen, a dining room and a living room become one run, because people build them side by side.
-    2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own; some of
-       those with the same label become twins.
-    3. Every small room is carved from a host that is large enough, since on its own it would be a deep and narrow slice of
-       a band.
-    4. Twins are put into runs, because only in one band do they get the same shape. All other bays are runs of one.
+    A bay is a main room, the host, with the small rooms carved from it. The bays of a run stay side by side in one band (a
+    row of rooms along the corridor).
+
+    1. Two or three of a kitchen, a dining room and a living room become one run, because people build them side by side.
+    2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own. Some of
+       those with the same label become twins (rooms of exactly the same shape).
+    3. Every room that was set aside is carved from a host, since in a bay of its own it would be deep and narrow. It gets a
+       bay of its own only if no host is large enough.
+    4. Twins are put into runs, because only in one band do they get the same shape. Every other bay becomes a run by itself.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]
     chain = _take_chain(left, habits, rng)
@@ -131,7 +138,10 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
 
 
 def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ...]:
-    """Return the runs with a seed for every bay, so that storeys with the same runs have equal rooms, furniture included."""
+    """Return the runs (groups of rooms) with a seed for every bay that has none.
+
+    Storeys with the same runs then have equal rooms, including the furniture.
+    """
     return tuple(
         replace(run, bays=tuple(replace(b, seed=int(rng.integers(_SEEDS)) if b.seed is None else b.seed) for b in run.bays))
         for run in runs
@@ -139,7 +149,7 @@ def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ..
 
 
 def _bay(label: str, rng: np.random.Generator) -> Bay:
-    """A bay of one room, with its area and its entry drawn."""
+    """A bay of one room; its area and the kind of opening to the corridor are drawn at random."""
     entry: OpeningKind = "door"
     if label in _PUBLIC and rng.random() < 0.4:
         entry = ("cased", "arch", "open")[int(rng.integers(3))] if label != "gym" else "cased"
@@ -152,9 +162,9 @@ def _draw_area(label: str, rng: np.random.Generator) -> float:
 
 
 def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator) -> BayRun | None:
-    """Remove one kitchen, dining room and living room from `left` and make a run of them.
+    """Remove a kitchen, a dining room and a living room from `left`, as far as present, and make a run of them.
 
-    None, and nothing is removed, if `left` has fewer than two of these labels.
+    If `left` has fewer than two of these labels, nothing is removed and the result is None.
     """
     chain = [label for label in _OPEN_CHAIN if label in left]
     if len(chain) < 2:
@@ -169,7 +179,7 @@ def _take_chain(left: list[str], habits: LayoutShares, rng: np.random.Generator)
 
 
 def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> list[Bay]:
-    """Make some of the bays with the same label twins; three quarters of the twins get the same furniture, too."""
+    """Turn some bays with the same label into twins (equal shapes); three quarters of them get the same furniture, too."""
     first: dict[str, Bay] = {}
     out = []
     for bay in bays:
@@ -185,10 +195,11 @@ def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> l
 
 
 def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
-    """Runs of twins, at most `_MOST_TWINS_IN_RUN` in each, and runs of one for all other bays.
+    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; every other bay becomes a run by itself.
 
-    Twins stand side by side because only in one band can they be equal to the centimetre; a longer group would not fit into
-    a band. The next `_MOST_TWINS_IN_RUN` twins get numbers of their own: they may stand in another band.
+    The twins of a run stand side by side in one band (row of rooms), because only there can they be equal to the centimetre.
+    A longer run would not fit into a band. Further twins form another run, which may stand in another band, so this run gets
+    another twin number.
     """
     runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
@@ -199,10 +210,11 @@ def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
 
 
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
-    """Give every small room a host; a small room without a suitable host gets a bay of its own.
+    """Carve every small room from a host, the main room of a bay; without a suitable host it gets a bay of its own.
 
-    The first `joined` bays form a run with openings between its hosts. At most one corner at the front is carved from each
-    of them, so that neighbouring hosts still share the wall behind it; a room carved from the back could separate them.
+    The first `joined` bays form a run with openings between neighbouring hosts. From each of these hosts, at most one room
+    is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind it. A room carved from the
+    back could separate them.
     """
     out = list(bays)
     for label in small:
@@ -221,14 +233,18 @@ def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Ge
 
 
 def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
-    """Whether a small room of this area [m²] can be carved from a bay; the host keeps more than half of the area."""
+    """Whether a small room of this area [m²] can be carved from the main room of a bay.
+
+    The main room must be at least 2.2 times as large as all small rooms of the bay together. If it has an opening to a
+    neighbouring main room (`joined`), at most one small room can be carved.
+    """
     if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels or bay.areas[0] < 2.2 * (area + sum(bay.areas[1:])):
         return False
     return bay.form == "plain" or (not joined and bay.form == "corner")
 
 
 def _form(bay: Bay, label: str, rng: np.random.Generator) -> Form:
-    """The form that a bay gets when a small room is carved from it."""
+    """The new arrangement of a bay's small rooms when another one, with this label, is carved from the main room."""
     if bay.form == "corner":
         return "corners"
     private = label in ("pantry", "storage room") or (label == "bathroom" and bay.labels[0] == "bedroom")

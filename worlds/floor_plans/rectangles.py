@@ -14,9 +14,9 @@ Corner = tuple[int, int]
 
 @dataclass(frozen=True)
 class Edge:
-    """A straight line that a row of rooms stands along, with a frame of its own.
+    """A straight line along which a row of rooms stands, with coordinates of its own.
 
-    The frame has its origin at (`x`, `y`) [cm]; u runs along the line, v away from it.
+    The origin of these coordinates is at (`x`, `y`) in the plan [cm]; u runs along the line, v away from it.
     """
 
     x: int
@@ -38,7 +38,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class SquareSymmetry:
-    """One of the eight symmetries of the square, about the origin: swap x and y first, then mirror x and y."""
+    """One of the eight symmetries of a square about the origin: first swap x and y, then negate x and y, each if wanted."""
 
     swap: bool
     flip_x: bool
@@ -66,7 +66,7 @@ def area_m2(rects: Sequence[Rect]) -> float:
 
 
 def contact(a: Sequence[Rect], b: Sequence[Rect]) -> int:
-    """Length of the longest piece of side that a rectangle of `a` shares with one of `b`; 0 if they do not touch [cm]."""
+    """Length of the longest stretch along which a rectangle of `a` touches a rectangle of `b`; 0 if none touch [cm]."""
     return max((_side(p, q) for p in a for q in b), default=0)
 
 
@@ -78,9 +78,9 @@ def _side(p: Rect, q: Rect) -> int:
 def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
     """Corners of the union of rectangles, counter-clockwise [cm].
 
-    The rectangles do not overlap; their union is one piece without holes. The sides of every rectangle are cut at all x and
-    y that occur and directed counter-clockwise. Sides that appear in both directions lie inside the union and are removed;
-    the rest is the outline.
+    The rectangles must not overlap, and their union must be one piece without holes. The sides of every rectangle, directed
+    counter-clockwise, are cut at the x and y of all corners. A piece that appears in both directions lies inside the union
+    and is removed; the other pieces are the outline.
     """
     if len(rects) == 1:
         x0, y0, x1, y1 = rects[0]
@@ -101,7 +101,7 @@ def outline(rects: Sequence[Rect]) -> tuple[Corner, ...]:
 
 
 def _corners(successor: dict[Corner, Corner]) -> tuple[Corner, ...]:
-    """The points of a closed outline at which its direction changes."""
+    """The points of a closed outline at which its direction changes; `successor` maps each point to the next."""
     first = min(successor)
     corners, before, here = [first], first, successor[first]
     while here != first:

@@ -1,4 +1,4 @@
-"""Room lists: which rooms a building of a kind has, and on which storeys they are.
+"""Room lists: which rooms a building of a given kind has, and on which storeys they are.
 
 The result is a programme for each storey (see `programmes`): its rooms in groups, without positions.
 """
@@ -32,7 +32,7 @@ def draw_programmes(
     1. Draw the labels of the rooms.
     2. A building of several storeys may repeat its upper storeys (`BuildingKind.repeats`).
     3. A home of one storey with few rooms may have a living room in place of the corridor.
-    4. In all other cases the rooms are shared among the storeys (`by_storey`) and grouped.
+    4. In all other cases `by_storey` shares the rooms among the storeys, and `programmes_of` groups them on each storey.
     """
     labels = _labels(kind, rooms, storeys, rng)
     hall = kind.halls[int(rng.integers(len(kind.halls)))]
@@ -48,23 +48,23 @@ def draw_programmes(
 def programmes_of(
     labels: Sequence[Sequence[str]], habits: LayoutShares, hall: str | None, rng: np.random.Generator
 ) -> tuple[StoreyProgramme, ...]:
-    """Programmes of storeys from the labels of their rooms; the `hall` is on the ground storey only."""
+    """The programme of every storey, lowest first, from the labels of its rooms; only the ground storey gets `hall`."""
     return tuple(_storey(own, habits, rng, None if level else hall) for level, own in enumerate(labels))
 
 
 def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
-    """Share rooms among storeys, as labels per storey, lowest first; no storey stays without an indoor room.
+    """Share rooms among storeys. Return the labels on every storey, lowest first; every storey gets an indoor room.
 
-    `labels` has at least as many indoor rooms as there are storeys, and at most as many balconies.
+    `labels` must have at least one indoor room and at most one balcony per storey.
 
-    1. Labels in `_BELOW` go to the ground storey, labels in `upstairs` to the upper storey that has the least area so far,
-       and all others to the storey with the least area, be it the ground storey or another. In this comparison the ground
-       storey counts as 10 m² smaller than it is, because it has to bear the others. Small rooms come late, to even out the
-       areas.
-    2. Empty storeys take a room from the storey with most rooms.
+    1. Labels in `_BELOW` go to the ground storey. Labels in `upstairs` go to the upper storey that has the least area so
+       far, and all others to the storey with the least area so far. In this comparison the ground storey counts as 10 m²
+       smaller than it is, so that it becomes larger: it has to bear the others. Small rooms are assigned late, to even out
+       the areas.
+    2. Every empty storey takes a room from the storey with most rooms.
     3. The storeys are sorted by area, since every storey stands on the one below. `_settle` then makes sure that no upper
        storey is much larger than the ground storey.
-    4. The garden goes to the ground storey; balconies go to storeys drawn at random.
+    4. The garden goes to the ground storey. Balconies go to storeys drawn at random, at most one to each.
     """
     out: list[list[str]] = [[] for _ in range(storeys)]
     area = [0.0] * storeys
@@ -93,9 +93,10 @@ def _area(labels: Sequence[str]) -> float:
 
 
 def _settle(storeys: list[list[str]]) -> None:
-    """Exchange rooms so that no upper storey is much larger than the ground storey.
+    """Exchange rooms so that no upper storey is much larger than the ground storey, and sort the upper storeys by area.
 
-    An upper storey that is more than 15 % larger changes places with the ground storey's rooms, except those in `_BELOW`.
+    If an upper storey is more than 15 % larger, all its rooms are exchanged with those rooms of the ground storey that are
+    not in `_BELOW`. The largest upper storey comes first.
     """
     for level in range(1, len(storeys)):
         fixed, free = ([label for label in storeys[0] if (label in _BELOW) == below] for below in (True, False))
@@ -114,7 +115,7 @@ def _fill_empty(storeys: list[list[str]]) -> None:
 def _labels(kind: BuildingKind, rooms: int, storeys: int, rng: np.random.Generator) -> list[str]:
     """Draw the labels of a building's rooms, with at least as many indoor rooms as storeys.
 
-    The kind's `first` rooms come first, in an order that is slightly shuffled, then draws from `more`.
+    The labels in the kind's `first` are taken first, slightly shuffled for some kinds; further labels are drawn from `more`.
     """
     order = list(kind.first)
     if kind.shuffled:
@@ -139,8 +140,8 @@ def _repeating(
 ) -> tuple[StoreyProgramme, ...] | None:
     """Programmes of a building whose upper storeys are all equal.
 
-    The ground storey is equal to them if the rooms divide evenly among the storeys and there is no garden. None if the
-    ground storey would be smaller than the others, which stand on it, or if a storey would have two balconies.
+    The ground storey is equal to them, too, if the rooms divide evenly among the storeys and there is no garden. The result
+    is None if the ground storey would be smaller than the storeys that stand on it, or if a storey would have two balconies.
     """
     share = len(labels) // storeys
     equal = len(labels) == share * storeys and "garden" not in labels
@@ -160,7 +161,7 @@ def _repeating(
 def _around_a_living_room(
     labels: Sequence[str], kind: BuildingKind, rng: np.random.Generator
 ) -> tuple[tuple[StoreyProgramme, ...], PlanStyle]:
-    """Programme and style of a small home without a corridor: the living room is its spine, and the rooms stand along it."""
+    """Programme and style of a small home without a corridor: all other rooms stand along the living room."""
     others = list(labels)
     others.remove("living room")
     storey = _storey(others, kind.habits, rng, None)

@@ -42,4 +42,4 @@ SIZES: dict[str, RoomSize] = {
     "entrance hall": RoomSize((8.0, 16.0), 2.4),
     "corridor": RoomSize((8.0, 16.0), 2.0),
 }
-"""Sizes of the indoor rooms by label. `outdoors` sizes gardens and balconies, `worlds.stairs` sizes stairs."""
+"""Sizes of the indoor rooms by label, except stairs, whose size `worlds.stairs` computes."""

@@ -1,7 +1,7 @@
 """`StoreyDraft`: the rooms of one storey while its plan is being drawn up, as rectangles in whole centimetres.
 
-A draft knows its rooms by number and keeps them in the frame in which the spine (the corridor) runs east. `draft_storey`
-adds the indoor rooms; `StoreyDraft.layout` names the rooms, turns the plan and converts it to metres.
+A draft knows its rooms by number, and its coordinates are those in which the spine (the corridor) runs east. `draft_storey`
+adds the indoor rooms; `StoreyDraft.layout` names the rooms, mirrors and rotates the plan, and converts it to metres.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ _LEAST_HALL_M2 = {"lobby": 14.0, "entrance hall": 6.0}
 _LONGEST_HALL = 1100
 """Greatest length of an entrance hall or lobby [cm]; a longer hall would be a corridor."""
 _NICHE = 60
-"""Least distance between corners of the spine; smaller niches would be of no use [cm]."""
+"""Least distance between the end of the entrance hall and the stairs, if it is not 0; a smaller niche is useless [cm]."""
 _LEAST_SHARED_WALL = 100
 """Least length of wall that two rooms share if a door is to connect them [cm]."""
 
@@ -39,8 +39,8 @@ class PlacedBay:
     joint: BayRun | None
     """The run (group of bays side by side) that this bay and the bay before it belong to; None: this bay starts a run."""
     wrap: int = 0
-    """Length of the part of the main room that lies beyond the end of the spine (the corridor), where the room bends round
-    that end [cm]; 0: the room does not bend."""
+    """Length of the part that the main room has beyond the end of the spine (the corridor), if the room bends round that
+    end [cm]; 0: the room does not bend."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,9 @@ class StoreyDraft:
 
     rooms: list[DraftRoom] = field(default_factory=list)
     links: list[tuple[int, int, OpeningKind, int | None]] = field(default_factory=list)
-    """Requests for openings: the numbers of the two rooms, kind of opening, seed."""
+    """Requests for openings: the numbers of the two rooms, the kind of opening, and the seed (see `Link.seed`)."""
     gaps: list[tuple[int, int, str, tuple[Corner, Corner]]] = field(default_factory=list)
-    """Openings to stairs, which have positions already: numbers of two rooms, "up" or "down", both ends [cm]."""
+    """Openings to stairs, with positions: numbers of the two rooms (the stairs second), "up" or "down", both ends [cm]."""
 
     def add(self, label: str, rects: Sequence[Rect], seed: int | None = None) -> int:
         """Add a room and return its number."""
@@ -68,11 +68,11 @@ class StoreyDraft:
         return len(self.rooms) - 1
 
     def link(self, a: int, b: int, kind: OpeningKind = "door", seed: int | None = None) -> None:
-        """Request an opening between two rooms, which are given by their numbers."""
+        """Request an opening between two rooms, which are given by their numbers; `seed` is `Link.seed`."""
         self.links.append((a, b, kind, seed))
 
     def nearest(self, room: int, others: Sequence[int]) -> int:
-        """The room among `others` that shares the longest piece of wall with `room`.
+        """The number of the room among `others` that shares the longest piece of wall with `room`.
 
         Raises `WorldsError` if even this piece is too short for a door.
         """
@@ -82,7 +82,10 @@ class StoreyDraft:
         return others[shared.index(max(shared))]
 
     def layout(self, level: int, turn: SquareSymmetry, height_m: float) -> StoreyLayout:
-        """The storey as a layout: mirrored and rotated by `turn`, in metres, with an id for every room."""
+        """The storey as a layout: mirrored and rotated by `turn`, in metres, with an id for every room.
+
+        An id consists of the label, the storey `level` and a number, such as "bedroom 1.2".
+        """
         count: dict[str, int] = {}
         ids, rooms = [], []
         for room in self.rooms:
@@ -107,14 +110,17 @@ def draft_storey(
     slot: BayRun | None,
     cross_apart: bool,
 ) -> tuple[StoreyDraft, list[int]]:
-    """Draw up all indoor rooms of a storey; also returns the number of every bay's host, in the order of `placed`.
+    """Return a draft of all indoor rooms of a storey, and the number of every bay's host, in the order of `placed`.
 
-    1. The spine (corridor) comes first, because everything else gets its door there. It consists of up to three rooms: an
-       entrance hall, the corridor, and the corridor of the second wing (a room of its own if `cross_apart`).
-    2. The stairs follow, with openings to the spine at fixed positions: a flight must begin and end there on every storey.
-    3. Each bay is cut into rooms. Its host is linked to the spine, its carved rooms to the host or the spine, and hosts of
-       one run to each other.
-    4. The room behind the stairs (`slot`), if there is one, is linked to the spine's arms beside the stairs.
+    A bay is a main room, its host, with the small rooms carved from it. To link two rooms is to request an opening.
+
+    1. The spine (corridor) comes first, because almost all other rooms get their doors there. It consists of up to three
+       rooms: an entrance hall, the corridor, and the corridor of the second wing (a room of its own if `cross_apart`).
+    2. The stairs follow. Their openings to the spine are at the same places on every storey, since the flights begin and
+       end there.
+    3. Each bay is cut into rooms. The host is linked to the spine, a small room to the host or the spine, and hosts of the
+       same run (group of bays) to each other, if the run has such openings.
+    4. The room behind the stairs (`slot`), if there is one, is linked to the piece of corridor beside the stairs.
     """
     draft = StoreyDraft()
     spine = _spine(draft, programme, shell, placed, cross_apart)
@@ -131,9 +137,10 @@ def draft_storey(
 def _spine(
     draft: StoreyDraft, programme: StoreyProgramme, shell: Shell, placed: Sequence[PlacedBay], cross_apart: bool
 ) -> list[int]:
-    """Add the rooms of the spine and return their numbers, from west to east; the second wing's spine comes last.
+    """Add the rooms of the spine (corridor); return their numbers, from west to east, the second wing's corridor last.
 
-    The spine ends where the last room along it ends, but not before the stairs or the second wing, so that both open on it.
+    The spine ends where the last room along it ends, but never before the stairs or the second wing, so that it leads to
+    both.
     """
     c, x = shell.depths.spine, shell.passage_start
     reach = [shell.edge(p.band).rect(p.start, 0, p.start + p.width, 0)[2] for p in placed if p.band not in ("west", "east")]
@@ -166,16 +173,20 @@ def _spine(
 
 
 def _stairs_end(shell: Shell) -> int:
-    """Position along the spine where the stairs in the north band end [cm]; far away if no stairs stand there."""
+    """Position along the spine (corridor) where the stairs on its north side end; 10 km if no stairs stand there [cm]."""
     return shell.stairs_start + shell.stairs.front if shell.stairs and not shell.at_end else 10**6
 
 
 def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) -> int:
     """Position along the spine where the entrance hall ends and the corridor begins; 0: no position is suitable [cm].
 
-    It is the westernmost end of a bay that meets these conditions: the hall has its least area, and the corridor a useful
-    length; the cut makes no narrow niche beside the stairs; and every bay whose front it divides, across the spine, has its
-    whole front free and keeps at least 3 m of it on one side, for its door.
+    Every end of a bay (a main room with its small rooms) is a candidate. The westernmost candidate is chosen that meets all
+    conditions:
+
+    - The hall has at least its least area, and the corridor has a useful length.
+    - There is no narrow niche between the end of the hall and the stairs.
+    - If a bay on the other side of the spine lies along both hall and corridor, its main room has the bay's whole front, and
+      at least 3 m of this front lie along one of the two, for the door.
     """
     fronts = []
     for p in placed:
@@ -196,7 +207,7 @@ def _hall_end(hall: str, shell: Shell, placed: Sequence[PlacedBay], end: int) ->
 
 
 def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, storeys: int) -> None:
-    """Add the cell of the stairs, and its openings to the spine for the flights that this storey has."""
+    """Add the room of the stairs, and its openings to the spine (corridor) for the flights up and down from this storey."""
     stairs, edge = shell.stairs, shell.stairs_edge()
     if stairs is None:
         return
@@ -210,7 +221,7 @@ def _stairs(draft: StoreyDraft, shell: Shell, spine: Sequence[int], level: int, 
 
 
 def _bays(draft: StoreyDraft, shell: Shell, placed: Sequence[PlacedBay], spine: Sequence[int]) -> list[int]:
-    """Add the rooms of all bays with their links; returns the number of every bay's host."""
+    """Add the rooms of all bays and request their openings; return the number of every bay's main room (host)."""
     hosts: list[int] = []
     for p in placed:
         bay, depth = p.bay, shell.depths.of(p.band)

@@ -1,4 +1,4 @@
-"""`Symmetry`: a house mirrored, rotated by quarter turns and shifted."""
+"""`Symmetry`: mirrors a house, rotates it by quarter turns and shifts it."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _Gap = TypeVar("_Gap", OpeningSpec, WindowSpec)
 
 @dataclass(frozen=True)
 class Symmetry:
-    """A symmetry of the plan: mirror x if `mirror`, then rotate counter-clockwise about the origin, then shift."""
+    """A symmetry of the plan: negate x if `mirror`, then rotate counter-clockwise about the origin, then shift."""
 
     mirror: bool = False
     quarter_turns: int = 0
@@ -35,15 +35,16 @@ class Symmetry:
         )
 
     def points(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Apply the symmetry to points in W [m]; heights stay."""
+        """Apply the symmetry to points in W [m]; heights do not change."""
         cos, sin = _TURNS[self.quarter_turns % 4]
         x, y = points[:, 0] * (-1.0 if self.mirror else 1.0), points[:, 1]
         return np.stack([cos * x - sin * y + self.shift_m[0], sin * x + cos * y + self.shift_m[1], points[:, 2]], axis=-1)
 
     def yaw(self, yaw: float) -> float:
-        """The image of an object's yaw, in (-pi, pi] [rad].
+        """The yaw of an object after the symmetry, in (-pi, pi] [rad].
 
-        Objects are rotated, never mirrored themselves; the image faces where the symmetry takes the front of the object.
+        The object itself is rotated, but never mirrored. Its front faces the direction to which the symmetry takes the old
+        direction of the front.
         """
         start = -yaw if self.mirror else yaw
         quarters = round(start / _QUARTER)
@@ -54,7 +55,7 @@ class Symmetry:
         return turned * _QUARTER + rest
 
     def house(self, spec: HouseSpec) -> HouseSpec:
-        """The image of a whole house; ids, seeds and heights stay. Furniture is rotated, but not mirrored itself."""
+        """Apply the symmetry to a whole house. Ids, seeds and heights stay; furniture is rotated, but never mirrored."""
         return spec.model_copy(update={"storeys": tuple(self._storey(storey) for storey in spec.storeys)})
 
     def _storey(self, storey: StoreySpec) -> StoreySpec:
@@ -81,9 +82,9 @@ class Symmetry:
 
 
 def in_place(spec: HouseSpec, mirror: bool = False, quarter_turns: int = 0) -> Symmetry:
-    """The symmetry with the shift that keeps the lower left corner of the plan's bounding box in place.
+    """The symmetry of a house whose shift keeps the lower left corner of the plan's bounding box in place.
 
-    With this shift, mirroring twice or rotating by four quarter turns gives the same house again.
+    With this shift, mirroring a house twice or rotating it four times by a quarter turn gives the same house again.
     """
     bare = Symmetry(mirror, quarter_turns)
     before = [corner for storey in spec.storeys for room in storey.rooms for corner in room.polygon_m]

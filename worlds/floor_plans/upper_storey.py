@@ -15,20 +15,20 @@ from worlds.walls import opening_span
 _GROUND_ONLY = frozenset({"garden", "garage"})
 _NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
 _FRONT_M = 0.9
-"""Least distance between a door leaf and the foot of a flight [m]."""
+"""Least distance between a door leaf and the foot of a flight of stairs [m]."""
 _MIN_SHARED_M = 0.7
-"""Least width of the opening at the foot of a flight [m], unless the opening of the flight below is narrower."""
+"""Least width of the opening at the foot of the new flight of stairs [m], unless that of the flight below is narrower."""
 
 
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
-    """A house with a copy of the top storey's plan on top, without gardens and garages; the stairs continue upwards.
+    """The house with another storey on top, a copy of its top storey without gardens and garages; the stairs continue.
 
-    1. Each staircase gets an opening on the present top storey for the new flight, above the opening of the flight below,
-       since all flights of a staircase have the same shape.
+    1. Each staircase gets an opening on the old top storey to the new flight, straight above the opening to the flight
+       below, since all flights of a staircase have the same shape.
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
-    Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of the new flight.
+    Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of a new flight.
     """
     top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
     cells = [room for room in top.rooms if room.label == STAIRS]
@@ -40,7 +40,11 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
 
 def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
-    """The opening on the top storey to the flight up from there, straight above the opening to the flight below."""
+    """The opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
+
+    `cell` is the stairs' room on the top storey, `below` the storey below, and `level` the index of the top storey. Raises
+    `WorldsError` if there is no opening below, or no room in front of the new one.
+    """
     here = sorted(cell.polygon_m)
     lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
     foot = next((o for o in below.openings if lower in o.rooms and o.leads == "up"), None)
@@ -57,7 +61,7 @@ def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> Ope
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
-    """The storey with the openings of the flights up; leaves that would stand in front of these are hung differently."""
+    """The storey with the openings `ups` added; door leaves in front of these are hung differently or removed."""
     rooms = {room.id: room for room in top.rooms}
     openings = [*top.openings, *ups]
     gaps = [OpeningDraft.of(opening, rooms) for opening in openings]
@@ -88,7 +92,7 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:
-    """An id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; long names are cut, ids have 64 characters."""
+    """An unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; names that would be too long are cut."""
     match = _NUMBERED.fullmatch(name)
     stem = match[1] if match else name[:56]
     number = int(match[3]) if match else 1

@@ -29,41 +29,41 @@ Band = Literal["south", "north 0", "north 1", "north 2", "west", "east"]
 BANDS: tuple[Band, ...] = ("south", "north 0", "north 1", "north 2", "west", "east")
 _FROM_THE_EAST: tuple[Band, ...] = ("north 2", "north 1", "north 0")
 _LEAST_STEP = 60
-"""Least difference between the ends of the bands on both sides of a spine; smaller steps are evened out [cm]."""
+"""Least distance between the ends of the two rows of rooms along a corridor; rows that end closer are made equal [cm]."""
 _SHORTEST = 220
-"""Least length of a spine that ends at stairs [cm]."""
+"""Least length of a spine (a corridor) that ends at stairs [cm]."""
 _ARM = 140
 """Width of an arm: a piece of corridor that leads from the spine along a side of the stairs [cm]."""
 
 
 @dataclass(frozen=True)
 class Depths:
-    """Widths of the spines and depths of the bands, all in [cm]; 0: the plan has no spine or band in this place."""
+    """Widths of the spines (corridors) and depths of the bands (rows of rooms) [cm]; 0: the plan has none in this place."""
 
     spine: int
-    """Width of the main spine [cm]."""
+    """Width of the main spine (corridor) [cm]."""
     south: int
-    """Depth of the south band [cm]."""
+    """Depth of the south band (row of rooms) [cm]."""
     north: int = 0
-    """Depth of all three north bands [cm]."""
+    """Depth of all three north bands (rows of rooms) [cm]."""
     cross: int = 0
-    """Width of the second wing's spine [cm]."""
+    """Width of the second wing's spine (corridor) [cm]; 0: no second wing."""
     west: int = 0
-    """Depth of the band along the second wing's west side [cm]."""
+    """Depth of the band (row of rooms) along the second wing's west side [cm]."""
     east: int = 0
-    """Depth of the band along the second wing's east side [cm]."""
+    """Depth of the band (row of rooms) along the second wing's east side [cm]."""
 
     def of(self, band: Band) -> int:
-        """Depth of a band [cm]."""
+        """Depth of a band (row of rooms) [cm]."""
         return {"south": self.south, "west": self.west, "east": self.east}.get(band, self.north)
 
 
 @dataclass(frozen=True)
 class StairsBay:
-    """The space that stairs take along an edge (see `Edge`), in its coordinates u and v [cm].
+    """The space that stairs take beside a corridor, in the coordinates of an `Edge`: u runs along it, v away from it [cm].
 
     The cell is the room of the stairs. L-shaped and straight stairs also need arms: pieces of corridor beside the cell, for
-    the ends of the flights that do not face the spine.
+    those ends of the flights that do not face the corridor.
     """
 
     kind: StairsKind
@@ -72,24 +72,24 @@ class StairsBay:
     width: int
     """Width of the cell, across the first flight [cm]."""
     flipped: bool = False
-    """Whether the stairs are mirrored along u."""
+    """Whether the stairs are mirrored, left for right as seen from the corridor."""
 
     @property
     def front(self) -> int:
-        """Length that the stairs, with their arms, take up along the band [cm]."""
+        """Length of the corridor's side that the stairs and their arms (pieces of corridor beside them) take up [cm]."""
         if self.kind == "straight":
             return self.length + 2 * _ARM
         return self.width + (_ARM if self.kind == "L" else 0)
 
     @property
     def depth(self) -> int:
-        """Depth of the cell, measured away from the spine [cm]."""
+        """Depth of the cell (the room of the stairs), measured away from the corridor [cm]."""
         return self.width if self.kind == "straight" else self.length
 
     def arms(self) -> tuple[tuple[int, int, int, int], ...]:
         """Rectangles (u0, v0, u1, v1) of the arms, the pieces of corridor beside the stairs [cm].
 
-        u runs along the band, the row of rooms beside the corridor; v is the distance from the corridor.
+        u runs along the side of the main corridor, v is the distance from it. U-shaped stairs have no arms.
         """
         match self.kind:
             case "straight":
@@ -101,7 +101,7 @@ class StairsBay:
     def cell(self) -> tuple[int, int, int, int]:
         """Rectangle (u0, v0, u1, v1) of the cell, the room of the stairs [cm].
 
-        u runs along the band, the row of rooms beside the corridor; v is the distance from the corridor.
+        u runs along the side of the main corridor, v is the distance from it.
         """
         match self.kind:
             case "straight":
@@ -111,7 +111,10 @@ class StairsBay:
         return 0, 0, self.width, self.length
 
     def gaps(self) -> tuple[tuple[int, int, int, int], tuple[int, int, int, int]]:
-        """The openings to the flight up and to the flight down, each as a segment (u0, v0, u1, v1) [cm]."""
+        """The openings to the flight up and to the flight down, each as a segment (u0, v0, u1, v1) [cm].
+
+        u runs along the side of the main corridor, v is the distance from it.
+        """
         match self.kind:
             case "straight":
                 up = self._turned((_ARM, 5, _ARM, self.width - 5))
@@ -131,7 +134,7 @@ class StairsBay:
 def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, flipped: bool = False) -> StairsBay:
     """Compute the space that comfortable stairs of a kind take if they rise `rise_m` from floor to floor [m].
 
-    `width_m` is the width of the cell [m]; only U-shaped stairs use it.
+    `width_m` is the width of the cell (the room of the stairs) [m]; only U-shaped stairs use it. None: 2.2 m.
     """
     if kind == "U":
         across = width_m or 2.2
@@ -143,32 +146,32 @@ def stairs_bay(kind: StairsKind, rise_m: float, width_m: float | None = None, fl
 
 @dataclass(frozen=True)
 class Shell:
-    """The part of the plan that all storeys share: spines, bands and stairs."""
+    """The part of the plan that all storeys share: spines (corridors), bands (rows of rooms) and stairs."""
 
     depths: Depths
     lengths: dict[Band, int]
-    """Greatest length of every band over all storeys [cm]."""
+    """Greatest length that every band (row of rooms) has on any storey [cm]."""
     stairs: StairsBay | None = None
     at_end: bool = False
-    """Whether the stairs stand at the main spine's east end rather than in the north band."""
+    """Whether the stairs stand at the east end of the main spine (corridor), and not in the row of rooms to its north."""
 
     @property
     def stairs_start(self) -> int:
-        """The x at which the stairs in the north band begin [cm]."""
+        """The x at which stairs in the north band (the row of rooms north of the main corridor) begin [cm]."""
         return self.lengths["north 0"]
 
     @property
     def passage_start(self) -> int:
-        """The x at which the passage of the second wing's spine through the north band begins [cm]."""
+        """The x at which the second wing's corridor begins, on its way through the north band (a row of rooms) [cm]."""
         in_band = self.stairs.front if self.stairs and not self.at_end else 0
         return self.stairs_start + in_band + self.lengths["north 1"]
 
     @property
     def length(self) -> int:
-        """Length of the main spine, without stairs at its end [cm].
+        """Length of the main spine (corridor), without stairs at its end [cm].
 
-        The spine is as long as the bands along it. If stairs stand at its end, their length is subtracted, but the spine
-        keeps at least the length `_SHORTEST` and the whole passage.
+        The spine is as long as the rows of rooms along it. If stairs stand at its end, their length is subtracted, but the
+        spine stays at least `_SHORTEST` long and reaches past the corridor of the second wing.
         """
         passage_end = self.passage_start + self.depths.cross
         total = max(self.lengths["south"], passage_end + self.lengths["north 2"])
@@ -177,9 +180,10 @@ class Shell:
         return max(_SHORTEST, total - self.stairs.length, passage_end if self.depths.cross else 0)
 
     def flush(self) -> "Shell":
-        """The shell without small steps in its outline.
+        """The shell (the part of the plan that all storeys share) without small steps in its outline.
 
-        Where the bands on both sides of a spine end less than `_LEAST_STEP` apart, the shorter one is lengthened to match.
+        Where the rows of rooms on both sides of a corridor end less than `_LEAST_STEP` apart, the shorter row is lengthened
+        until both end together.
         """
         n = dict(self.lengths)
         step = n["south"] - (self.passage_start + self.depths.cross + n["north 2"])
@@ -193,13 +197,13 @@ class Shell:
         return replace(self, lengths=n)
 
     def reach(self, band: Band, length: int) -> int:
-        """The x of the east end of a band if its length is `length` [cm]; 0 for the bands along the second wing."""
+        """The x of the east end of a band (row of rooms) of this length [cm]; 0 for the bands along the second wing."""
         if band in ("west", "east"):
             return 0
         return self.edge(band).x + length
 
     def edge(self, band: Band) -> Edge:
-        """The line that the rooms of a band stand along."""
+        """The line, with its own coordinates, along which the rooms of a band (row of rooms) stand."""
         c, x = self.depths.spine, self.passage_start
         top = c + self.depths.north
         match band:
@@ -217,15 +221,16 @@ class Shell:
                 return Edge(x + self.depths.cross, top, (0, 1), (1, 0))
 
     def stairs_edge(self) -> Edge:
-        """The line that the stairs stand along."""
+        """The line, with its own coordinates, along which the stairs stand."""
         if self.at_end:
             return Edge(self.length, 0, (0, 1), (1, 0))
         return Edge(self.stairs_start, self.depths.spine, (1, 0), (0, 1))
 
     def slot(self) -> Rect | None:
-        """The space in the north band behind the stairs; None if the space is too shallow for a room or cannot be reached.
+        """The space behind the stairs in the north band (row of rooms); None if no room can be there.
 
-        The space is reached from the arms beside the stairs; U-shaped stairs have no arms, so the result is None for them.
+        A room there is entered from the arms, the pieces of corridor beside the stairs. The result is None without stairs,
+        for stairs at the spine's end, for U-shaped stairs, which have no arms, and if the space is less than 1.75 m deep.
         """
         if self.stairs is None or self.at_end or self.stairs.kind == "U":
             return None
@@ -239,8 +244,8 @@ def distribute(
 ) -> dict[Band, list[BayRun]]:
     """Choose a band (a row of rooms along a corridor) for every run (a group of bays that stay side by side).
 
-    `room` has the planned length of every band [cm]; `kept` gives the bands that are already decided, by the index of
-    the run.
+    `room` has the planned length of every band [cm]. `kept` has the runs whose band is already decided: it maps the index
+    of such a run to its band.
 
     The longest runs come first, because they are the hardest to fit. Each run goes to the band with most length left
     after two deductions: twice the length that is missing if the run is too long for the band, and twice the run's
@@ -262,10 +267,10 @@ def distribute(
 
 
 def _misfit(run: BayRun, depth: int) -> float:
-    """Measure of how badly a run fits a band of the given depth [cm].
+    """Measure of how badly a run (group of rooms) fits a band (row of rooms) of the given depth; 0: a perfect fit [cm].
 
-    In a deep band, it is the run's width in excess of area over depth, because rooms have a least width. In a shallow band,
-    it is the width in excess of 1.8 times the depth for each bay, because longer rooms are too slender.
+    It is the sum of two excess widths. In a deep band, the run gets wider than its area requires, because rooms have a least
+    width. In a shallow band, the run gets wider than 1.8 times the depth per main room, so that the rooms are too slender.
     """
     wanted = sum(sum(bay.areas) for bay in run.bays) * 1e4 / depth
     return run_width(run, depth) - wanted + max(0.0, wanted - 1.8 * depth * len(run.bays))

@@ -1,6 +1,6 @@
-"""Furniture: a catalogue of kinds that declare what they are, and a placer that reads the declarations.
+"""Furniture: a catalogue of kinds, each declared by a function, and the placement of pieces of these kinds in rooms.
 
-To add a kind, write one function in the module of its theme (or a new module, named in `catalogue._THEMES`)::
+To add a kind, write one function in the module of its theme, or in a new module that is listed in `catalogue._THEMES`::
 
     @furniture(
         "longcase clock", width=(0.4, 0.5), depth=(0.25, 0.3), height=(1.9, 2.1), rooms={"living room": 0.2}, clearance=0.5
@@ -12,8 +12,9 @@ To add a kind, write one function in the module of its theme (or a new module, n
             ball(about(0.0, 0.28), (s.front - 0.02, s.front), about(s.height - 0.25, 0.28), WHITE),
         )
 
-`rooms` says how many pieces a room has: 0.2 is an expected number, (1, 2) is a range for rooms that always have some, and
-`PerClutter(0.5)` is for pieces that only cluttered rooms have. Placement, truth, rendering and tests use the catalogue.
+`rooms` says how many pieces a room has, by its label: 0.2 is an expected number, (1, 2) is the least and the greatest
+number, and `PerClutter(0.5)` is for pieces that only cluttered rooms have. Placement, truth, rendering and tests use the
+catalogue.
 """
 
 import lazy_loader

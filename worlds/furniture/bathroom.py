@@ -20,7 +20,7 @@ _WATER = (0.6, 0.8, 0.88)
     clearance=0.5,
 )
 def bathtub(s: Size, rng: Generator) -> Parts:
-    """A bathtub: a rim around the water, and a tap."""
+    """A bathtub full of water, with a tap, and a towel over the rim."""
     rim, white = 0.56, pick(rng, WHITES)
     x, y = s.x, s.y
     return (
@@ -44,7 +44,7 @@ def bathtub(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def shower(s: Size, rng: Generator) -> Parts:
-    """A shower: a tray between framed glass walls, with a shower head."""
+    """A shower: a tray, two glass walls in a metal frame, a tiled back wall and a shower head."""
     frame = pick(rng, (CHROME, BLACK))
     posts = [
         box(x, y, s.z, frame, "metal")
@@ -133,7 +133,7 @@ def hand_basin(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.12, 1.2), above=("washbasin", "hand basin")),
 )
 def bathroom_mirror(s: Size, rng: Generator) -> Parts:
-    """A framed mirror with a light over it."""
+    """A framed mirror with a light above it."""
     frame = pick(rng, (CHROME, BLACK, *WOODS))
     return (
         box(s.x, (s.back, s.front - 0.01), (0.0, s.height - 0.05), frame),
@@ -151,7 +151,7 @@ def bathroom_mirror(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.75, 0.95)),
 )
 def towel_rail(s: Size, rng: Generator) -> Parts:
-    """A heated rail with towels."""
+    """A towel rail: three metal bars with two towels."""
     rails = [
         box(s.x, (s.back, s.back + 0.04), (z, z + 0.03), CHROME, "metal") for z in (0.0, 0.45 * s.height, s.height - 0.03)
     ]

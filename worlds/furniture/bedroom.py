@@ -45,7 +45,7 @@ def double_bed(s: Size, rng: Generator) -> Parts:
     clearance=0.3,
 )
 def single_bed(s: Size, rng: Generator) -> Parts:
-    """A single bed: a painted frame with a coloured cover."""
+    """A single bed: a frame with a coloured cover and one pillow."""
     frame = pick(rng, (WHITE, *BRIGHT, *WOODS))
     return (
         box(s.x, (s.back + 0.05, s.front), (0.12, 0.28), frame, "wood"),
@@ -104,7 +104,7 @@ def nightstand(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def wardrobe(s: Size, rng: Generator) -> Parts:
-    """A wardrobe with two to four doors; sometimes one is a mirror."""
+    """A wardrobe with two to four doors; sometimes one door has a mirror."""
     wood = pick(rng, (*WOODS, WHITE, *FRONTS[1:4]))
     columns = max(2, round(s.width / 0.5))
     doors = fronts(s.x, (0.08, s.height - 0.04), s.front - 0.005, columns, 1, wood, STEEL)
@@ -133,7 +133,7 @@ def wardrobe(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def dresser(s: Size, rng: Generator) -> Parts:
-    """A chest of drawers."""
+    """A chest of drawers: eight drawers in two columns."""
     wood = pick(rng, (*WOODS, WHITE))
     return (
         box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"),
@@ -143,7 +143,7 @@ def dresser(s: Size, rng: Generator) -> Parts:
 
 @furniture("vanity", width=(0.9, 1.1), depth=(0.42, 0.48), height=(1.4, 1.5), rooms={"bedroom": 0.3}, clearance=0.6)
 def vanity(s: Size, rng: Generator) -> Parts:
-    """A dressing table with a round mirror and bottles."""
+    """A dressing table with drawers, a mirror and bottles."""
     wood = pick(rng, (WHITE, *WOODS))
     table = Size(s.width, s.depth, 0.76)
     return (
@@ -326,7 +326,7 @@ def toy_ball(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def play_tent(s: Size, rng: Generator) -> Parts:
-    """A tepee."""
+    """A play tent for children: a cone of cloth, with a mat in front."""
     cloth = pick(rng, (*BRIGHT, *LINEN))
     return (
         cone(s.x, s.y, s.z, cloth, "fabric"),
@@ -338,7 +338,7 @@ def play_tent(s: Size, rng: Generator) -> Parts:
     "small desk", width=(0.9, 1.1), depth=(0.5, 0.6), height=(0.6, 0.7), rooms={"children's room": 0.7}, clearance=0.7
 )
 def small_desk(s: Size, rng: Generator) -> Parts:
-    """A child's desk with drawings on it."""
+    """A child's desk with a drawing on it."""
     frame = pick(rng, (WHITE, *WOODS))
     return (
         box(s.x, s.y, (s.height - 0.035, s.height - 0.004), frame, "wood"),
@@ -356,7 +356,7 @@ def small_desk(s: Size, rng: Generator) -> Parts:
     place=Around(("small desk",), "front"),
 )
 def small_chair(s: Size, rng: Generator) -> Parts:
-    """A bright, low chair."""
+    """A low chair for children, painted in a bright colour."""
     paint = pick(rng, BRIGHT)
     return (
         *legs(s, 0.32, 0.04, paint, margin=0.0),
@@ -374,7 +374,7 @@ def small_chair(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.4, 1.7)),
 )
 def letters(s: Size, rng: Generator) -> Parts:
-    """A garland of coloured flags."""
+    """A garland of coloured flags with printed letters."""
     flags = [
         box(inset(x, 0.01), s.y, (s.height * rng.uniform(0.0, 0.4), s.height - 0.02), pick(rng, BRIGHT), "label")
         for x in split(s.x, 7, 0.02)

@@ -1,4 +1,4 @@
-"""Things that pile up in cluttered rooms. They appear only if `clutter` is above 1, its value in a usual home."""
+"""Things that pile up in cluttered rooms. They appear only if `clutter` is above 1, which is its value in a usual home."""
 
 from numpy.random import Generator
 
@@ -36,7 +36,7 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, PerClutter]:
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
 )
 def box_pile(s: Size, rng: Generator) -> Parts:
-    """Removal boxes that were never unpacked, each a little askew."""
+    """A stack of removal boxes that are not quite aligned."""
     boxes: list[Part] = []
     for z in split(s.z, max(2, round(s.height / 0.33)), 0.004):
         left, right, back, front = rng.uniform(0.0, 0.07, 4)
@@ -55,7 +55,7 @@ def box_pile(s: Size, rng: Generator) -> Parts:
     place=OnFloor(),
 )
 def book_pile(s: Size, rng: Generator) -> Parts:
-    """Books stacked on the floor."""
+    """A stack of books on the floor."""
     books: list[Part] = []
     for z in split(s.z, max(5, round(s.height / 0.045))):
         left, right, back, front = rng.uniform(0.0, 0.05, 4)
@@ -92,7 +92,7 @@ def newspapers(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(),
 )
 def carrier_bags(s: Size, rng: Generator) -> Parts:
-    """Full bags that lean on each other."""
+    """Two full carrier bags, side by side."""
     bags: list[Part] = []
     for x in split(s.x, 2, 0.01):
         colour, top = pick(rng, (*BRIGHT, WHITE)), s.height * rng.uniform(0.6, 0.85)
@@ -137,7 +137,7 @@ def heap_of_clothes(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def scattered_toys(s: Size, rng: Generator) -> Parts:
-    """Cars, blocks and balls scattered over the floor."""
+    """Toys scattered over the floor: blocks, balls and cylinders."""
     toys: list[Part] = []
     for i, x in enumerate(split(s.x, 4)):
         for j, y in enumerate(split(s.y, 3)):
@@ -182,7 +182,7 @@ def empty_bottles(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def shoes(s: Size, rng: Generator) -> Parts:
-    """Pairs of shoes along the wall, with their toes to the room."""
+    """A row of pairs of shoes along the wall; the toes point into the room."""
     pairs: list[Part] = []
     for x in split(s.x, max(3, round(s.width / 0.22)), 0.03):
         leather = pick(rng, (*UPHOLSTERY, *BRIGHT, WHITE))
@@ -203,7 +203,7 @@ def shoes(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(),
 )
 def flower_pots(s: Size, rng: Generator) -> Parts:
-    """A row of pots, some with more leaves than others."""
+    """A row of flower pots with plants of different heights."""
     pots: list[Part] = []
     for x in split(s.x, max(2, round(s.width / 0.2)), 0.01):
         top = s.height * rng.uniform(0.75, 1.0)
@@ -235,7 +235,7 @@ def flower_pots(s: Size, rng: Generator) -> Parts:
     ),
 )
 def stowed_boxes(s: Size, rng: Generator) -> Parts:
-    """A box with a lid, stowed on top of a high piece."""
+    """A box with a lid, on top of a high piece of furniture."""
     paint = pick(rng, (CARDBOARD, *BRIGHT, *LINEN))
     return (
         box(inset(s.x, 0.01), inset(s.y, 0.01), (0.0, s.height - 0.05), paint, "label"),
@@ -253,7 +253,7 @@ def stowed_boxes(s: Size, rng: Generator) -> Parts:
     place=OnTop(_TOPS),
 )
 def odds_and_ends(s: Size, rng: Generator) -> Parts:
-    """Letters, tins, a book and a cup, as they collect on any free surface."""
+    """Papers, tins, boxes and books, as they collect on any free surface."""
     things: list[Part] = [box(inset(s.x, 0.03), inset(s.y, 0.02), (0.0, 0.02), PAPER, "scribble")]
     for x in split(s.x, 3, 0.01):
         for y in split(s.y, 2, 0.01):

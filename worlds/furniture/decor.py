@@ -1,4 +1,4 @@
-"""Things found in many kinds of rooms: pictures, windows, curtains, plants, lamps, clocks."""
+"""Things found in many kinds of rooms: pictures, plants, lamps, clocks, radiators; and the parts of windows."""
 
 from numpy.random import Generator
 
@@ -43,7 +43,7 @@ _TABLES = (
 
 
 def window(s: Size, rng: Generator) -> Parts:
-    """A window: a pale sky above foliage in a frame with a mullion and a sill, sometimes with curtains."""
+    """A window with a sill and two panes that show a pale view above foliage. Some windows have curtains."""
     frame, front = pick(rng, (*WHITES, *WOODS[:2])), s.front - 0.03
     view = (0.62, 0.74, 0.6) if rng.random() < 0.3 else SKY
     return (
@@ -82,7 +82,7 @@ def _curtains(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.2, 1.55)),
 )
 def picture(s: Size, rng: Generator) -> Parts:
-    """A painting in a frame, with or without a mount."""
+    """A painting in a frame, sometimes with a white border (mount) around it."""
     rim = rng.uniform(0.02, 0.06)
     mount = (box(inset(s.x, rim), (s.back, s.front - 0.006), inset(s.z, rim), WHITE),) if rng.random() < 0.5 else ()
     inner = rim + (0.05 if mount else 0.0)
@@ -221,7 +221,7 @@ def plant(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_TABLES, "kitchen counter", "bathroom stool", "bookshelf")),
 )
 def potted_plant(s: Size, rng: Generator) -> Parts:
-    """A small potted plant, in leaf or in flower."""
+    """A small potted plant, with or without flowers."""
     bloom = [
         ball(about(x, 0.06), about(y, 0.06), (s.height - 0.08, s.height - 0.02), pick(rng, BRIGHT))
         for x, y in ((-0.04, 0.04), (0.05, 0.02), (0.0, -0.04))
@@ -264,7 +264,7 @@ def vase(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_TABLES, "nightstand", "piano"), "back"),
 )
 def photo_frame(s: Size, rng: Generator) -> Parts:
-    """A framed family portrait."""
+    """A small framed picture that stands on a piece of furniture."""
     return (
         box(s.x, (s.back, s.front - 0.02), s.z, pick(rng, _FRAMES), "wood"),
         box(inset(s.x, 0.02), (s.front - 0.02, s.front - 0.015), inset(s.z, 0.02), WHITE, "picture"),
@@ -317,7 +317,7 @@ def ceiling_lamp(s: Size, rng: Generator) -> Parts:
     place=OnCeiling(),
 )
 def ceiling_light_panel(s: Size, rng: Generator) -> Parts:
-    """A bright ceiling panel with a louvre."""
+    """A bright light panel under the ceiling, behind three metal bars."""
     return (
         box(s.x, s.y, (0.015, s.height), WHITE),
         box(inset(s.x, 0.03), inset(s.y, 0.03), (0.005, 0.02), LAMP),
@@ -353,7 +353,7 @@ def radiator(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.9, 1.1)),
 )
 def tapestry(s: Size, rng: Generator) -> Parts:
-    """A woven hanging on a rod."""
+    """A decorated cloth that hangs from a rod on the wall."""
     cloth, band = pick(rng, UPHOLSTERY), pick(rng, (*BRIGHT, *LINEN))
     return (
         box(s.x, s.y, (s.height - 0.03, s.height), pick(rng, DARK_WOODS), "wood"),

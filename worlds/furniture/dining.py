@@ -17,7 +17,7 @@ from worlds.furniture.shapes import about, ball, box, cone, cylinder, fronts, in
     place=OnFloor("centre"),
 )
 def dining_table(s: Size, rng: Generator) -> Parts:
-    """A dining table on legs or a pedestal, sometimes with a cloth."""
+    """A dining table on legs or a pedestal, sometimes with a table cloth."""
     wood, top = pick(rng, WOODS), (s.height - 0.04, s.height)
     if rng.random() < 0.35:
         cloth = pick(rng, LINEN)
@@ -140,7 +140,7 @@ def candlestick(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def sideboard(s: Size, rng: Generator) -> Parts:
-    """A sideboard: doors under a long top."""
+    """A sideboard: a long, low cabinet with four doors, on legs."""
     wood = pick(rng, WOODS)
     return (
         *legs(s, 0.12, 0.05, wood),
@@ -158,7 +158,7 @@ def sideboard(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def china_cabinet(s: Size, rng: Generator) -> Parts:
-    """A cabinet with dishes behind glass, above wooden doors."""
+    """A cabinet with dishes on open shelves, above wooden doors."""
     wood = pick(rng, DARK_WOODS)
     upper = Size(s.width, s.depth - 0.08, s.height - 0.8)
     shelves = (*shelf_unit(upper, 3, wood), *stocked(upper, 3, ("ceramic", "glass", "food"), WHITE, rng, fill=1.0))
@@ -174,7 +174,7 @@ def china_cabinet(s: Size, rng: Generator) -> Parts:
     "chandelier", width=(0.6, 0.8), depth=(0.6, 0.8), height=(0.55, 0.7), rooms={"dining room": (1, 1)}, place=OnCeiling()
 )
 def chandelier(s: Size, rng: Generator) -> Parts:
-    """A chandelier with six candles on a ring, or three pendant shades."""
+    """A chandelier: four lamps on a cross of bars, or one lamp in a cone of cloth."""
     metal = pick(rng, (BLACK, STEEL, (0.8, 0.65, 0.25)))
     rod = cylinder(about(0.0, 0.03), about(0.0, 0.03), (0.12, s.height), metal, "metal")
     if rng.random() < 0.5:

@@ -15,7 +15,7 @@ Covering = tuple[str, Colour]
 
 @dataclass(frozen=True)
 class Finish:
-    """The coverings of one room."""
+    """The coverings (pattern and colour) of the floor, the walls and the ceiling of a room."""
 
     floor: Covering
     wall: Covering
@@ -111,7 +111,7 @@ _WALLS: dict[str, _Choice] = {
 
 
 def finish_of(label: str, rng: Generator) -> Finish:
-    """Draw the coverings of a room with `label`. Raises `WorldsError` for an unknown label."""
+    """Draw the coverings of a room with `label` at random. Raises `WorldsError` for an unknown label."""
     if label not in ROOM_LABELS:
         raise WorldsError(f"unknown room label {label!r}; valid: {', '.join(ROOM_LABELS)}")
     ceiling = _SKY if label in ("garden", "balcony") else _CEILING

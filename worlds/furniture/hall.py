@@ -36,7 +36,7 @@ def shoe_rack(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.65, 0.75)),
 )
 def coat_hooks(s: Size, rng: Generator) -> Parts:
-    """A board of hooks with coats, bags and hats."""
+    """A board of hooks with coats."""
     coats = [
         box(
             inset(x, 0.02),
@@ -63,7 +63,7 @@ def coat_hooks(s: Size, rng: Generator) -> Parts:
     rooms={"corridor": 0.7, "entrance hall": (1, 1), "lobby": 0.5},
 )
 def console_table(s: Size, rng: Generator) -> Parts:
-    """A narrow table with a lower shelf."""
+    """A narrow table with two baskets on a lower shelf."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.03, s.height), wood, "wood"),
@@ -102,7 +102,7 @@ def umbrella_stand(s: Size, rng: Generator) -> Parts:
     rooms={"corridor": 0.1, "entrance hall": (1, 1), "gym": 0.7},
 )
 def hall_bench(s: Size, rng: Generator) -> Parts:
-    """A bench: a seat above baskets."""
+    """A bench with a padded seat above two baskets."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.1, s.height - 0.06), wood, "wood"),
@@ -125,7 +125,7 @@ def hall_bench(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def runner(s: Size, rng: Generator) -> Parts:
-    """A long rug with three diamonds."""
+    """A long rug (a runner) with three ovals."""
     rim, field = pick(rng, UPHOLSTERY), pick(rng, UPHOLSTERY)
     return (
         box(s.x, s.y, (0.0, 0.008), rim, "fabric"),
@@ -144,7 +144,7 @@ def runner(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def door_mat(s: Size, rng: Generator) -> Parts:
-    """A coir mat with a border."""
+    """A door mat of coconut fibre with a black border."""
     return (
         box(s.x, s.y, (0.0, 0.012), BLACK, "carpet"),
         box(inset(s.x, 0.04), inset(s.y, 0.04), (0.0, s.height), (0.55, 0.42, 0.28), "carpet"),
@@ -160,7 +160,7 @@ def door_mat(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.3, 1.5)),
 )
 def key_board(s: Size, rng: Generator) -> Parts:
-    """A board of hooks with keys."""
+    """A small board on which keys hang."""
     keys = [
         box(inset(x, 0.015), (s.back + 0.02, s.front), (0.02, 0.6 * s.height), pick(rng, (CHROME, *BRIGHT)), "metal")
         for x in split(inset(s.x, 0.02), 5)
@@ -177,7 +177,7 @@ def key_board(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.25, 0.4)),
 )
 def standing_mirror(s: Size, rng: Generator) -> Parts:
-    """A full-length, framed mirror."""
+    """A framed mirror on the wall, in which a person sees the whole body."""
     return (
         box(s.x, (s.back, s.front - 0.01), s.z, pick(rng, (*WOODS, BLACK, CHROME)), "wood"),
         box(inset(s.x, 0.05), (s.front - 0.01, s.front), inset(s.z, 0.05), GLASS, "glass"),

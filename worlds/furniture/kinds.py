@@ -17,7 +17,7 @@ Parts = tuple[Part, ...]
 
 @dataclass(frozen=True)
 class PerClutter:
-    """The number of pieces of a kind that only cluttered rooms have."""
+    """The number of pieces, for a kind of furniture that only cluttered rooms have."""
 
     per_clutter: float
     """Expected number of pieces per unit of clutter above 1.
@@ -97,7 +97,7 @@ class OnFloor:
 
 @dataclass(frozen=True)
 class Around:
-    """Placement on the floor, facing another piece (the host) of a kind in `hosts`. `Kind.rooms` is the number per host."""
+    """Placement on the floor, facing another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
     side: Literal["all", "front"] = "all"
@@ -108,7 +108,7 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` is the number per host."""
+    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
@@ -144,12 +144,12 @@ class Kind:
     height: Range
     """Range of heights [m]."""
     rooms: Mapping[str, Count]
-    """Number of pieces, by room label."""
+    """Number of pieces in a room, by the room's label. Rooms with other labels have no such piece."""
     build: Build
-    """Function (size, generator) -> parts of a piece; all parts lie inside the box of that size."""
+    """Function (size, generator) -> parts of a piece; all parts must lie inside the box of the given size."""
     place: Place = AgainstWall()
     solid: bool = True
-    """Whether a person cannot walk through the piece."""
+    """Whether the piece blocks a walking person; a rug, for example, does not."""
     clearance: float = 0.0
     """Depth of the floor in front of the piece that stays free [m]."""
 

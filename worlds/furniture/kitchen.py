@@ -83,7 +83,7 @@ def kitchen_sink(s: Size, rng: Generator) -> Parts:
     clearance=0.8,
 )
 def stove(s: Size, rng: Generator) -> Parts:
-    """A stove: an oven with a window and knobs, and four rings on top."""
+    """A stove: an oven with a window and knobs, and four hotplates on top."""
     body = pick(rng, (WHITE, STEEL, BLACK))
     rings = [
         cylinder(about(x, 0.18), about(y, 0.18), (s.height - 0.015, s.height), METALS[1])
@@ -112,7 +112,7 @@ def stove(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def fridge(s: Size, rng: Generator) -> Parts:
-    """A fridge above a freezer, with magnets and notes on the door."""
+    """A fridge above a freezer, with notes on the door."""
     body = pick(rng, (WHITE, WHITE, STEEL, (0.76, 0.2, 0.18), (0.6, 0.78, 0.74)))
     split_z = s.height * rng.uniform(0.3, 0.42)
     notes = [
@@ -145,7 +145,7 @@ def fridge(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def dishwasher(s: Size, rng: Generator) -> Parts:
-    """A dishwasher with a white or steel front and a display strip."""
+    """A dishwasher with a white or steel front and a strip of buttons."""
     body = pick(rng, (WHITE, STEEL))
     return (
         box(s.x, (s.back, s.front - 0.02), (0.0, s.height - 0.04), body, "metal"),
@@ -164,7 +164,7 @@ def dishwasher(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.42, 1.5), above=("kitchen counter", "kitchen sink", "dishwasher")),
 )
 def upper_cabinet(s: Size, rng: Generator) -> Parts:
-    """Wall cupboards; some have glass doors or open shelves with dishes."""
+    """A wall cupboard with two doors, or sometimes with open shelves of food and dishes."""
     front = pick(rng, FRONTS)
     if rng.random() < 0.3:
         return (*shelf_unit(s, 2, front), *stocked(s, 2, ("food", "ceramic"), WHITE, rng))
@@ -181,7 +181,7 @@ def upper_cabinet(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.55, 1.65), above=("stove",)),
 )
 def cooker_hood(s: Size, rng: Generator) -> Parts:
-    """A steel hood with its flue."""
+    """A metal cooker hood with its flue."""
     steel = pick(rng, METALS)
     return (
         box(s.x, s.y, (0.0, 0.08), steel, "metal"),
@@ -234,7 +234,7 @@ def bar_stool(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",), "back"),
 )
 def microwave(s: Size, rng: Generator) -> Parts:
-    """A microwave with its window on the left and buttons on the right."""
+    """A microwave oven: a window beside a panel of buttons."""
     return (
         box(s.x, (s.back, s.front - 0.02), s.z, pick(rng, (WHITE, BLACK, STEEL)), "metal"),
         box((s.left + 0.03, s.right - 0.14), (s.front - 0.03, s.front), inset(s.z, 0.04), BLACK, "glass"),
@@ -283,7 +283,7 @@ def toaster(s: Size, rng: Generator) -> Parts:
     place=OnTop(("kitchen counter",), "back"),
 )
 def dish_rack(s: Size, rng: Generator) -> Parts:
-    """A wire tray with plates on edge."""
+    """A tray with plates that stand upright."""
     plates = [
         box(
             about(x, 0.02),
@@ -397,7 +397,7 @@ def pan_rail(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def pantry_shelf(s: Size, rng: Generator) -> Parts:
-    """Shelves full of packets, tins and jars."""
+    """Shelves full of packets, bottles and jars."""
     return (*shelf_unit(s, 5, pick(rng, WOODS)), *stocked(s, 5, ("food",), WHITE, rng, fill=0.95))
 
 
@@ -409,7 +409,7 @@ def pantry_shelf(s: Size, rng: Generator) -> Parts:
     rooms={"pantry": (1, 2), "storage room": 0.7, "garage": 0.6},
 )
 def crate(s: Size, rng: Generator) -> Parts:
-    """A slatted box of bottles or vegetables."""
+    """A slatted wooden box of fruit or vegetables."""
     wood = pick(rng, WOODS)
     slats = [box(s.x, s.y, z, wood, "wood") for z in split((0.0, s.height - 0.06), 3, 0.03)]
     goods = [ball(x, inset(s.y, 0.04), (s.height - 0.16, s.height), pick(rng, BRIGHT)) for x in split(inset(s.x, 0.03), 3)]

@@ -103,7 +103,7 @@ def coffee_table(s: Size, rng: Generator) -> Parts:
     clearance=0.8,
 )
 def tv_stand(s: Size, rng: Generator) -> Parts:
-    """A TV stand with drawers and a shelf for players."""
+    """A low TV stand: two doors beside a row of black devices."""
     wood = pick(rng, (*WOODS, WHITE, BLACK))
     return (
         box(s.x, (s.back, s.front - 0.025), s.z, wood, "wood"),
@@ -165,7 +165,7 @@ def bookshelf(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def rug(s: Size, rng: Generator) -> Parts:
-    """A rug with a border, a field and a medallion."""
+    """A rug with a border, and an oval in the middle."""
     rim, field = pick(rng, UPHOLSTERY), pick(rng, (*LINEN, *UPHOLSTERY))
     return (
         box(s.x, s.y, (0.0, 0.008), rim, "fabric"),
@@ -218,7 +218,7 @@ def fireplace(s: Size, rng: Generator) -> Parts:
 
 @furniture("piano", width=(1.35, 1.5), depth=(0.56, 0.64), height=(1.05, 1.25), rooms={"living room": 0.2}, clearance=0.7)
 def piano(s: Size, rng: Generator) -> Parts:
-    """An upright piano."""
+    """An upright piano with keys and a sheet of music."""
     black = pick(rng, DARK_WOODS)
     return (
         box(s.x, (s.back, s.back + 0.32), s.z, black, "wood"),
@@ -240,7 +240,7 @@ def piano(s: Size, rng: Generator) -> Parts:
     rooms={"living room": 0.6, "lobby": 0.5, "library": 0.4},
 )
 def side_table(s: Size, rng: Generator) -> Parts:
-    """A side table: a round top on a tripod."""
+    """A side table: a round top on a column with a conical foot."""
     wood = pick(rng, WOODS)
     return (
         cylinder(s.x, s.y, (s.height - 0.03, s.height), wood, "wood"),
@@ -258,7 +258,7 @@ def side_table(s: Size, rng: Generator) -> Parts:
     place=OnTop(("side table", "nightstand", "sideboard", "console table")),
 )
 def table_lamp(s: Size, rng: Generator) -> Parts:
-    """A table lamp: a shade on a vase."""
+    """A table lamp: a shade on a round ceramic base."""
     return (
         cylinder(inset(s.x, 0.07), inset(s.y, 0.07), (0.0, 0.2), pick(rng, (*BRIGHT, *WHITES)), "ceramic"),
         cone(s.x, s.y, (0.16, s.height), pick(rng, (LAMP, *LINEN)), "fabric"),
@@ -290,7 +290,7 @@ def game_console(s: Size, rng: Generator) -> Parts:
     place=OnTop(("coffee table", "side table", "nightstand", "desk", "reading table")),
 )
 def magazines(s: Size, rng: Generator) -> Parts:
-    """A pile of magazines, each a little askew."""
+    """A pile of magazines of slightly different sizes."""
     return tuple(
         box(inset(s.x, rng.uniform(0.0, 0.04)), inset(s.y, rng.uniform(0.0, 0.04)), z, pick(rng, BRIGHT), "picture")
         for z in split(s.z, 4)

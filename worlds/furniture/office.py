@@ -26,7 +26,7 @@ _DESKS = ("desk", "double desk")
     clearance=0.85,
 )
 def desk(s: Size, rng: Generator) -> Parts:
-    """A desk: a top on metal legs with a block of drawers."""
+    """A desk: a top on metal legs, and a block of three drawers below."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
     return (
         box(s.x, s.y, (s.height - 0.035, s.height), top, "wood"),
@@ -46,7 +46,7 @@ def desk(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def double_desk(s: Size, rng: Generator) -> Parts:
-    """Two desks face to face with a screen between them."""
+    """Two desks face to face, with a cloth partition between them below the desk tops."""
     top, frame = pick(rng, (*WOODS, WHITE)), pick(rng, METALS)
     return (
         *(box(s.x, y, (s.height - 0.035, s.height), top, "wood") for y in split(s.y, 2, 0.03)),
@@ -71,7 +71,7 @@ def double_desk(s: Size, rng: Generator) -> Parts:
     place=Around(_DESKS, "front"),
 )
 def office_chair(s: Size, rng: Generator) -> Parts:
-    """An office chair with five castors, a gas spring and arm rests."""
+    """An office chair with arm rests, on a column with a cross-shaped foot."""
     cloth = pick(rng, (BLACK, BLACK, *UPHOLSTERY))
     return (
         box(s.x, about(0.0, 0.06), (0.03, 0.08), BLACK),
@@ -155,7 +155,7 @@ def laptop(s: Size, rng: Generator) -> Parts:
     place=OnTop((*_DESKS, "small desk", "reading table"), "back"),
 )
 def desk_lamp(s: Size, rng: Generator) -> Parts:
-    """A desk lamp: an arm on a foot."""
+    """A desk lamp: a lamp on a bent arm with a round foot."""
     paint = pick(rng, (*BRIGHT, BLACK))
     return (
         cylinder(s.x, (s.back, s.back + s.width), (0.0, 0.025), paint, "metal"),
@@ -208,7 +208,7 @@ def mug(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def file_cabinet(s: Size, rng: Generator) -> Parts:
-    """A cabinet of steel drawers with label holders."""
+    """A cabinet of four steel drawers with paper labels."""
     steel = pick(rng, (GREY, STEEL, (0.36, 0.42, 0.4)))
     tags = [
         box(about(-0.08, 0.08), (s.front - 0.006, s.front - 0.002), about(z, 0.04), PAPER, "label")
@@ -231,7 +231,7 @@ def file_cabinet(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def binder_shelf(s: Size, rng: Generator) -> Parts:
-    """Grey shelves with ring binders and boxes."""
+    """Metal shelves with ring binders and boxes."""
     return (
         *shelf_unit(s, 5, pick(rng, (GREY, WHITE, STEEL)), "metal"),
         *stocked(s, 5, ("books", "label"), (0.62, 0.66, 0.74), rng, fill=0.9),
@@ -266,7 +266,7 @@ def whiteboard(s: Size, rng: Generator) -> Parts:
     place=OnFloor("centre"),
 )
 def meeting_table(s: Size, rng: Generator) -> Parts:
-    """A meeting table: a long top on two slabs."""
+    """A meeting table: a long top on two metal panels."""
     wood = pick(rng, (*WOODS, WHITE))
     return (
         box(s.x, s.y, (s.height - 0.05, s.height), wood, "wood"),
@@ -287,7 +287,7 @@ def meeting_table(s: Size, rng: Generator) -> Parts:
     place=Around(("meeting table",)),
 )
 def conference_chair(s: Size, rng: Generator) -> Parts:
-    """A conference chair: a shell on a steel frame."""
+    """A conference chair: a padded seat and back on steel legs."""
     cloth = pick(rng, (BLACK, UPHOLSTERY[1], UPHOLSTERY[0]))
     return (
         *legs(s, 0.44, 0.03, CHROME, "metal"),
@@ -321,7 +321,7 @@ def wall_screen(s: Size, rng: Generator) -> Parts:
     clearance=0.7,
 )
 def photocopier(s: Size, rng: Generator) -> Parts:
-    """A photocopier with paper trays, a control panel and a feeder."""
+    """A photocopier with paper trays, a control panel and a document feeder."""
     body = pick(rng, (WHITE, (0.8, 0.8, 0.78), GREY))
     return (
         box(inset(s.x, 0.05), (s.back, s.front - 0.04), (0.0, 0.86), body),
@@ -354,7 +354,7 @@ def printer(s: Size, rng: Generator) -> Parts:
     "copy counter", width=(1.2, 1.8), depth=(0.5, 0.6), height=(0.88, 0.95), rooms={"print room": (1, 2)}, clearance=0.6
 )
 def copy_counter(s: Size, rng: Generator) -> Parts:
-    """A work surface above pigeon holes of paper."""
+    """A work surface above open compartments with paper."""
     tone = pick(rng, (WHITE, *WOODS))
     return (*shelf_unit(s, 3, tone), *stocked(s, 3, ("label", "plain"), PAPER, rng, fill=0.95))
 

@@ -62,7 +62,7 @@ def hedge(s: Size, rng: Generator) -> Parts:
 
 @furniture("flower bed", width=(1.2, 2.2), depth=(0.5, 0.8), height=(0.35, 0.55), rooms={"garden": (2, 3), "balcony": 0.3})
 def flower_bed(s: Size, rng: Generator) -> Parts:
-    """A bed of soil behind an edging, with flowers."""
+    """A flower bed: soil with flowers inside an edging."""
     edge, low = pick(rng, (*STONES, *WOODS)), 0.16
     flowers: list[Part] = []
     for x in split(inset(s.x, 0.08), 6):
@@ -166,7 +166,7 @@ def barbecue(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def planter(s: Size, rng: Generator) -> Parts:
-    """A tub with a shrub in flower."""
+    """A tub with a flowering shrub."""
     green, tub = pick(rng, _GREENS), pick(rng, (TERRACOTTA, TERRACOTTA, *STONES))
     return (
         box(inset(s.x, 0.04), inset(s.y, 0.04), (0.0, 0.34), tub, "plaster"),

@@ -1,4 +1,4 @@
-"""The colours of furniture. There are few on purpose: pieces with the same material and colour share a texture."""
+"""The colours of furniture. There are only few colours, because pieces with the same material and colour share a texture."""
 
 from collections.abc import Sequence
 
@@ -56,5 +56,5 @@ STONES: tuple[Colour, ...] = ((0.3, 0.3, 0.32), (0.68, 0.66, 0.63), (0.88, 0.87,
 
 
 def pick(rng: Generator, colours: Sequence[Colour]) -> Colour:
-    """Draw one of `colours`."""
+    """Draw one of `colours` at random."""
     return colours[int(rng.integers(len(colours)))]

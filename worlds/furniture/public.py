@@ -91,7 +91,7 @@ def weight_rack(s: Size, rng: Generator) -> Parts:
 
 @furniture("weight bench", width=(1.1, 1.3), depth=(1.2, 1.4), height=(1.0, 1.15), rooms={"gym": (1, 1)}, place=OnFloor())
 def weight_bench(s: Size, rng: Generator) -> Parts:
-    """A padded bench under a loaded bar."""
+    """A padded bench under a bar with weights."""
     red = pick(rng, (BLACK, BRIGHT[0]))
     plates = [
         box(x, about(s.back + 0.2, 0.36 * f), about(s.height - 0.2, 0.36 * g), BLACK, "label")
@@ -119,7 +119,7 @@ def weight_bench(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def gym_ball(s: Size, rng: Generator) -> Parts:
-    """A large, bright ball."""
+    """A large ball in a bright colour, for gymnastics."""
     return (ball(s.x, s.y, s.z, pick(rng, BRIGHT), "label"),)
 
 
@@ -133,7 +133,7 @@ def gym_ball(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def yoga_mat(s: Size, rng: Generator) -> Parts:
-    """A mat with a motif in the middle."""
+    """A yoga mat with a white oval in the middle."""
     return (
         box(s.x, s.y, (0.0, 0.008), pick(rng, BRIGHT), "carpet"),
         cylinder(inset(s.x, 0.15), about(0.0, 0.34), (0.0, s.height), WHITE, "fabric"),
@@ -144,7 +144,7 @@ def yoga_mat(s: Size, rng: Generator) -> Parts:
     "wall bars", width=(0.85, 1.0), depth=(0.14, 0.18), height=(2.0, 2.2), rooms={"gym": (1, 2)}, place=OnWall((0.1, 0.15))
 )
 def wall_bars(s: Size, rng: Generator) -> Parts:
-    """Wall bars: rungs between posts."""
+    """Wall bars for gymnastics: horizontal rungs between two posts."""
     wood = pick(rng, WOODS)
     return (
         *(box(x, s.y, s.z, wood, "wood") for x in ((s.left, s.left + 0.05), (s.right - 0.05, s.right))),
@@ -219,7 +219,7 @@ def globe(s: Size, rng: Generator) -> Parts:
 
 @furniture("book cart", width=(0.7, 0.85), depth=(0.4, 0.48), height=(0.95, 1.1), rooms={"library": 0.6, "classroom": 0.2})
 def book_cart(s: Size, rng: Generator) -> Parts:
-    """A cart with two shelves of books, on castors."""
+    """A cart with two shelves of books."""
     frame = pick(rng, METALS)
     return (
         *legs(s, s.height, 0.04, frame, "metal", margin=0.0),
@@ -281,7 +281,7 @@ def school_chair(s: Size, rng: Generator) -> Parts:
     "teacher's desk", width=(1.4, 1.7), depth=(0.7, 0.8), height=(0.74, 0.78), rooms={"classroom": (1, 1)}, clearance=0.6
 )
 def teachers_desk(s: Size, rng: Generator) -> Parts:
-    """A desk with a closed front, and with drawers."""
+    """A teacher's desk: a top on a block and a side panel, with a closed front."""
     wood = pick(rng, WOODS)
     return (
         box(s.x, s.y, (s.height - 0.04, s.height), wood, "wood"),
@@ -302,7 +302,7 @@ def teachers_desk(s: Size, rng: Generator) -> Parts:
     place=OnWall((0.85, 0.95)),
 )
 def blackboard(s: Size, rng: Generator) -> Parts:
-    """A blackboard of green slate, with a tray and chalk."""
+    """A green blackboard with writing, and a tray with pieces of chalk."""
     return (
         box(s.x, (s.back, s.back + 0.03), s.z, WOODS[0], "wood"),
         box(inset(s.x, 0.04), (s.back, s.back + 0.035), inset(s.z, 0.05), (0.16, 0.3, 0.24), "plaster"),
@@ -355,7 +355,7 @@ def world_map(s: Size, rng: Generator) -> Parts:
 
 @furniture("lab bench", width=(1.6, 2.4), depth=(0.75, 0.9), height=(0.9, 0.94), rooms={"laboratory": (2, 3)}, clearance=0.8)
 def lab_bench(s: Size, rng: Generator) -> Parts:
-    """A white bench with drawers."""
+    """A laboratory bench: a dark top on a white body with drawers."""
     return (
         box(s.x, s.y, (s.height - 0.04, s.height), (0.3, 0.32, 0.34), "marble"),
         box(inset(s.x, 0.03), (s.back, s.front - 0.08), (0.0, s.height - 0.04), WHITE),
@@ -381,7 +381,7 @@ def lab_bench(s: Size, rng: Generator) -> Parts:
     place=Around(("lab bench",), "front"),
 )
 def lab_stool(s: Size, rng: Generator) -> Parts:
-    """A stool with a round seat on a star-shaped foot."""
+    """A stool with a round seat on a column with a cross-shaped foot."""
     return (
         cylinder(s.x, s.y, (s.height - 0.08, s.height), BLACK, "fabric"),
         cylinder(about(0.0, 0.06), about(0.0, 0.06), (0.05, s.height - 0.08), CHROME, "metal"),
@@ -440,7 +440,7 @@ def glassware(s: Size, rng: Generator) -> Parts:
     clearance=0.7,
 )
 def fume_hood(s: Size, rng: Generator) -> Parts:
-    """A fume hood: a lit chamber behind a sash, over a cupboard."""
+    """A fume hood: a work chamber behind a sliding window, above a cupboard."""
     body = pick(rng, (WHITE, (0.78, 0.82, 0.84)))
     return (
         box(s.x, (s.back, s.front - 0.025), (0.0, 0.9), body, "metal"),
@@ -464,7 +464,7 @@ def fume_hood(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(beside=("gas cylinder",), corner=True),
 )
 def gas_cylinder(s: Size, rng: Generator) -> Parts:
-    """A steel gas cylinder with a coloured shoulder and a valve."""
+    """A steel gas cylinder with a coloured, rounded top and a valve."""
     return (
         cylinder(s.x, s.y, (0.0, s.height - 0.25), METALS[1], "metal"),
         ball(s.x, s.y, (s.height - 0.4, s.height - 0.12), pick(rng, BRIGHT), "metal"),
@@ -482,7 +482,7 @@ def gas_cylinder(s: Size, rng: Generator) -> Parts:
     place=OnTop(("lab bench", "workbench")),
 )
 def analyser(s: Size, rng: Generator) -> Parts:
-    """An instrument with a display and sockets."""
+    """A laboratory instrument with a display and a panel of buttons."""
     body = pick(rng, (WHITE, (0.62, 0.76, 0.84), GREY))
     return (
         box(s.x, (s.back, s.front - 0.01), s.z, body),

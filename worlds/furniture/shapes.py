@@ -1,4 +1,4 @@
-"""Building blocks of furniture: shapes given by the intervals that they span in the piece's frame [m]."""
+"""Shapes from which furniture is built. Intervals and lengths are in metres, in the frame of the piece of furniture."""
 
 from dataclasses import replace
 
@@ -9,22 +9,22 @@ from worlds.parts import Colour, Part, Shape
 
 
 def box(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """A box that spans the intervals."""
+    """A box that extends over the intervals `x`, `y` and `z`."""
     return _spanning("box", x, y, z, colour, material)
 
 
 def cylinder(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An upright cylinder, elliptic if x and y differ in length."""
+    """An upright cylinder within the intervals; its base is an ellipse if `x` and `y` differ in length."""
     return _spanning("cylinder", x, y, z, colour, material)
 
 
 def cone(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An upright cone with its tip at the top, elliptic if x and y differ in length."""
+    """An upright cone, tip up, within the intervals; its base is an ellipse if `x` and `y` differ in length."""
     return _spanning("cone", x, y, z, colour, material)
 
 
 def ball(x: Range, y: Range, z: Range, colour: Colour, material: str = "plain") -> Part:
-    """An ellipsoid that spans the intervals."""
+    """An ellipsoid that extends over the intervals `x`, `y` and `z`."""
     return _spanning("ball", x, y, z, colour, material)
 
 
@@ -50,7 +50,7 @@ def split(interval: Range, count: int, gap: float = 0.0) -> list[Range]:
 
 
 def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = "wood", margin: float = 0.02) -> Parts:
-    """Four legs near the corners, from the floor up to `top`."""
+    """Four legs near the corners, from the floor up to the height `top`."""
     x, y = inset(s.x, margin), inset(s.y, margin)
     ends = [((a[0], a[0] + thickness), (a[1] - thickness, a[1])) for a in (x, y)]
     return tuple(box(i, j, (0.0, top), colour, material) for i in ends[0] for j in ends[1])
@@ -59,10 +59,10 @@ def legs(s: Size, top: float, thickness: float, colour: Colour, material: str = 
 def fronts(
     x: Range, z: Range, at: float, columns: int, rows: int, colour: Colour, handle: Colour, material: str = "wood"
 ) -> Parts:
-    """A grid of fronts, 2 cm thick with a handle, on a face that looks towards +y at y = `at`.
+    """A grid of fronts of doors and drawers that face +y. With their handles, they fill the last 2 cm before y = `at`.
 
-    Fronts that are higher than wide are doors, with an upright handle at the right edge. All others are drawers, with a
-    level handle at the top.
+    Fronts that are higher than wide are doors, with an upright handle near the edge of larger x. All others are drawers,
+    with a level handle near the top.
     """
     parts: list[Part] = []
     for span in split(inset(x, 0.01), columns, 0.012):
@@ -91,7 +91,7 @@ def fronts(
 
 
 def shelf_unit(s: Size, shelves: int, colour: Colour, material: str = "wood", board: float = 0.03) -> Parts:
-    """A carcass that is open to the front and has `shelves` compartments."""
+    """The boards of a shelf: two sides, a back, and level boards that form `shelves` compartments, open to the front."""
     sides = [box(x, s.y, s.z, colour, material) for x in ((s.left, s.left + board), (s.right - board, s.right))]
     back = box(s.x, (s.back, s.back + 0.015), s.z, colour, material)
     levels = [i * (s.height - board) / shelves for i in range(shelves + 1)]
@@ -103,7 +103,7 @@ def stocked(
 ) -> Parts:
     """Goods for the shelves of a `shelf_unit` of this size: blocks with a material drawn from `goods`.
 
-    Each shelf has a place for a block about every half metre; a place is filled with probability `fill`.
+    Each shelf has a place for one block about every half metre; each place gets a block with the probability `fill`.
     """
     parts: list[Part] = []
     step = (s.height - board) / shelves

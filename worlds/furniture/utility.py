@@ -67,7 +67,7 @@ def washing_machine(s: Size, rng: Generator) -> Parts:
     clearance=0.6,
 )
 def tumble_dryer(s: Size, rng: Generator) -> Parts:
-    """A tumble dryer: like the washing machine, with a pale door."""
+    """A tumble dryer: like the washing machine, but with a pale window."""
     return _machine(s, pick(rng, (WHITE, WHITE, STEEL)), GLASS)
 
 
@@ -80,7 +80,7 @@ def tumble_dryer(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def laundry_basket(s: Size, rng: Generator) -> Parts:
-    """A full wicker basket of laundry."""
+    """A basket full of laundry."""
     return (
         box(s.x, s.y, (0.0, s.height - 0.1), pick(rng, (WHITE, *WOODS)), "fabric"),
         *(
@@ -177,7 +177,7 @@ def utility_sink(s: Size, rng: Generator) -> Parts:
     place=OnTop(_MACHINES, "back"),
 )
 def detergents(s: Size, rng: Generator) -> Parts:
-    """Bottles and a box of detergent."""
+    """Three packs of detergent, side by side."""
     return tuple(
         box(x, inset(s.y, 0.01), (0.0, s.height * rng.uniform(0.7, 1.0)), pick(rng, BRIGHT), "label")
         for x in split(s.x, 3, 0.02)
@@ -226,7 +226,7 @@ def mop_bucket(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def vacuum_cleaner(s: Size, rng: Generator) -> Parts:
-    """A vacuum cleaner: a body on wheels and a tube."""
+    """A vacuum cleaner: a body, and an upright tube on a floor nozzle."""
     paint = pick(rng, BRIGHT)
     return (
         box(inset(s.x, 0.02), (s.back, s.front - 0.06), (0.04, 0.28), paint),
@@ -246,7 +246,7 @@ def vacuum_cleaner(s: Size, rng: Generator) -> Parts:
     clearance=0.5,
 )
 def metal_shelf(s: Size, rng: Generator) -> Parts:
-    """An open metal shelf with boxes, tins and bundles."""
+    """An open metal shelf with boxes of many colours."""
     steel = pick(rng, METALS)
     boards = [
         box(s.x, s.y, (z, z + 0.03), steel, "metal")
@@ -299,7 +299,7 @@ def cardboard_boxes(s: Size, rng: Generator) -> Parts:
     rooms={"storage room": 0.7, "garage": 0.6, "library": 0.5},
 )
 def ladder(s: Size, rng: Generator) -> Parts:
-    """A folded ladder that leans on the wall."""
+    """A folded ladder that stands against the wall."""
     metal = pick(rng, (CHROME, WOODS[0], BRIGHT[1]))
     rails = [box(x, s.y, s.z, metal, "metal") for x in ((s.left, s.left + 0.04), (s.right - 0.04, s.right))]
     return (
@@ -317,7 +317,7 @@ def ladder(s: Size, rng: Generator) -> Parts:
     place=OnWall((1.1, 1.3)),
 )
 def tool_board(s: Size, rng: Generator) -> Parts:
-    """A perforated board with spanners, saws and hammers."""
+    """A board on the wall with two rows of tools."""
     tools: list[Part] = []
     for x in split(inset(s.x, 0.05), 8, 0.03):
         for z in split(inset(s.z, 0.05), 2, 0.06):
@@ -453,7 +453,7 @@ def tyre_stack(s: Size, rng: Generator) -> Parts:
     place=AgainstWall(corner=True),
 )
 def lawn_mower(s: Size, rng: Generator) -> Parts:
-    """A lawn mower: a deck on wheels with a push bar."""
+    """A lawn mower: a body with a motor, on four wheels, and a push bar."""
     paint = pick(rng, BRIGHT)
     return (
         box(inset(s.x, 0.05), (s.front - 0.7, s.front), (0.1, 0.3), paint, "metal"),
@@ -478,7 +478,7 @@ def lawn_mower(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def tool_chest(s: Size, rng: Generator) -> Parts:
-    """A chest of red drawers on castors."""
+    """A chest of six metal drawers, often red, on short feet."""
     paint = pick(rng, (RED, RED, BRIGHT[2], METALS[1]))
     return (
         box(s.x, (s.back, s.front - 0.025), (0.08, s.height), paint, "metal"),
@@ -497,7 +497,7 @@ def tool_chest(s: Size, rng: Generator) -> Parts:
     solid=False,
 )
 def paint_cans(s: Size, rng: Generator) -> Parts:
-    """Two or four cans of paint, with drips."""
+    """Four cans of paint in two stacks."""
     return tuple(
         cylinder(x, about(0.0, min(x[1] - x[0], s.depth)), z, pick(rng, BRIGHT), "label")
         for x in split(s.x, 2, 0.01)
@@ -534,7 +534,7 @@ def boiler(s: Size, rng: Generator) -> Parts:
     rooms={"storage room": (1, 2), "bedroom": 0.3, "entrance hall": 0.2},
 )
 def suitcase(s: Size, rng: Generator) -> Parts:
-    """A suitcase on castors, with straps and a sticker."""
+    """A suitcase with two straps and a handle, on short feet."""
     paint = pick(rng, (*BRIGHT, BLACK))
     return (
         box(s.x, s.y, (0.05, s.height - 0.06), paint, "fabric"),
@@ -546,7 +546,7 @@ def suitcase(s: Size, rng: Generator) -> Parts:
 
 @furniture("plastic bins", width=(0.7, 1.0), depth=(0.4, 0.5), height=(0.4, 0.6), rooms={"storage room": 0.8, "garage": 0.3})
 def plastic_bins(s: Size, rng: Generator) -> Parts:
-    """Plastic bins with coloured lids."""
+    """Two plastic bins with coloured lids."""
     parts: list[Part] = []
     for x in split(s.x, 2, 0.02):
         lid = pick(rng, BRIGHT)
@@ -566,5 +566,5 @@ def plastic_bins(s: Size, rng: Generator) -> Parts:
     clearance=0.4,
 )
 def cleaning_shelf(s: Size, rng: Generator) -> Parts:
-    """A shelf with sprays, rolls and cloths."""
+    """A shelf with bottles, cloths and packets for cleaning."""
     return (*shelf_unit(s, 4, WHITE), *stocked(s, 4, ("food", "fabric", "label"), WHITE, rng, fill=0.9))

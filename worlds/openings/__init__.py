@@ -1,8 +1,8 @@
 """Openings between rooms: doors, arches, half walls, counters and windows, and the openness of a house.
 
-`placement` chooses where in a wall an opening is (as an `opening_draft`) and `door_swings` how its leaf swings; `doors` and
-`windows` build the solid parts. `openness` opens or closes `partitions` (the whole boundary between two rooms) by one of the
-`opening_forms` until a house has the requested openness.
+`placement` chooses where in a wall an opening lies (as an `opening_draft`), and `door_swings` chooses how a door's leaf
+swings. `doors` and `windows` build door leaves and windows as objects. `openness` opens or closes `partitions` (each is the
+whole wall between two rooms), in one of the `opening_forms`, until a house has the requested openness.
 """
 
 import lazy_loader

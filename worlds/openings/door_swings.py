@@ -57,7 +57,7 @@ def hang_leaf(
 
 
 def _swing_rank(room: RoomSpec) -> tuple[int, float]:
-    """Sort key: the smaller, the better a door swings into this room.
+    """Sort key for the two rooms of a door: the room into which the leaf should preferably swing comes first.
 
     Doors swing into rooms rather than corridors, indoors rather than outdoors, and otherwise into the larger room.
     """
@@ -72,7 +72,11 @@ def _extent(room: RoomSpec) -> float:
 
 
 def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> float:
-    """Distance from one end of the door, along its wall, to the next wall across; infinite if no wall lies there [m]."""
+    """Distance from the hinge, along the door's wall and away from the door, to the next wall at a right angle [m].
+
+    The hinge is at the lower end of the door if `at_low`, else at the upper end. The distance is infinite if there is no
+    such wall.
+    """
     hinge, sign = (door.low, -1.0) if at_low else (door.high, 1.0)
     inside = door.at + _WALL_M * (1.0 if door.larger_side == room.id else -1.0)
     nearest = math.inf
@@ -83,7 +87,7 @@ def _distance_to_corner(door: OpeningDraft, room: RoomSpec, at_low: bool) -> flo
 
 
 def _edges_across(room: RoomSpec, axis: int) -> list[tuple[float, float, float]]:
-    """The room's edges at a right angle to `axis`, each as its coordinate on the axis and its extent across [m]."""
+    """The room's edges at a right angle to `axis`, each as (coordinate on the axis, lower end, upper end) [m]."""
     corners, across = room.polygon_m, 1 - axis
     return [
         (p[axis], min(p[across], q[across]), max(p[across], q[across]))
@@ -126,7 +130,7 @@ def is_in_front(door: OpeningDraft, other: OpeningDraft, depth_m: float) -> bool
     """Whether the door's leaf is in the way of another opening.
 
     If the other opening has a leaf that swings into the same room, the door's leaf is in the way if the two swing areas
-    overlap; otherwise, if it stands within `depth_m` [m] in front of the other opening.
+    overlap. Otherwise it is in the way if it stands within `depth_m` [m] in front of the other opening.
     """
     if door.leaf is None or door.leaf.into not in other.rooms or other is door:
         return False
@@ -142,7 +146,7 @@ def _swings_freely(
     rooms: Mapping[str, RoomSpec],
     obstacles: Sequence[Rectangle],
 ) -> bool:
-    """Whether the leaf's swing area is free, and the open leaf blocks no other opening of the room that it swings into."""
+    """Whether the leaf's swing area is free, and the leaf at its angle blocks no other opening of the room."""
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
     # In a corridor, people have to pass a leaf that stands square to the wall.
     passing = _PASSING_M if room.label in _CIRCULATION else 0.0

@@ -67,7 +67,7 @@ class DoorLeaf(Placed):
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """A panel with two fields and a handle on both sides."""
+        """A panel with two decorative fields and with a handle on both sides."""
         (width, thickness, height), rng = self.size, np.random.default_rng(self.style)
         paint, material = _PAINTS[int(rng.integers(len(_PAINTS)))]
         shade: Colour = (0.88 * paint[0], 0.88 * paint[1], 0.88 * paint[2])
@@ -95,8 +95,9 @@ def hang_leaves(
 
     Args:
         level: index of the storey.
-        pieces: the storey's room boundaries, cut at the openings, each with the opening in it or None.
-        openings: the storey's openings; those without a leaf, or in no boundary, are skipped.
+        pieces: the storey's room boundaries, cut into pieces at the openings. Each piece comes with the opening that it is,
+            or None for wall.
+        openings: the storey's openings; an opening without a leaf, or in no boundary, is skipped.
         floor_m: height of the floor in W [m].
         style: seed of the leaves' appearance, the same for all doors of the storey.
     """

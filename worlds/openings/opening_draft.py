@@ -23,14 +23,14 @@ class LeafDraft:
     """The leaf of a door."""
 
     at_low: bool
-    """Whether the hinge is at the end of the gap with the smaller coordinate."""
+    """Whether the hinge is at the lower end of the opening, the end with the smaller coordinate."""
     into: str
     """Id of the room that the leaf swings into."""
     angle: float
     """Opening angle of the leaf; 0: closed [rad]."""
 
     def spec(self) -> LeafSpec:
-        """The leaf as a spec, for an opening that starts at the gap's lower end."""
+        """The leaf as a spec, for an `OpeningSpec` that starts at the opening's lower end."""
         return LeafSpec(hinge="start" if self.at_low else "end", into=self.into, angle_rad=self.angle)
 
 
@@ -65,12 +65,12 @@ class OpeningDraft:
         return self.rooms[1]
 
     def around(self, depth_m: float) -> Rectangle:
-        """The rectangle that reaches `depth_m` to both sides of the gap [m]."""
+        """The rectangle that is as long as the opening and reaches `depth_m` to both sides of the wall's centre line [m]."""
         cross = self.at - depth_m, self.at + depth_m
         return (self.low, cross[0], self.high, cross[1]) if self.axis == 0 else (cross[0], self.low, cross[1], self.high)
 
     def spec(self) -> OpeningSpec:
-        """The opening as a spec."""
+        """The opening as a spec, which starts at the lower end."""
         ends = [(v, self.at) if self.axis == 0 else (self.at, v) for v in (self.low, self.high)]
         return OpeningSpec(
             rooms=self.rooms,
@@ -104,7 +104,7 @@ def shared_walls(a: RoomSpec, b: RoomSpec) -> list[Boundary]:
 
 
 def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
-    """Sort pieces of boundary and merge those that continue each other on one line between the same rooms."""
+    """Sort pieces of boundary, and merge pieces that touch on one line and lie between the same rooms."""
     joined: list[Boundary] = []
     for piece in sorted(pieces, key=lambda wall: (wall.axis, wall.at, wall.low)):
         last = joined[-1] if joined else None
@@ -117,7 +117,7 @@ def join_stretches(pieces: Iterable[Boundary]) -> list[Boundary]:
 
 
 def _facing(a: RoomSpec, b: RoomSpec) -> Iterator[Boundary]:
-    """The overlaps of all pairs of edges of two rooms that lie on one line, with the rooms on opposite sides."""
+    """Every stretch where an edge of one room lies on an edge of the other room, with the rooms on opposite sides."""
     for (axis, at, low, high, side), (axis_b, at_b, low_b, high_b, side_b) in itertools.product(_edges(a), _edges(b)):
         start, stop = max(low, low_b), min(high, high_b)
         if axis == axis_b and side != side_b and abs(at - at_b) < _TOLERANCE_M and stop - start > _TOLERANCE_M:

@@ -25,32 +25,32 @@ _MAX_FRAMED_M = 2.6
 _HATCH_CORNER_M = 0.05
 """Distance of a hatch from the ends of its wall [m]."""
 _DOOR_CORNER_M = 0.1
-"""Distance between a corner and a door that is moved there to make space for a hatch [m]; the leaf then clears the wall."""
+"""Distance between a corner and a door that is moved there to make space for a hatch [m], so that the leaf can swing."""
 _LOW_SILL_M = 0.3
 """Height of the sill of a low hatch [m], which opens more of the wall than a usual hatch."""
 _EXACT_M2 = 0.03
-"""Greatest difference from the task's area at which a form is accepted at once [m²]."""
+"""Greatest difference from the requested area at which a form of opening is accepted without trying other forms [m²]."""
 _DOOR_M = 0.85
 """Usual width of a door [m]."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """A partition and the area by which a form has to open it."""
+    """A partition (the wall between two rooms), and the area by which it is to be opened."""
 
     part: Partition
     old: tuple[OpeningDraft, ...]
-    """The openings that the partition has so far."""
+    """The openings that the partition had before."""
     area: float
     """Area that the new openings should have [m²]."""
     draw: float
     """Number in [0, 1) that decides where along the wall an opening lies."""
     blocked: tuple[OpeningDraft, ...] = ()
-    """Stretches of wall with furniture in front of them, where no door is placed; each given as an opening draft."""
+    """Stretches of wall with furniture in front of them, as drafts of openings; a new door avoids them if it can."""
 
     @property
     def main(self) -> Boundary:
-        """The longest straight stretch of the partition."""
+        """The longest straight stretch of the partition (the wall between two rooms)."""
         return max(self.part.walls, key=lambda wall: wall.length)
 
 
@@ -58,10 +58,11 @@ Gaps = tuple[OpeningDraft, ...]
 
 
 def open_by(task: Task, style: str) -> Gaps:
-    """Openings with the task's area, or as near to it as possible.
+    """Openings with the area that the task requests, or as near to this area as possible.
 
-    The form named `style` is tried first, then all others in the order of `FORMS`. The first form with the right area
-    (within 0.03 m²) is taken. If no form has it, the form that comes nearest is taken; a closed partition counts as area 0.
+    A form is a way of opening the wall, such as an arch. The form named `style` is tried first, then all others in the order
+    of `FORMS`. The first form with the right area (within 0.03 m²) is taken. If there is none, the form with the nearest
+    area is taken, or the partition is closed if an area of 0 is nearer.
     """
     best, least = closed(task), math.inf
     for name in (style, *(name for name in FORMS if name != style)):
@@ -77,7 +78,7 @@ def open_by(task: Task, style: str) -> Gaps:
 
 
 def area_of(gaps: Sequence[OpeningDraft], part: Partition) -> float:
-    """Area by which openings permanently open a partition; doors count as 0 [m²]."""
+    """Area by which openings permanently open a partition (the wall between two rooms); doors count as 0 [m²]."""
     return math.fsum(gap_area(gap.spec(), part.height_m) for gap in gaps)
 
 
@@ -89,8 +90,8 @@ def fully_open(task: Task) -> Gaps:
 def closed(task: Task) -> Gaps:
     """Close the partition, but leave a door if one could walk through before, so that the rooms stay connected.
 
-    Existing doors stay. If there are none, a door is placed in the longest free span, if possible not where furniture
-    stands; if no span is long enough, the door takes the place of the widest opening that one could walk through.
+    Existing doors stay. If there are none, a door is placed in the longest free span of wall, if possible not where
+    furniture stands. If no span is long enough, the door takes the place of the widest opening that one could walk through.
     """
     doors = tuple(gap for gap in task.old if gap.kind == "door")
     ways = [gap for gap in task.old if gap.kind in PASSABLE]
@@ -105,7 +106,11 @@ def closed(task: Task) -> Gaps:
 
 
 def _wall_removed(task: Task) -> Gaps:
-    """Remove a part of the wall from floor to ceiling, beginning at one of its ends; the longest stretches come first."""
+    """Remove a part of the wall, from floor to ceiling.
+
+    The longest straight stretch is removed first, beginning at one of its ends; further stretches follow if that is not
+    enough. Stretches too short to walk through stay.
+    """
     left = task.area / task.part.height_m
     gaps: list[OpeningDraft] = []
     for wall in sorted(task.part.walls, key=lambda wall: -wall.length):
@@ -120,7 +125,7 @@ def _wall_removed(task: Task) -> Gaps:
 
 def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A wide opening under a lintel or an arch, in the longest stretch."""
+        """A wide opening under a lintel or an arch, in the longest straight stretch; None if the stretch is too short."""
         span = (task.main, task.main.low + CORNER_M, task.main.high - CORNER_M)
         most, least = min(_MAX_FRAMED_M, span[2] - span[1]), 1.0 if kind == "arch" else MIN_DOOR_M
         if most < least:
@@ -135,7 +140,10 @@ def _framed(kind: OpeningKind) -> Callable[[Task], Gaps | None]:
 
 
 def _half_wall(task: Task) -> Gaps | None:
-    """A passage without a wall at one end of the longest stretch, and a half wall beside it."""
+    """A passage from floor to ceiling at one end of the longest straight stretch, and a half wall beside the passage.
+
+    None if the stretch is too short for both.
+    """
     wall, height = task.main, task.part.height_m
     passage, sill = 0.9, 1.0
     most = wall.length - passage
@@ -154,7 +162,10 @@ def _half_wall(task: Task) -> Gaps | None:
 
 def _hatch(kind: OpeningKind, sill: float, narrow_door: bool = False) -> Callable[[Task], Gaps | None]:
     def form(task: Task) -> Gaps | None:
-        """A hatch beside the door, as wide as the area requires; with `narrow_door`, the door first moves to a corner."""
+        """A hatch beside the door, as wide as the area requires; with `narrow_door`, the door first moves to a corner.
+
+        None if there is no room for a hatch.
+        """
         doors = closed(task)
         if narrow_door and doors:
             span = (task.main, task.main.low + _DOOR_CORNER_M, task.main.high)
@@ -181,9 +192,10 @@ def _height(kind: OpeningKind, task: Task) -> float:
 
 
 def _in_span(kind: OpeningKind, task: Task, span: Span, width: float) -> OpeningDraft:
-    """An opening of that width in a span, at the position that the task's draw gives; rounded to 1 cm where possible.
+    """An opening of this width [m] in a free span of wall, at the position that `task.draw` gives.
 
-    The ends of the span are not always on the centimetre grid, and the opening must stay within them.
+    Width and position are rounded to 1 cm where possible; the opening must not reach past the ends of the span, which are
+    not always whole centimetres.
     """
     start, stop = round(span[1], 6), round(span[2], 6)
     width = min(round(width, 2), round(stop - start, 6))
@@ -205,5 +217,5 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
 }
 """All forms of opening a partition, by name; the forms that people build most often come first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Forms from which the style of a partition is drawn, each with the range (low, high) of the share of the partition's area
-that it usually opens."""
+"""Names of the forms from which one is drawn for a partition, to be tried first. Each has a range (low, high) from which
+the share of the partition's area that it opens is drawn."""

@@ -24,10 +24,8 @@ _TIERS = {
     **dict.fromkeys(("corridor", "entrance hall", "lobby", "open-plan office", "office", "meeting room", "library"), 1),
     **dict.fromkeys(("bedroom", "children's room", "bathroom", "toilet"), 3),
 }
-"""Order in which partitions are opened, by label: rooms that people like open first, then work rooms, private rooms last.
-
-Labels that are not named are in tier 2.
-"""
+"""Tier of each room label: 0 for rooms that people like open, 1 for corridors and work rooms, 3 for private rooms, 2 for all
+labels that are not named here. Partitions (walls between two rooms) of lower tiers are opened first."""
 TOLERANCE = 0.05
 """Greatest difference between the openness that is reached and the target."""
 _NEAR = 0.004
@@ -40,7 +38,7 @@ _NARROW_M = 1.3
 
 @dataclass(frozen=True)
 class _PartPlan:
-    """A partition, the openings planned for it, and how it would be opened further."""
+    """A partition (the wall between two rooms), the openings planned in it, and the way in which it would be opened."""
 
     part: Partition
     gaps: Gaps
@@ -50,17 +48,17 @@ class _PartPlan:
     order: tuple[int, float]
     """Sort key: the tier (see `_TIERS`) of the more private of the two rooms, then a random number."""
     style: str
-    """The form in which the partition is opened first (see `opening_forms`)."""
+    """Name of the form, such as "arch", that is tried first when the partition is opened (see `opening_forms`)."""
     share: float
-    """Share of the partition's area that its style opens."""
+    """Share of the partition's area that is to be open when it is opened in its style."""
     draws: tuple[float, float, float]
-    """Numbers in [0, 1) that decide the position of openings, whether a leaf stands ajar, and the angle of the leaf."""
+    """Three numbers in [0, 1): they decide the position of openings, whether a leaf stands ajar, and the leaf's angle."""
     blocked: Gaps
-    """Stretches of wall with furniture in front of them."""
+    """Stretches of wall with furniture in front of them, as drafts of openings."""
 
     @property
     def area(self) -> float:
-        """Area that the planned openings open [m²]."""
+        """Area by which the planned openings open the partition [m²]."""
         return area_of(self.gaps, self.part)
 
     def task(self, area: float) -> Task:
@@ -94,9 +92,9 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
 
     1. Sort the partitions: kitchens, dining and living rooms first, then corridors, lobbies and offices, bedrooms and
        bathrooms last. `seed` (None: the house's) draws the order within these tiers, and the form of each opening.
-    2. `_share_out` opens the partitions in this order, or closes them in the reverse order, until the next one would go
-       past the target; this one is changed only in part.
-    3. Openings cannot have just any area, so a difference may be left. `_correct` lets other partitions make up for it.
+    2. `_share_out` opens the partitions in this order, or closes them in the reverse order, until changing the next
+       partition would overshoot the target; this partition is changed only in part.
+    3. An opening cannot have just any area, so a difference may be left. `_correct` changes other partitions to reduce it.
     4. The storeys whose openings changed are rebuilt, with leaves in the new doors.
 
     Raises `WorldsError` for a target outside of [0, 1], and for a target that cannot be reached because the inner walls are
@@ -120,7 +118,7 @@ def with_openness(spec: HouseSpec, target: float, seed: int | None = None) -> Ho
 
 
 def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
-    """A plan for every partition of a house, in the order in which they are opened."""
+    """A plan for every partition of a house, sorted in the order in which partitions are opened."""
     plans = []
     for part in partitions(spec):
         storey = spec.storeys[part.storey]
@@ -140,15 +138,15 @@ def _plans(spec: HouseSpec, seed: int) -> list[_PartPlan]:
 
 
 def _excess(plans: Sequence[_PartPlan], goal: float) -> float:
-    """Open area of all plans in excess of the goal [m²]."""
+    """Open area of all plans together, minus the goal [m²]."""
     return sum(plan.area for plan in plans) - goal
 
 
 def _share_out(plans: list[_PartPlan], goal: float) -> None:
-    """Take the `_steps` in order until the open area reaches the goal [m²].
+    """Change `plans` by the `_steps`, in order, until the open area of all plans together reaches the goal [m²].
 
-    Steps in the wrong direction are skipped: a partition may already be more open than its style would make it. The step
-    that would go past the goal is taken only in part, if that brings the area nearer to the goal, and is the last one.
+    A step in the wrong direction is skipped: a partition may already be more open than its style would make it. The last
+    step is the one that would overshoot the goal. It is taken only in part, and only if this reduces the difference.
     """
     lacking = -_excess(plans, goal)
     opening = lacking > 0.0
@@ -166,10 +164,11 @@ def _share_out(plans: list[_PartPlan], goal: float) -> None:
 
 
 def _steps(plans: list[_PartPlan], opening: bool) -> Iterator[tuple[int, _PartPlan]]:
-    """The changes to try, each as a plan's index and its new version.
+    """Yield the changes to try, in order, each as the index of a plan and the plan's new version.
 
-    To open a house: tier by tier, first each partition in its style, then each without its wall, so that all partitions of a
-    tier are opened a little before one of them disappears. To close a house: each partition closed, the most private first.
+    To open a house, each tier is treated in turn: first each partition of the tier is opened in its style, then each is
+    removed, so that all partitions of a tier are opened a little before one of them disappears. To close a house, each
+    partition is closed, the most private first.
     """
     if not opening:
         yield from ((i, plans[i].shut()) for i in reversed(range(len(plans))))
@@ -181,9 +180,10 @@ def _steps(plans: list[_PartPlan], opening: bool) -> Iterator[tuple[int, _PartPl
 
 
 def _correct(plans: list[_PartPlan], goal: float, enough: float) -> None:
-    """Change one partition after another by the difference that is left, until it is at most `enough` [m²].
+    """Reduce the difference between the open area of all plans and the goal [m²] until it is at most `enough` [m²].
 
-    A change is kept only if it reduces the difference.
+    One partition after another is opened or closed by the difference that is left. A change is kept only if it reduces the
+    difference.
     """
     for i in range(len(plans)):
         excess = _excess(plans, goal)
@@ -230,7 +230,7 @@ def _footprint(piece: FurnitureSpec) -> Rectangle:
 
 
 def _blocked(part: Partition, storey: StoreySpec) -> Gaps:
-    """The stretches of a partition's walls with furniture in front of them, as drafts of openings."""
+    """The stretches of a partition's walls with furniture in front of them, as drafts of openings (see `free_spans`)."""
     rooms = sorted(part.rooms)
     found = []
     for x0, y0, x1, y1 in (_footprint(piece) for piece in _blocking_furniture(storey) if piece.room in part.rooms):

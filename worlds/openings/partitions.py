@@ -18,7 +18,7 @@ class Partition:
     rooms: frozenset[str]
     """Ids of the two rooms."""
     walls: tuple[Boundary, ...]
-    """The straight stretches of wall line between the two rooms."""
+    """The straight stretches of the boundary between the two rooms."""
     height_m: float
     """Height of the ceiling above the floor [m]."""
 
@@ -29,7 +29,7 @@ class Partition:
 
 
 def partitions(spec: HouseSpec) -> list[Partition]:
-    """The partitions of all storeys, lowest first. Raises `HouseError` where rooms overlap."""
+    """The partitions of all storeys, lowest storey first. Raises `HouseError` where rooms overlap."""
     found = []
     for level, storey in enumerate(spec.storeys):
         inner = {room.id for room in storey.rooms if room.label != STAIRS and room.label not in OUTDOOR_LABELS}
@@ -43,9 +43,9 @@ def partitions(spec: HouseSpec) -> list[Partition]:
 
 
 def gap_area(opening: OpeningSpec, ceiling_m: float) -> float:
-    """Area by which an opening permanently opens the wall, under a ceiling at `ceiling_m` [m²].
+    """Area by which an opening permanently opens the wall [m²]; 0 for a door, because a door can be closed.
 
-    It is 0 for a door, because a door can be closed.
+    `ceiling_m` is the height of the ceiling above the floor [m].
     """
     if opening.kind == "door":
         return 0.0

@@ -20,7 +20,8 @@ APART_M = 0.1
 MIN_DOOR_M = 0.7
 """Least width of a door [m]."""
 MIN_OPEN_M = 0.8
-"""Least length of a wall that is removed [m]; the walls across reach into the opening at its corners."""
+"""Least length of a stretch of wall that is removed [m]. The opening is a little narrower, because walls at a right angle
+may reach into it at both ends."""
 _MIN_LOOK_THROUGH_M = 0.4
 """Least width of a half wall or counter [m], which one can only look over."""
 _WIDTHS_M: dict[OpeningKind, tuple[float, float]] = {
@@ -33,11 +34,13 @@ _DRAWS = 7
 """Number of random numbers that each link uses."""
 
 Span = tuple[Boundary, float, float]
-"""A free part of a shared wall: the wall, and the ends of the part along it [m]."""
+"""A free stretch of a wall between two rooms: the wall, and the stretch's lower and upper end along it [m]."""
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:
-    """All openings of a storey: first the openings given by the layout, then the openings of its links, in order.
+    """All openings of a storey: first the openings given by the layout, then those for its links, in the order of the links.
+
+    A link is a request to connect two rooms.
 
     1. Each link gets `_DRAWS` random numbers, all drawn in advance, so that no link changes the numbers of another. Links of
        twin rooms share a seed, so they get the same numbers.
@@ -75,10 +78,11 @@ def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, .
 def _place(
     link: Link, alone: bool, walls: Sequence[Boundary], gaps: Sequence[OpeningDraft], storey_m: float, draws: Sequence[float]
 ) -> list[OpeningDraft]:
-    """The openings of one link.
+    """The openings for one link (a request to connect two rooms).
 
-    `alone`: one cannot walk through the requested kind (a half wall or a counter), and no other link connects the rooms.
-    They get a door or a cased opening first.
+    `alone` says that the requested kind is a half wall or a counter, which one cannot walk through, and that no other link
+    lets people walk between the two rooms. A door or a cased opening is then placed first. Raises `WorldsError` if no
+    opening fits.
     """
     if link.kind == "open":
         wide = [span for span in free_spans(walls, gaps, 0.0, 0.0) if span[2] - span[1] >= MIN_OPEN_M]
@@ -102,7 +106,10 @@ def _place(
 def _place_passable(
     link: Link, walls: Sequence[Boundary], spans: Sequence[Span], storey_m: float, draws: Sequence[float]
 ) -> OpeningDraft:
-    """An opening of the link's kind if it fits, otherwise a door."""
+    """An opening of the link's kind if it fits into one of `spans`, otherwise a door.
+
+    Raises `WorldsError` if no door fits either.
+    """
     longest = max((high - low for _, low, high in spans), default=0.0) + 1e-9
     kind: OpeningKind = link.kind if longest >= _WIDTHS_M[link.kind][0] else "door"
     if longest < MIN_DOOR_M:
@@ -111,7 +118,10 @@ def _place_passable(
 
 
 def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: float, draws: Sequence[float]) -> OpeningDraft:
-    """An opening as wide as drawn, if it fits; doors lie near a corner more often than not."""
+    """An opening with a width drawn for its kind, or narrower if `longest`, the length of the longest span, is less [m].
+
+    A door mostly lies near an end of its span.
+    """
     least, most = _WIDTHS_M[kind]
     width = min(round(least + draws[0] * (most - least), 2), math.floor(longest * 100 + 1e-6) / 100)
     fitting = [span for span in spans if span[2] - span[1] >= width - 1e-9]
@@ -127,7 +137,10 @@ def _fit(kind: OpeningKind, spans: Sequence[Span], longest: float, storey_m: flo
 
 
 def _by_length(spans: Sequence[Span], share: float) -> Span:
-    """The span at share `share` in [0, 1) of the total length: long spans are chosen more often."""
+    """The span that contains the point at the share `share` in [0, 1) of the total length of all spans, laid end to end.
+
+    With a random share, each span is chosen in proportion to its length.
+    """
     left = share * sum(high - low for _, low, high in spans)
     for span in spans:
         left -= span[2] - span[1]

@@ -1,4 +1,4 @@
-"""Windows: `sample_windows` draws them for rooms of a spec that lists none, `hang_windows` makes them placed objects."""
+"""Windows: `sample_windows` draws windows for the rooms of a spec that has none; `hang_windows` turns specs into objects."""
 
 import math
 import zlib
@@ -42,7 +42,7 @@ class _WindowStyle:
     sill: Range
     """Range from which the sill's height above the floor is drawn [m]."""
     height: Range
-    """Range of the height from the sill to the upper edge [m]."""
+    """Range from which the height of a window, from its sill to its upper edge, is drawn [m]."""
 
 
 _USUAL = _WindowStyle((1.0, 2.0), (1.1, 1.7), (0.92, 1.02), (1.1, 1.3))
@@ -91,7 +91,7 @@ class Window(Placed):
 def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, rng: Generator) -> tuple[WindowSpec, ...]:
     """Draw the windows of a room whose ceiling is `height_m` above the floor [m].
 
-    `outer` are the stretches of the room's walls with nothing behind them. All windows of a room have the same size. Windows
+    `outer` are the stretches of the room's walls with no room behind them. All windows of a room have the same size. Windows
     keep their distance from corners and from each other; a window for which no free position is found is left out.
     """
     look = _WINDOW_STYLES.get(room.label)
@@ -122,9 +122,10 @@ def sample_windows(room: RoomSpec, outer: Sequence[Boundary], height_m: float, r
 def _spot(
     outer: Sequence[Boundary], widths: tuple[float, float], t: float, placed: Sequence[tuple[Boundary, float, float]]
 ) -> tuple[Boundary, float, float] | None:
-    """The wall and the ends of a window at share `t` in [0, 1) of all positions along the outer walls.
+    """The wall and the ends of a window at the share `t` in [0, 1) of all possible positions along the outer walls [m].
 
-    The window has the first of `widths` that fits into any of the walls. None if it would be too near to one of `placed`.
+    The window has the first of `widths` that fits into any of the walls. None if no width fits, or if the window would be
+    too near to one of the windows in `placed`.
     """
     for width in widths:
         rooms = [max(0.0, wall.length - 2 * _CORNER_M - width) for wall in outer]
@@ -166,7 +167,10 @@ def hang_windows(
 
 
 def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
-    """Seed of a window's appearance; it depends on nothing else of the house than the room, and twin rooms share it."""
+    """Seed of a window's appearance. It depends only on the seeds of house and appearance, the room, and the window's index.
+
+    Twin rooms (with equal seeds) get the same window seeds.
+    """
     own = (spec.seed, room.id) if room.seed is None else (room.seed,)
     return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())
 

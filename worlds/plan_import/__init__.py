@@ -1,8 +1,8 @@
 """Import of floor plans drawn elsewhere: GeoJSON or SVG becomes a validated house.
 
-`importer` orders the steps: `geojson` or `svg` (with `svg_tree` and `svg_shapes`) reads a `drawn_plan`, `straighten` makes
-its outlines rectilinear, `drawn_openings` moves each stroke (a drawn opening) to the nearest wall, and `added_openings` adds
-the openings without which rooms or stairs could not be reached.
+`importer` calls the steps in order: `geojson` or `svg` (with `svg_tree` and `svg_shapes`) reads a `drawn_plan`, `straighten`
+makes the rooms' outlines rectilinear, `drawn_openings` moves each stroke (a drawn opening) to the nearest wall, and
+`added_openings` adds the openings without which rooms or stairs could not be reached.
 """
 
 import lazy_loader

@@ -1,8 +1,8 @@
 """Adds the openings that an imported plan lacks.
 
-1. Stairs without any drawn passage get openings on every storey that they join: at the foot of the flight that begins
-   there, and at the head of the flight that ends there.
-2. Rooms that the drawn openings and the stairs do not connect get doors, until every room can be reached on foot.
+1. Stairs at which no passage (an opening that one walks through) is drawn get openings on every storey that they join: one
+   to the foot of the flight that begins on the storey, one to the head of the flight that ends there.
+2. Doors are added between rooms that neither drawn openings nor stairs connect, until every room can be reached on foot.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,15 +24,15 @@ _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room"
 _SIDE_M = 0.05
 _FLIGHT_M = 0.9
 Side = tuple[int, bool]
-"""A side of a rectangle: the axis that it runs along, and whether it has the larger coordinate on the other axis."""
+"""A side of a rectangle: the axis that it runs along (0: x, 1: y), and whether it is at the larger coordinate across."""
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 
 def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[OpeningSpec, ...]]:
-    """For each storey, the openings to add so that every room can be reached on foot from every other.
+    """For each storey, lowest first, the openings to add so that every room can be reached on foot from every other room.
 
-    Rooms that are already connected get none, and neither do stairs that have a drawn passage. Raises `WorldsError` if a
-    needed opening fits nowhere.
+    No opening is added between rooms that are already connected, or at stairs with a drawn passage (an opening that one
+    walks through). Raises `WorldsError` if a needed opening fits nowhere.
     """
     stairs: list[list[OpeningSpec]] = [[] for _ in storeys]
     for level, storey in enumerate(storeys):
@@ -52,14 +52,20 @@ def added_openings(storeys: Sequence[StoreySpec], slab_m: float) -> list[tuple[O
 
 
 def _has_passage(storeys: Sequence[StoreySpec], cell: RoomSpec) -> bool:
-    """Whether a passage (an opening that one walks through) is drawn at this stair cell on any storey."""
+    """Whether a passage (an opening that one walks through) is drawn at these stairs on any storey.
+
+    `cell` is the room of the stairs on one of the storeys.
+    """
     cells = {room.id for storey in storeys for room in _cells(storey, cell)}
     drawn = (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE)
     return any(not cells.isdisjoint(opening.rooms) for opening in drawn)
 
 
 def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
-    """The group of each room except stairs, named by one of its rooms: those that drawn openings and stairs connect."""
+    """For each room except stairs, by id, the group of rooms that drawn openings and stairs connect with it.
+
+    A group is named by the id of one of its rooms.
+    """
     spec = HouseSpec(storeys=tuple(storeys))
     group = {room.id: room.id for storey in storeys for room in storey.rooms if room.label != STAIRS}
     for opening in (opening for storey in storeys for opening in storey.openings if opening.kind in PASSABLE):
@@ -76,7 +82,10 @@ def _walked_groups(storeys: Sequence[StoreySpec]) -> dict[str, str]:
 
 
 def _merge(group: dict[str, str], *rooms: str) -> bool:
-    """Merge the groups of two rooms; return whether they were different groups. Stairs belong to no group."""
+    """Merge the groups of two rooms. Return whether they were two different groups.
+
+    Nothing is merged if one of the rooms is stairs, which belong to no group, or if `rooms` are not exactly two.
+    """
     if len(rooms) != 2 or not group.keys() >= {*rooms} or group[rooms[0]] == group[rooms[1]]:
         return False
     old, new = (group[room] for room in rooms)
@@ -85,9 +94,10 @@ def _merge(group: dict[str, str], *rooms: str) -> bool:
 
 
 def _added_doors(storey: StoreySpec, present: Sequence[OpeningSpec], group: dict[str, str]) -> Iterator[Link]:
-    """Doors that connect all groups of rooms, chosen by Kruskal's algorithm; `group` is updated in place.
+    """Yield requests for doors that connect all groups of rooms, as far as walls allow; `group` is updated in place.
 
-    Walls to halls are preferred to walls between other rooms, indoor walls to outdoor ones, and long walls to short ones.
+    The doors are chosen by Kruskal's algorithm. Doors to gardens and balconies come last, doors to corridors, halls and
+    living rooms come first, and among equals the longest wall comes first. `present` are the openings that already exist.
     """
     label = {room.id: room.label for room in storey.rooms}
     gaps = [OpeningDraft.of(opening, {room.id: room for room in storey.rooms}) for opening in present]
@@ -111,10 +121,11 @@ def _cells(storey: StoreySpec, cell: RoomSpec) -> list[RoomSpec]:
 
 
 def _stair_openings(storeys: Sequence[StoreySpec], lowest: int, cell: RoomSpec, slab_m: float) -> list[list[OpeningSpec]]:
-    """Openings of a stack of stair cells, storey by storey, for the first arrangement with which stairs can be built.
+    """The openings of a staircase, storey by storey from `lowest` on, in the first arrangement that can be built.
 
-    An arrangement is a side for the foot and a side for the head of each flight. Foot and head on the same side (stairs that
-    turn by 180 degrees) are tried first. Raises `SpecError` if no arrangement works.
+    `cell` is the room of the stairs on the storey `lowest`. An arrangement is the side of this room at which every flight
+    begins, and the side at which every flight ends. Both on the same side (stairs that turn by 180 degrees) are tried first.
+    Raises `SpecError` if no arrangement works.
     """
     stack = [storeys[lowest]]
     while lowest + len(stack) < len(storeys) and _cells(storeys[lowest + len(stack)], cell):
@@ -136,7 +147,7 @@ def _stair_openings(storeys: Sequence[StoreySpec], lowest: int, cell: RoomSpec, 
 
 
 def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
-    """The span along its side of the opening at the foot of a flight [m]."""
+    """Both ends of the opening at the foot of a flight, along the side `foot` of the stairs' room [m]."""
     low, high = _extent(cell, foot)
     if foot == head:
         return low + _SIDE_M, (low + high) / 2
@@ -144,7 +155,7 @@ def _foot_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
 
 
 def _head_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
-    """The span along its side of the opening at the head of a flight [m]."""
+    """Both ends of the opening at the head of a flight, along the side `head` of the stairs' room [m]."""
     low, high = _extent(cell, head)
     if foot == head:
         return (low + high) / 2, high - _SIDE_M
@@ -152,7 +163,10 @@ def _head_span(cell: RoomSpec, foot: Side, head: Side) -> tuple[float, float]:
 
 
 def _away_from(larger: bool, low: float, high: float) -> tuple[float, float]:
-    """The span at the end of a side that is farther from the other side of an L-shaped flight [m]."""
+    """Both ends of an opening of L-shaped stairs, along its side from `low` to `high` [m].
+
+    The opening lies as far as possible from the side with the other opening, which is at the larger coordinate if `larger`.
+    """
     return (low + _SIDE_M, low + _SIDE_M + _FLIGHT_M) if larger else (high - _SIDE_M - _FLIGHT_M, high - _SIDE_M)
 
 
@@ -164,7 +178,7 @@ def _extent(cell: RoomSpec, side: Side) -> tuple[float, float]:
 def _stair_opening(
     storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads
 ) -> Iterator[OpeningSpec]:
-    """The opening that spans `span` of a side, or nothing unless a single room lies along all of it."""
+    """Yield the opening that takes the interval `span` of a side; yield nothing unless one room lies behind all of it."""
     (own,) = _cells(storey, cell)
     axis, larger = side
     at = bounds(cell)[1 - axis + 2 * larger]
@@ -181,7 +195,11 @@ def _holds(line: Boundary, at: float, span: tuple[float, float]) -> bool:
 def _can_be_built(
     stack: Sequence[StoreySpec], cell: RoomSpec, arrangement: list[list[OpeningSpec]], slab_m: float, floors: list[float]
 ) -> bool:
-    """Whether stairs can be built with these openings, tried without the other stairs of the house."""
+    """Whether stairs with these openings can be built in a house without any other stairs.
+
+    `stack` are the storeys that the stairs join, `arrangement` their openings on each storey, and `floors` the heights of
+    the storeys' floors [m].
+    """
     trial = tuple(
         StoreySpec(
             rooms=tuple(room for room in storey.rooms if room.label != STAIRS or is_same_cell(room, cell)),

@@ -28,7 +28,7 @@ def opening_on_wall(stroke: Stroke, points: Sequence[Point], storey: StoreySpec,
         ids: the ids of the rooms by the names in the drawing.
 
     Raises:
-        SpecError: if no wall is near, or the wall is shorter than the stroke.
+        SpecError: if no wall is near, or the wall is much shorter than the stroke.
     """
     middle = (points[0][0] + points[-1][0]) / 2, (points[0][1] + points[-1][1]) / 2
     near = [line for line in boundaries(storey) if _distance(line, middle) <= NEAR_M]
@@ -66,7 +66,10 @@ def _span_across(line: Boundary, points: Sequence[Point]) -> float:
 
 
 def _fitted_to_wall(stroke: Stroke, line: Boundary, low: float, high: float) -> tuple[float, float]:
-    """The interval along the wall that the stroke covers, moved and cut so that it ends on the wall [m]."""
+    """Both ends of the opening along the wall, moved and cut so that the opening lies within the wall [m].
+
+    Raises `SpecError` if the stroke from `low` to `high` is longer than the wall by more than 2 `NEAR_M`.
+    """
     if high - low > line.length + 2 * NEAR_M:
         raise SpecError(
             f"{stroke.where}: the {stroke.kind} is {high - low:.2f} m wide, but the wall between {line.rooms[0]!r} and "
@@ -88,7 +91,10 @@ def _details(stroke: Stroke, rooms: tuple[str, str], ids: dict[str, str]) -> dic
 
 
 def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]:
-    """The openings, but two that overlap by at most 0.1 m are both cut, so that they meet in the middle of the overlap."""
+    """The openings without small overlaps.
+
+    Two openings in one line that overlap by at most 0.1 m are both cut, so that they meet in the middle of the overlap.
+    """
     placed = list(openings)
     for i, j in combinations(range(len(placed)), 2):
         (axis, at, low, high), (*line, start, stop) = opening_span(placed[i]), opening_span(placed[j])
@@ -104,7 +110,7 @@ def without_overlaps(openings: Sequence[OpeningSpec]) -> tuple[OpeningSpec, ...]
 
 
 def _with_end_at(opening: OpeningSpec, axis: int, along: float, end: Callable[[float, float], float]) -> OpeningSpec:
-    """The opening with its upper (`end` is `max`) or lower (`min`) end moved to `along` [m]."""
+    """The opening with its upper end (if `end` is `max`) or its lower end (if `end` is `min`) moved to `along` [m]."""
     moved = end(opening.start_m[axis], opening.end_m[axis])
     a, b = (
         (along if axis == 0 else x, along if axis == 1 else y) if (x, y)[axis] == moved else (x, y)

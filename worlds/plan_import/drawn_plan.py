@@ -18,7 +18,8 @@ from worlds.valid_names import did_you_mean
 MAX_STROKES = 3200
 MAX_STOREYS = 8
 _SURE = 0.8
-"""Least similarity between a word and the known word that a note suggests. A lower value takes `wall` for `half wall`."""
+"""Least similarity, in [0, 1], at which a note suggests a known word for an unknown one. With a lower value, the notes would
+suggest `half wall` for `wall`."""
 _MAX_WORDS, _MAX_NOTES = 1000, 20
 _Thing = TypeVar("_Thing")
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -50,7 +51,7 @@ class DrawnRoom:
 
 @dataclass(frozen=True)
 class Stroke:
-    """A stroke drawn on a wall: a door or another opening."""
+    """A drawn line or point on a wall that stands for a door or another opening."""
 
     where: str
     """Place of the stroke in the file, for messages."""
@@ -75,7 +76,10 @@ class DrawnPlan:
 
     @property
     def doubt(self) -> str:
-        """The first note, to end an error message with: what was ignored may be what is missing. Empty without notes."""
+        """The first note in parentheses, to be appended to an error message; empty if there are no notes.
+
+        A shape that was ignored may be the one whose absence caused the error.
+        """
         return f" (note: {self.notes[0]})" if self.notes else ""
 
 
@@ -151,7 +155,10 @@ def validated(where: str, model: type[_Model], **fields: Any) -> _Model:
 
 
 def checked(rooms: Iterable[DrawnRoom], strokes: Iterable[Stroke], **more: Any) -> DrawnPlan:
-    """The plan with these rooms and strokes. Raises `SpecError` if there is no room, or too many rooms or strokes."""
+    """The plan with these rooms and strokes; `more` are further fields of `DrawnPlan`.
+
+    Raises `SpecError` if there is no room, or if there are too many rooms or strokes.
+    """
     drawing = DrawnPlan(tuple(rooms), tuple(strokes), **more)
     if not 1 <= len(drawing.rooms) <= MAX_ROOMS:
         raise SpecError(f"has {len(drawing.rooms)} rooms with a label; valid: 1 to {MAX_ROOMS}{drawing.doubt}")

@@ -78,7 +78,7 @@ def _drawing(data: object, metres_per_unit: float) -> DrawnPlan:
 
 
 def _in_degrees(rooms: Sequence[DrawnRoom]) -> bool:
-    """Whether corners look like longitudes and latitudes: in degrees, every house is smaller than 0.5 units."""
+    """Whether corners look like longitudes and latitudes: numbers up to 180, and a plan smaller than 0.5 units."""
     x, y = zip(*(corner for room in rooms for corner in room.corners), strict=True)
     is_small = max(x) - min(x) < 0.5 and max(y) - min(y) < 0.5
     return is_small and all(abs(degrees) <= 180.0 for degrees in (*x, *y))

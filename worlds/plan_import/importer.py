@@ -5,7 +5,7 @@ Drawings are imprecise, so the plan is corrected in steps:
 1. The whole plan is turned so that its walls run along x and y, and moved to the origin if it is in map coordinates.
 2. Corners that nearly line up move to common lines.
 3. Openings move to the nearest wall between two rooms.
-4. Openings are added where the drawn ones do not reach every room.
+4. Openings are added where the drawn openings do not connect all rooms.
 
 Anything that cannot be interpreted is refused with its place in the file. For the formats see
 `worlds.plan_import.geojson` and `worlds.plan_import.svg`.
@@ -66,7 +66,7 @@ def import_plan(
         metres_per_unit: scale of the drawing. None: 1 for GeoJSON; for SVG, the scale that its root element states.
         snap_m: if the plan is invalid as drawn, corners that are at most this far off are moved to common lines [m]. If
             rooms are drawn with gaps for the walls between them, give the thickness of the walls.
-        only_drawn: whether to add no openings to the drawn ones.
+        only_drawn: whether the house gets only the drawn openings, even if these do not reach every room.
         name: name of the house. None: the name of the file without its ending.
         seed: seed of the house.
 
@@ -99,9 +99,10 @@ class _Plan:
 
 
 def _valid_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house and notes: as drawn if that is valid, or else with corners moved by up to `snap_m`.
+    """The house as drawn if it is valid, or else with corners moved by up to `snap_m` [m]; and notes for the user.
 
-    Raises `WorldsError` if both are invalid. The message suggests a `snap_m` with which the plan is valid, if there is one.
+    Raises `WorldsError` if both houses are invalid. The message suggests an option with which the plan is valid, if one is
+    found.
     """
     with suppress(WorldsError):
         return _checked_house(plan, _EXACT_M)
@@ -113,7 +114,7 @@ def _valid_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 
 
 def _suggestion(plan: _Plan, snap_m: float) -> str:
-    """The end of an error message: an option with which the plan would be valid, or nothing."""
+    """The end of an error message: an option with which the plan would be valid; empty if none is found."""
     for wider_m in (wider_m for wider_m in _WIDER_SNAPS_M if wider_m > snap_m):
         with suppress(WorldsError):
             _checked_house(plan, wider_m)
@@ -126,7 +127,10 @@ def _suggestion(plan: _Plan, snap_m: float) -> str:
 
 
 def _checked_house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
-    """The house and notes. Raises `WorldsError` if the house cannot be built or does not pass the checks."""
+    """The house with this `snap_m`, and notes on what was changed in the drawing.
+
+    Raises `WorldsError` if the house cannot be built or does not pass the checks.
+    """
     spec, notes = _house(plan, snap_m)
     built_and_checked(spec)
     return spec, notes
@@ -170,7 +174,7 @@ def _house(plan: _Plan, snap_m: float) -> tuple[HouseSpec, list[str]]:
 
 
 def _with_added_openings(storeys: Sequence[StoreySpec], notes: list[str]) -> list[StoreySpec]:
-    """The storeys with openings added where the drawn ones do not reach."""
+    """The storeys with openings added where the drawn ones do not connect all rooms; `notes` gets a list of them."""
     added = added_openings(storeys, _SLAB_M)
     listing = [f"{opening.rooms[0]} - {opening.rooms[1]} ({opening.kind})" for openings in added for opening in openings]
     if listing:
@@ -226,7 +230,7 @@ def _ids(rooms: Sequence[DrawnRoom]) -> list[str]:
 
 
 def _shift(corners: Sequence[Point]) -> Point:
-    """The translation that moves a plan in map coordinates to the origin; (0, 0) for other plans [m]."""
+    """The translation that moves a plan in map coordinates (far from the origin) to the origin; (0, 0) for others [m]."""
     x, y = zip(*corners, strict=True)
     near = max(map(abs, (*x, *y))) <= _FAR_M
     return (0.0, 0.0) if near else (-float(math.floor(min(x))), -float(math.floor(min(y))))

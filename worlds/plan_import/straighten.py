@@ -1,7 +1,8 @@
 """Turns drawn outlines into rectilinear polygons.
 
-1. `main_direction` finds the direction of most walls, and `turned` rotates the plan so that they run along x and y.
-2. `straighten` takes each wall as a line along x or y, groups lines that nearly coincide, and intersects consecutive walls.
+1. `main_direction` finds the direction of most walls, and `turned` rotates the plan so that these walls run along x and y.
+2. `straighten` turns each wall into a line along x or y, merges lines that nearly coincide, and intersects the lines of
+   consecutive walls.
 """
 
 import math
@@ -16,7 +17,7 @@ from worlds.plan_import.drawn_plan import DrawnRoom
 from worlds.spec import Point
 
 _SLOPE = 0.02
-"""Greatest slope of a wall that is taken to run along x or y [m/m]. In addition, each end may be off by `snap_m`."""
+"""Greatest slope at which a wall is taken to run along x or y [m/m]. In addition, each end of it may be off by `snap_m`."""
 _AGREE_RAD = math.radians(3.0)
 """Largest angle between walls that count as having the same direction [rad]."""
 _ROUNDING_M = 1e-6
@@ -24,7 +25,7 @@ _ROUNDING_M = 1e-6
 _TURN_RAD = 1e-3
 """Least deviation of a plan's main direction from the axes at which the plan is turned [rad]."""
 Lines = Callable[[float], float]
-"""Maps the coordinate of a wall to the coordinate of the common line that the wall belongs to [m]."""
+"""A function from the coordinate of a wall to the coordinate of the common line that the wall belongs to [m]."""
 
 
 def main_direction(rooms: Sequence[DrawnRoom]) -> float:
@@ -78,7 +79,10 @@ def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
 
 
 def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator[tuple[int, float]]:
-    """(axis, coordinate) of each wall, with axis 0 for walls along x. Edges no longer than `snap_m` are left out."""
+    """Yield (0, y) for each wall along x and (1, x) for each wall along y, in order. Edges up to `snap_m` are left out.
+
+    Raises `SpecError` if a wall runs along neither x nor y, or if fewer than 4 corners are left.
+    """
     kept = [corner for corner, after in _edges(corners) if math.dist(corner, after) > snap_m]
     if len(kept) < 4:
         raise SpecError(f"{room.where}: has too few corners; valid: at least 4 corners farther apart than {snap_m} m")
@@ -93,7 +97,10 @@ def _walls(room: DrawnRoom, corners: Sequence[Point], snap_m: float) -> Iterator
 
 
 def _common_lines(values: list[float], snap_m: float) -> Lines:
-    """Group coordinates into common lines: neighbours differ by at most `snap_m`, and a group spans at most twice that."""
+    """Group wall coordinates, and return the function from a coordinate to the common line of its group.
+
+    Neighbouring coordinates in a group differ by at most `snap_m`, and the whole group spans at most 2 `snap_m`.
+    """
     groups: list[list[float]] = []
     for value in sorted(values):
         if groups and value - groups[-1][0] <= 2 * snap_m + _ROUNDING_M and value - groups[-1][-1] <= snap_m + _ROUNDING_M:
@@ -105,16 +112,17 @@ def _common_lines(values: list[float], snap_m: float) -> Lines:
 
 
 def _line(group: Sequence[float]) -> float:
-    """The coordinate of a group, rounded to millimetres: its majority value if there is one, else the mean."""
+    """The common line of a group of coordinates, rounded to 1 mm: the value of the majority, or else the mean [m]."""
     millimetres = Counter(round(value, 3) for value in group)
     (line, times), middle = millimetres.most_common(1)[0], sum(group) / len(group)
     return line + 0.0 if 2 * times > len(group) else round(middle, 3) + 0.0
 
 
 def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
-    """Intersections of consecutive walls; empty if fewer than 4 walls are left.
+    """Intersections of consecutive walls, which are given as (axis, coordinate); empty if fewer than 4 walls are left.
 
-    Consecutive walls along the same axis are merged and walls of zero length dropped, until neither is left.
+    First, consecutive walls along the same axis are merged and walls of zero length are dropped, until there are no such
+    walls.
     """
     around = list(lines)
     while True:

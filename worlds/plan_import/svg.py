@@ -121,7 +121,10 @@ def _check_true_to_scale(drawing: DrawnPlan, scale: float) -> None:
 
 
 def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
-    """The room label or opening kind that a shape or group itself names. A shape's tag must be suitable for it."""
+    """The room label or the kind of opening that a shape or group itself names, as (label, kind); at least one is None.
+
+    A name in the class, label or id counts only if the tag suits it: a room is no `line`, an opening no `rect` or `polygon`.
+    """
     attributes, tag = thing.attributes, thing.tag
     if "data-kind" in attributes:
         return None, kind_of(thing.where, attributes["data-kind"])
@@ -140,8 +143,9 @@ def _meaning(thing: Named) -> tuple[str | None, OpeningKind | None]:
 def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
     """The shapes that stand for a room or an opening, by their own names or else by the names of the groups around them.
 
-    Every stroke in a group inherits its kind. The label of a group is inherited only if exactly one shape in it can be the
-    room: with several, such as the furniture of a kitchen, it is unclear which one is meant.
+    If a group names a kind of opening, every stroke in it is such an opening. If a group names a room label, this counts
+    only if exactly one shape in the group can be the room. With several shapes, such as the furniture of a kitchen, it would
+    be unclear which of them is the room.
     """
     found: list[tuple[_Meaning, Named | None]] = []
     for shape in shapes:
@@ -156,7 +160,10 @@ def _meanings(shapes: Sequence[SvgShape]) -> list[_Meaning]:
 
 
 def _inherited(shape: SvgShape) -> tuple[Named, str | None, OpeningKind | None] | None:
-    """The innermost group that names a label or a kind, with that meaning; None if the shape cannot stand for it."""
+    """The innermost group around a shape that names a label or a kind, with this label and kind (one of them is None).
+
+    The result is None if no group names anything, or if the shape's tag does not suit what the group names.
+    """
     for group in shape.groups:
         label, kind = _meaning(group)
         if label is not None or kind is not None:
@@ -175,7 +182,7 @@ def _points(where: str, drawn: Outline, scale: float) -> tuple[Point, ...]:
 
 
 def _notes(ignored: Sequence[SvgShape]) -> Iterator[str]:
-    """Notes on ignored shapes: words that resemble a known one, names that do not fit the tag, and the list of shapes."""
+    """Notes on ignored shapes: words that resemble known words, known words on unsuitable tags, and a list of the shapes."""
     spoken: list[tuple[str, str]] = []
     misfits: dict[tuple[str, str], str] = {}
     for shape in ignored:

@@ -35,8 +35,8 @@ class Outline:
 def outline(where: str, tag: str, attributes: Mapping[str, str], T_svg_shape: Float64[np.ndarray, "3 3"]) -> Outline:
     """The corners of a shape made of straight lines, in the units of the drawing.
 
-    `where` is the place of the shape in the file, for messages. Raises `SpecError` if the shape has curves or more than one
-    part, and if its coordinates cannot be read.
+    `where` is the place of the shape in the file, for messages. Raises `SpecError` if the shape has curves, more than one
+    part or too few or too many corners, or if its coordinates cannot be read.
     """
     text = _path_data(where, tag, attributes).strip()
     if len(re.findall("[Mm]", text)) > 1:
@@ -87,7 +87,7 @@ def length_px(where: str, name: str, text: str) -> float:
 
 
 def transform(where: str, text: str) -> Float64[np.ndarray, "3 3"]:
-    """The matrix of a `transform` attribute. Raises `SpecError` if it cannot be read."""
+    """The matrix of a `transform` attribute. Raises `SpecError` if the attribute cannot be read."""
     try:
         return np.asarray(parse_transform(text, strict=True), np.float64)
     except ValueError:

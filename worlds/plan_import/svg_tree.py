@@ -1,6 +1,6 @@
 """Reads the element tree of an SVG and lists its visible shapes, with groups, transforms, storeys and `<use>` resolved.
 
-Document types and entities are refused, because a small file can expand through them without bound or read other files.
+Document types and entities are refused, because with them a small file could expand without bound or read other files.
 """
 
 import re
@@ -17,7 +17,8 @@ from worlds.plan_import.svg_shapes import TAGS, Outline, length_px, outline, tra
 
 LABEL = "inkscape:label"
 _LINE = " line"
-"""Key under which the line number of an element is stored among its attributes. No XML attribute has a space in its name."""
+"""Key of an element's line number, which is stored among its attributes. No XML attribute has a space in its name, so this
+key never clashes."""
 _NAMES = ("id", "class", LABEL, "data-label", "data-kind", "data-name", "data-storey")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "pattern", "marker")
 _STOREY = re.compile(r"(?:storey|story|floor|level)[ _-]*(\d)", re.IGNORECASE)
@@ -122,9 +123,10 @@ class _Walk:
                 yield from self.at(child, child.attrib, around)
 
     def at(self, element: Element, attributes: Mapping[str, str], around: _Inherited) -> Iterator[SvgShape]:
-        """The visible shapes of an element.
+        """Yield the visible shapes inside an element; if the element is a shape itself, yield only this shape.
 
-        `attributes` are the element's own. If a `<use>` shows the element, the names on the `<use>` replace the own names.
+        `attributes` are those of the element. If a `<use>` shows the element, names given on the `<use>` replace the names
+        of the element.
         """
         self.visited += 1
         if len(around.groups) > _MAX_DEPTH or self.visited > _MAX_ELEMENTS:
@@ -150,7 +152,7 @@ class _Walk:
 
 
 def _storey_of_group(element: Named) -> str | None:
-    """The storey number in the name of a group, as in "storey-1" or "Floor 1"; None if it has none."""
+    """The storey number in the name of a group, as in "storey-1" or "Floor 1"; None without such a name, or for no group."""
     names = (element.attributes.get(LABEL, ""), element.attributes.get("id", ""))
     numbers = (match[1] for name in names if (match := _STOREY.fullmatch(name.strip())))
     return next(numbers, None) if element.tag == "g" else None

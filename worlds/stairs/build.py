@@ -30,11 +30,11 @@ from worlds.stairs.flights import MIN_WIDTH_M, Point, StairsKind, StairsLayout, 
 from worlds.stairs.geometry import floor_beside_flight, rail_parts, slab_parts
 
 APPROACH_M = 0.4
-"""Distance outside the cell at which the walking line begins and ends [m]."""
+"""The walking line begins and ends this far outside the room of the stairs [m]."""
 MIN_HEAD_ROOM_M = 1.95
 """Least head room above every tread and landing, and least height of the openings to the stairs [m]."""
 BODY_HALF_M = 0.3
-"""Half the width of a body [m]. Openings to a flight reach at least as far to either side of the flight's middle line."""
+"""Half the width of a body [m]. Openings to a flight must reach this far to either side of the flight's middle line."""
 _TOLERANCE_M = 1e-6
 
 
@@ -50,8 +50,8 @@ class Stairs:
     treads: tuple[Part, ...]
     """Steps and landings, from the lowest to the highest."""
     floors: tuple[Part, ...]
-    """Level floors inside the stairs' room: one after the last riser and, unless these are the lowest stairs of their
-    staircase, one before the first riser."""
+    """Level floors inside the stairs' room: after the last riser and, unless these are the lowest stairs of their staircase,
+    before the first riser; also in openings that are wider than the flight."""
     railing: tuple[Part, ...]
     walking_line: Float64[np.ndarray, "k 3"]
     """Path in W up the stairs [m], from the room in front of them on the lower storey to the room in front of them on the
@@ -64,10 +64,11 @@ class Stairs:
 
 
 def build_stairs(spec: HouseSpec, floors_m: Sequence[float]) -> tuple[Stairs, ...]:
-    """All flights of a house whose storeys have their floors at the heights `floors_m` in W.
+    """All flights of a house whose storeys have their floors at the heights `floors_m` in W [m].
 
     Raises `HouseError` if it is not clear which opening leads to which flight, if a flight cannot be reached through its
-    openings, and if a cell is too small or the head room too low. The message names the stairs and what they need.
+    openings, if a room of stairs is too small, or if there is too little head room. The message names the stairs and what
+    they need.
     """
     stairs = tuple(_Site.of(spec, floors_m, level, place).stairs() for level, place in flight_places(spec))
     _check_head_room(stairs)
@@ -169,7 +170,7 @@ class _Site:
 
 
 def _outwards(inside: Point, border: Point) -> Point:
-    """The end of the walking line, `APPROACH_M` beyond the border of the cell at the border's height."""
+    """The end of the walking line: `APPROACH_M` beyond the point `border` on the cell's side, as seen from `inside`."""
     dx, dy = border[0] - inside[0], border[1] - inside[1]
     scale = APPROACH_M / math.hypot(dx, dy)
     return border[0] + scale * dx, border[1] + scale * dy, border[2]

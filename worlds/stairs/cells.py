@@ -30,8 +30,8 @@ def bounds(room: RoomSpec) -> Bounds:
 def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
     """Whether two rooms are stairs that cover the same rectangle of the plan, to a micrometre.
 
-    All code that asks which cells belong to one staircase asks this function. It compares with a tolerance: rounded
-    coordinates would differ wherever two nearly equal ones lie on either side of a rounding boundary.
+    All code that needs to know which rooms belong to one staircase uses this function. It compares coordinates with a
+    tolerance instead of rounding them, because two nearly equal coordinates may be rounded differently.
     """
     return other.label == room.label == STAIRS and all(
         abs(a - b) <= _TOLERANCE_M for a, b in zip(bounds(room), bounds(other), strict=True)
@@ -39,7 +39,7 @@ def is_same_cell(room: RoomSpec, other: RoomSpec) -> bool:
 
 
 def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
-    """The stairs on storeys[`level`] in the same rectangle as `cell`; None if the stairs or the storey do not exist."""
+    """The room of stairs on storeys[`level`] that covers the same rectangle as `cell`; None if there is no such room."""
     if not 0 <= level < len(spec.storeys):
         return None
     return next((room for room in spec.storeys[level].rooms if is_same_cell(room, cell)), None)
@@ -48,7 +48,8 @@ def cell_on(spec: HouseSpec, level: int, cell: RoomSpec) -> RoomSpec | None:
 def lowest_cells(spec: HouseSpec) -> dict[str, str]:
     """For every room of stairs, by id, the id of the lowest room of its staircase.
 
-    A cell belongs to the staircase of the cell directly below it. Raises `HouseError` where a staircase skips a storey.
+    A room of stairs belongs to the staircase of the room of stairs directly below it. Raises `HouseError` where a staircase
+    skips a storey.
     """
     lowest: dict[str, str] = {}
     for level, storey in enumerate(spec.storeys):
@@ -70,7 +71,7 @@ def _check_skips_no_storey(spec: HouseSpec, level: int, cell: RoomSpec) -> None:
 
 
 def flight_places(spec: HouseSpec) -> Iterator[tuple[int, int]]:
-    """All flights of a house, as pairs: index of the lower storey, and index of the stairs in that storey's `rooms`."""
+    """Yield a pair for each flight of a house: index of the lower storey, and index of the flight's room on that storey."""
     for level, lower in enumerate(spec.storeys):
         for place, room in enumerate(lower.rooms):
             if cell_on(spec, level + 1, room) is not None:
@@ -120,9 +121,10 @@ def _leads(spec: HouseSpec, level: int, room: RoomSpec, place: int) -> Leads:
 
 @dataclass(frozen=True)
 class CellFrame:
-    """A cell's own coordinates for one flight: u points into the cell from the side where the flight begins, v across it.
+    """Coordinates (u, v) in a cell, the room of a flight of stairs: u points inwards from the side where the flight begins.
 
-    The origin is a corner of the cell. The foot of L- and U-shaped stairs is at low v, and their head is at high v.
+    v points across, at a right angle to u. The origin is a corner of the cell. L- and U-shaped stairs begin at low v and end
+    at high v.
     """
 
     kind: StairsKind
@@ -146,7 +148,7 @@ class CellFrame:
 
 
 def cell_frame(level: int, room: RoomSpec, foot: OpeningSpec, head: OpeningSpec) -> CellFrame:
-    """The coordinate frame of a cell for the flight between two openings, and the kind of stairs that fits.
+    """The coordinate frame of a cell (a room of stairs) for the flight between two openings, with the kind of its stairs.
 
     `foot` is the opening on storeys[`level`], `head` the opening on the storey above. Raises `HouseError` for an opening
     that is in no side of the cell, and for two openings in the same half of one side.

@@ -30,7 +30,7 @@ MIN_WIDTH_M = 0.8
 MAX_FLIGHT_RISE_M = 3.7
 """Greatest rise of straight stairs without a landing half way [m]."""
 OPEN_SIDE_M = 1.0
-"""Greatest drop beside a slab at which its open side needs no railing [m]."""
+"""Greatest drop beside a step, landing or floor at which its open side needs no railing [m]."""
 INSET_M = WALL_THICKNESS_M / 2
 """Distance from a wall's centre line to its face [m]."""
 _USUAL_TREAD_M = 0.3
@@ -64,7 +64,7 @@ def cell_needed(
 
 
 def risers(kind: StairsKind, rise_m: float) -> int:
-    """Number of risers for a rise [m]. For a U-shape the number is even, because its two flights are alike."""
+    """Number of risers of stairs that rise by `rise_m`. For a U-shape it is even, because its two flights are alike."""
     if kind == "U":
         return 2 * math.ceil(rise_m / 2 / MAX_RISER_M - _TOLERANCE_M)
     return math.ceil(rise_m / MAX_RISER_M - _TOLERANCE_M)
@@ -76,19 +76,19 @@ def _rounded_up(length_m: float) -> float:
 
 @dataclass(frozen=True)
 class Slab:
-    """A level rectangle to stand on: a step, a landing or a piece of floor."""
+    """A level rectangle to stand on: a step, a landing or a piece of floor. u and v are the coordinates of `CellFrame`."""
 
     u: tuple[float, float]
-    """Interval that the slab covers along u [m]."""
+    """Interval that the slab covers along u, the direction inwards from the side where the climb begins [m]."""
     v: tuple[float, float]
-    """Interval that the slab covers along v [m]."""
+    """Interval that the slab covers along v, at a right angle to u [m]."""
     top: float
-    """Height of the slab's upper face [m]."""
+    """Height of the slab's upper face above the lower storey's floor [m]."""
 
 
 @dataclass(frozen=True)
 class Rail:
-    """A straight railing on the open side of a slab, between two points at the slab's height."""
+    """A straight railing on the open side of a slab (step, landing or floor), between two points at the slab's height."""
 
     start: Point
     end: Point
@@ -96,7 +96,7 @@ class Rail:
 
 @dataclass(frozen=True)
 class StairsLayout:
-    """The stairs from one storey to the next, in the cell's coordinates."""
+    """The stairs from one storey to the next, in the coordinates of their room (`CellFrame`)."""
 
     tread_m: float
     """Depth of every tread [m]."""
@@ -115,15 +115,15 @@ class StairsLayout:
 
     @property
     def is_walkable(self) -> bool:
-        """Whether treads are deep enough and flights wide enough to walk on. Risers and landings always keep the rules."""
+        """Whether treads are deep enough and flights wide enough to walk on. Risers and landings need no check."""
         return self.tread_m >= MIN_TREAD_M - _TOLERANCE_M and self.width_m >= MIN_WIDTH_M - _TOLERANCE_M
 
 
 def fit_stairs(kind: StairsKind, length: float, width: float, rise: float, above_void: bool) -> StairsLayout:
-    """Fit stairs of a kind into a cell of `length` (along u) by `width` (along v) for a `rise` from floor to floor [m].
+    """Fit stairs into a room of `length` (along the first flight) by `width`, for a `rise` from floor to floor [m].
 
-    Treads are as deep as the cell allows, up to 0.3 m. Where the cell is too small, the stairs are not walkable.
-    With `above_void`, the lower storey has no floor beside the stairs, so that L-shaped stairs get railings all along.
+    Treads are as deep as the room allows, up to 0.3 m. If the room is too small, the result is not walkable. `above_void`
+    says that there is no floor beside the stairs on the lower storey; L-shaped stairs then get railings all along.
     """
     match kind:
         case "straight":

@@ -21,12 +21,12 @@ Interval = tuple[float, float]
 
 
 def slab_parts(slabs: Sequence[Slab], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A box for each slab; `floor_m` is the height of the lower floor in W."""
+    """A box for each slab (step, landing or floor); `floor_m` is the height of the lower storey's floor in W [m]."""
     return tuple(_box(frame, s.u, s.v, (floor_m + s.top - SLAB_THICKNESS_M, floor_m + s.top), _WOOD) for s in slabs)
 
 
 def rail_parts(rails: Sequence[Rail], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
-    """A hand rail on posts for each railing; `floor_m` is the height of the lower floor in W.
+    """A hand rail on posts for each railing; `floor_m` is the height of the lower storey's floor in W [m].
 
     Each hand rail is thin and centred on the edge of its slab, so that it does not obstruct the walking line.
     """

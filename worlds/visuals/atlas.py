@@ -13,7 +13,7 @@ from worlds.spec import HouseSpec
 from worlds.visuals.materials import texture
 
 Paint = tuple[str, Colour, int | None]
-"""Material, colour and seed: the piece's seed if the material is in `SHOWN_WHOLE`, else None (pieces share the paint)."""
+"""Material, colour and seed: the piece's own seed for materials in `SHOWN_WHOLE`, else None, so that pieces share paints."""
 
 SHOWN_WHOLE = frozenset({"picture", "screen", "scribble"})
 """Materials with a motif: every piece has a patch of its own, and each face shows the whole patch.
@@ -28,13 +28,16 @@ _MARGIN = 1.0 / _PATCH_PX
 
 
 def paint_of(material: str, colour: Colour, piece_seed: int) -> Paint:
-    """The key under which a part's patch is found; `piece_seed` is the seed of the piece that the part belongs to."""
+    """The paint of a part, the key of its patch in the atlas; `piece_seed` is the seed of the piece with this part."""
     return material, colour, piece_seed if material in SHOWN_WHOLE else None
 
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Patches of one square metre each. The image on a patch depends only on its paint and on the seed of the house."""
+    """An image made of patches, each of which shows one square metre of a paint.
+
+    The content of a patch depends only on its paint, the seeds of the house, and its `appearance.texture`.
+    """
 
     image: UInt8[np.ndarray, "h w 3"]
     patch_of: Mapping[Paint, int]
@@ -57,11 +60,12 @@ class Atlas:
         whole: Bool[np.ndarray, "q"],
         cut: Float64[np.ndarray, "q 2"],
     ) -> Float64[np.ndarray, "q 4 2"]:
-        """Texture coordinates of quads in the atlas image, v upwards.
+        """Texture coordinates of quads, as fractions of the atlas image's width and height; v points upwards.
 
-        A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of the quad's true size (scaled down if
-        larger than the patch), at the relative position `cut` in [0, 1] within the patch. `uv_m` are the corners of each
-        quad in its own plane [m], from (0, 0).
+        `uv_m` are the corners of each quad in its own plane [m], from (0, 0); `patches` are the indices of the quads'
+        patches. A quad that is `whole` shows its whole patch. Any other quad shows a cut-out of the patch that is as large
+        as the quad (or scaled down, if the quad is larger than the patch). `cut`, in [0, 1], is the relative position of the
+        cut-out within the patch.
         """
         room = 1.0 - 2 * _MARGIN
         extent = np.maximum(uv_m.max(axis=1, keepdims=True), 1e-9)

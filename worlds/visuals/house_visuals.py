@@ -1,4 +1,4 @@
-"""Everything visible of a house as textured quads, for renderers and exporters."""
+"""All visible surfaces of a house as textured quads, for renderers and exporters."""
 
 import itertools
 import zlib
@@ -26,7 +26,7 @@ class Visual:
     name: str
     """The name of these quads, unique in the house."""
     shows: str
-    """The id of a piece of furniture, a door leaf or a window; `STAIRS_OBJECT`; or "<room id>/<wall|floor|ceiling>"."""
+    """What is shown: the id of furniture, a door leaf or a window; `STAIRS_OBJECT`; or "<room id>/<wall|floor|ceiling>"."""
     image: str
     """Key of the image in `Visuals.images`."""
     corners: Float64[np.ndarray, "q 4 3"]
@@ -41,7 +41,7 @@ class Visuals:
     """The textured quads of a whole house, with their images."""
 
     images: Mapping[str, UInt8[np.ndarray, "h w 3"]]
-    """RGB images of the textures, by name."""
+    """RGB images of the textures, by the name that `Visual.image` refers to."""
     parts: tuple[Visual, ...]
 
 

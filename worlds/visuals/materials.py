@@ -80,7 +80,7 @@ def texture(
 
 
 def tileable(pattern: str, colour: Colour, rng: Generator, side: int, side_m: float) -> UInt8[np.ndarray, "side side 3"]:
-    """A square texture of `side` [px] covering `side_m` [m] that tiles without a visible seam."""
+    """A square texture of `side` [px] that covers `side_m` [m] and can be repeated side by side without a visible seam."""
     over = max(1, side // 6)
     whole, scale = side + over, side_m / side
     image = texture(pattern, colour, rng, (whole, whole), (whole * scale, whole * scale)).astype(np.float32)

@@ -1,6 +1,6 @@
 """Export of houses as meshes: a trimesh scene or a GLB file of textured triangles.
 
-There is one node for each surface kind of each room (walls, floor, ceiling) and one for each object.
+Each room has one node for its walls, one for its floor and one for its ceiling. Each object has one node.
 """
 
 from io import BytesIO

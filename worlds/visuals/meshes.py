@@ -1,4 +1,4 @@
-"""Meshes of furniture, stairs, door leaves and windows: their parts become quads with texture coordinates in metres.
+"""Meshes of furniture, stairs, door leaves and windows: the parts of these objects become quads with texture coordinates.
 
 All objects of a house are converted in one vectorised pass.
 """
@@ -14,7 +14,7 @@ from worlds.parts import Part, Vector
 
 _SIDES = 10
 _GROWTH_M = 2e-5
-"""Length by which each part of a solid is enlarged more than the part before it [m].
+"""Part number k of a solid, counted from 0, is enlarged by k times this length [m].
 
 Where faces of two parts lie in one plane, the face of the later part is therefore the visible one.
 """
@@ -39,7 +39,7 @@ class SolidsMesh:
     corners: Float64[np.ndarray, "q 4 3"]
     """Corners of every quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "q 4 2"]
-    """In-plane coordinates of the corners of each quad [m]; the smallest are (0, 0)."""
+    """Coordinates (u, v) of the corners within the plane of each quad [m]; the smallest u and the smallest v are 0."""
     solid: Int[np.ndarray, "q"]
     """Index of the solid that each quad belongs to, in ascending order."""
     part: Int[np.ndarray, "q"]
@@ -66,7 +66,7 @@ def solids_mesh(solids: Sequence[Solid]) -> SolidsMesh:
 
 
 def normals(corners: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 3"]:
-    """Unit normals of quads. They come from the diagonals, so that a quad with two equal corners still has a normal."""
+    """Unit normals of quads, computed from the diagonals, so that a quad with two equal corners still has a normal."""
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12))
 
@@ -101,7 +101,10 @@ def _turned(points: Float64[np.ndarray, "*n 3"], yaw: Float64[np.ndarray, "*m"])
 
 
 def _metric_uv(quads: Float64[np.ndarray, "q 4 3"]) -> Float64[np.ndarray, "q 4 2"]:
-    """In-plane coordinates [m] from (0, 0): u along the bottom edge (the top edge where that has no length), v across it."""
+    """Coordinates (u, v) of the corners within the plane of each quad, from (0, 0) [m].
+
+    The u axis runs along the bottom edge, or along the top edge if the bottom edge has no length. The v axis runs across.
+    """
     bottom, top = quads[:, 1] - quads[:, 0], quads[:, 2] - quads[:, 3]
     along = np.where((np.linalg.norm(bottom, axis=1) > 1e-9)[:, None], bottom, top)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
@@ -121,7 +124,7 @@ def _unit_box() -> Float64[np.ndarray, "6 4 3"]:
 
 
 def _lathe(profile: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "f 4 3"]:
-    """The solid of revolution of a profile in the unit cube: (radius, z) pairs from bottom to top."""
+    """Quads of a profile rotated about z, within the unit cube; the profile lists (radius, z) from bottom to top."""
     angles = 2 * np.pi * np.arange(_SIDES + 1) / _SIDES
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     quads = []

@@ -18,7 +18,7 @@ from worlds.spec import OpeningSpec
 from worlds.walls import WALL_THICKNESS_M, Boundary
 
 NOTHING = -1
-"""Owner of cells that are never visible: those below the ground."""
+"""Owner of the cells below the ground, which are never visible."""
 _MARGIN_M = 1.0
 _DECIMALS = 6
 _TOLERANCE_M = 1e-6
@@ -36,24 +36,24 @@ class ShellGrid:
     """
 
     planes: tuple[Float64[np.ndarray, "px"], Float64[np.ndarray, "py"], Float64[np.ndarray, "pz"]]
-    """Coordinates of the planes [m], ascending."""
+    """Coordinates of the planes perpendicular to x, y and z [m], ascending."""
     solid: Bool[np.ndarray, "nx ny nz"]
     """Whether a cell is inside a wall or slab. Openings are free."""
     slab: Bool[np.ndarray, "nz"]
-    """Whether a layer of cells lies between two storeys, below the ground floor or in the roof."""
+    """Whether a layer of cells lies where slabs are: between two storeys, below the lowest, or above the highest storey."""
     arch: Int[np.ndarray, "nx ny nz"]
-    """0 for most cells. For a cell in which an arch has its curve: 1 + the axis along which the wall with the arch runs."""
+    """0 for most cells. For the cells with the curve of an arch: 1 if the wall of the arch runs along x, 2 if along y."""
     owner: Int[np.ndarray, "nx ny nz"]
     """Index into `house.rooms` of the room that a free cell is in; `len(house.rooms)` outside, `NOTHING` underground."""
     reveal: Int[np.ndarray, "nx ny nz"]
-    """Like `owner`, but all cells of an opening belong to one room, so that the reveals of the opening (the faces of the
-    wall's thickness) get one texture."""
+    """Like `owner`, but all cells of an opening belong to one room. The reveals of the opening (its inner faces, across the
+    thickness of the wall) therefore get one texture."""
 
 
 def shell_grid(house: House) -> ShellGrid:
     """Build the grid that says which cells of a house are solid, and to which room each free cell belongs.
 
-    1. Cut space along all faces of walls, openings, floors and ceilings.
+    1. Divide space into cells along all faces of walls, openings, floors and ceilings.
     2. Fill the slabs and the walls as solid.
     3. Assign every cell of a storey to a room, to the outside or to the ground.
     4. Give each opening to one room, and mark the cells through which the curve of an arch passes.
@@ -124,7 +124,7 @@ def _with_margin(planes: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "_"]:
 
 
 def _cells(planes: Sequence[Float64[np.ndarray, "_"]], boxes: Sequence[_Box]) -> Iterator[_Cells]:
-    """The cells inside each box; the faces of the boxes must be planes of the grid."""
+    """The cells inside each box, as slices; the faces of the boxes must be planes of the grid."""
     table = np.round(np.array(boxes).reshape(-1, 6), _DECIMALS)
     x, y, z = (np.searchsorted(p, table[:, c]) for p, c in zip(planes, ([0, 2], [1, 3], [4, 5]), strict=True))
     for (i0, i1), (j0, j1), (k0, k1) in zip(x.tolist(), y.tolist(), z.tolist(), strict=True):
@@ -173,10 +173,10 @@ def _slabs(
     plans: Sequence[Int[np.ndarray, "nx ny"]],
     walls: Sequence[_Box],
 ) -> tuple[Bool[np.ndarray, "nx ny nz"], Bool[np.ndarray, "nz"]]:
-    """Solid cells of the slabs, and the layers that they lie in.
+    """Whether each cell belongs to a slab, and whether each layer of cells lies where slabs are.
 
-    There is a slab below every room and above every indoor room, out to the outer faces of the walls. Stairwells, whose cell
-    passes through the slab, stay open.
+    There is a slab below every room and above every indoor room, out to the outer faces of the walls. A slab has a hole
+    where a staircase passes through it.
     """
     solid, slab = np.zeros((*plans[0].shape, len(planes[2]) - 1), bool), np.zeros(len(planes[2]) - 1, bool)
     nothing = np.full_like(plans[0], len(house.rooms))

@@ -23,7 +23,7 @@ _MAX_PX = 4096
 PERIOD_M: Mapping[SurfaceKind, float] = {"wall": 1.0, "floor": 0.5, "ceiling": 0.5}
 """Period of repeating textures for each kind of surface, the same along both axes [m].
 
-Each period divides one metre, so that the view of a room is the same from a viewpoint one metre further on.
+One metre is a whole number of periods, so the textures look the same from a viewpoint one metre further along a surface.
 """
 _OUTSIDE_LOOKS = "garden"
 
@@ -43,7 +43,7 @@ class SurfaceTexture:
 
 
 def finishes(house: House) -> dict[str, Finish]:
-    """Finish of each room by its id, and of the outside under `OUTSIDE`. Each depends only on label and seed."""
+    """Finish of each room by the room's id, and of the outside by `OUTSIDE`. A finish depends only on label and seed."""
     return {room: finish_of(label, _rng(house, room)) for room, label in _labels(house).items()}
 
 

@@ -2,9 +2,9 @@
 
 `surfaces` works in these steps:
 
-1. Find the upright faces: wherever a solid cell of the `ShellGrid` touches a free one, plus the spandrels over arches, which
-   are curved and so not part of the grid.
-2. Unroll the walls of each room side by side onto one sheet, so that a texture runs on without repeating.
+1. Find the upright faces, which lie wherever a solid cell of the `ShellGrid` touches a free cell. Add the wall beside the
+   curves of arches (the spandrels), which is not part of the grid.
+2. Unroll the walls of each room side by side onto one flat sheet, so that the texture of the sheet need not repeat.
 3. Add the level faces (floors, ceilings, sills, tops of walls) and the curved undersides of arches.
 """
 
@@ -41,13 +41,13 @@ class Surface:
     corners: Float64[np.ndarray, "4 3"]
     """Corners of the quad in the world frame W [m]."""
     uv: Float64[np.ndarray, "4 2"]
-    """Positions of the corners on the sheet of this room and kind [m]; faces on a sheet do not overlap."""
+    """Positions of the corners on the flat sheet that carries the faces of this room and kind, without overlaps [m]."""
 
 
 def surfaces(house: House) -> list[Surface]:
     """All faces of the shell. The walls of a room are unrolled onto one sheet, with their openings left out.
 
-    Every solid cell is closed on each side that faces a room or the outside, except for the top of the roof.
+    Every solid cell has a face on each side that borders a room or the outside, except for the top of the roof.
     """
     grid = shell_grid(house)
     planes: dict[_Plane, list[_Outline]] = defaultdict(list)
@@ -61,11 +61,11 @@ def surfaces(house: House) -> list[Surface]:
 _Plane = tuple[int, int, int, float]
 """Index of the room (number of rooms: the outside), axis of the normal, sign of the normal, position on that axis [m]."""
 _Outline = tuple[_Point, _Point, _Point, _Point]
-"""Corners of a quad as (position along the plane, z) [m]; counter-clockwise when that position increases to the right."""
+"""Corners of a quad as (position along the plane, z) [m], counter-clockwise if positions increase to the right."""
 
 
 class _Unrolling:
-    """Lays the wall faces of each room side by side on one sheet per room."""
+    """Lays the wall faces of each room side by side on one flat sheet per room, which gets one texture."""
 
     def __init__(self, house: House) -> None:
         self._names = [*(room.id for room in house.rooms), OUTSIDE]
@@ -85,13 +85,13 @@ class _Unrolling:
                 yield Surface(self._names[room], "wall", np.array(corners), np.array(uv))
 
     def strip(self, room: int, corners: Sequence[tuple[float, float, float]], length: float, width: float) -> Surface:
-        """A rectangular face whose first edge is `length` [m] long, at a free position on the sheet."""
+        """A rectangular face at a free position on its room's sheet; its first edge is `length` [m] long."""
         u = self._advance(room, length)
         uv = np.array([(u, 0.0), (u + length, 0.0), (u + length, width), (u, width)])
         return Surface(self._names[room], "wall", np.array(corners), uv)
 
     def flat(self, room: int, kind: SurfaceKind, corners: Sequence[tuple[float, float, float]], origin: _Point) -> Surface:
-        """A piece of floor or ceiling. Its sheet is the plan of the room, shifted so that `origin` becomes (0, 0)."""
+        """A rectangle of floor or ceiling. Its sheet is the plan of the room, shifted so that `origin` becomes (0, 0)."""
         points = np.array(corners)
         return Surface(self._names[room], kind, points, points[:, :2] - origin)
 
@@ -102,7 +102,7 @@ class _Unrolling:
 
 
 def _runs(outlines: Sequence[_Outline]) -> Iterator[tuple[float, float, list[_Outline]]]:
-    """Groups of outlines that form a stretch without a gap: (start, end, outlines) [m]."""
+    """Group the outlines into stretches without gaps, as (start, end, outlines of the stretch) [m]."""
     group: list[_Outline] = []
     low = high = 0.0
     for outline in sorted(outlines, key=lambda o: (o[0][0], o[0][1])):
@@ -133,9 +133,9 @@ def _rectangle(x: _Point, y: _Point) -> _Outline:
 
 
 def _rectangles(labels: Int[np.ndarray, "p a b"]) -> Iterator[tuple[int, int, int, int, int, int]]:
-    """Cover the cells of equal label in each layer by rectangles: (layer, a0, a1, b0, b1, label). `NOTHING` is not covered.
+    """Cover the cells of equal label in each layer by rectangles (layer, a0, a1, b0, b1, label), except the label `NOTHING`.
 
-    Runs of equal labels along a are found first; equal runs at consecutive b are then merged into one rectangle.
+    Stretches of equal labels along a are found first; equal stretches at consecutive b are then merged into one rectangle.
     """
     edge = np.full((labels.shape[0], 1, labels.shape[2]), NOTHING, labels.dtype)
     padded = np.concatenate([edge, labels, edge], axis=1).swapaxes(1, 2)
@@ -173,7 +173,7 @@ def _level(house: House, grid: ShellGrid, unrolling: _Unrolling) -> Iterator[Sur
 
 
 def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray, "p a b"]:
-    """For each plane across z and each cell of the plan: room index * number of kinds + kind of the face, or `NOTHING`."""
+    """For each plane across z and each cell of the plan: room index * number of kinds + index of the kind, or `NOTHING`."""
     solid, free = grid.solid | (grid.arch > 0), ~grid.solid & (grid.arch == 0)
     if facing < 0:
         solid = grid.solid
@@ -192,7 +192,7 @@ def _level_labels(house: House, grid: ShellGrid, facing: int) -> Int[np.ndarray,
 
 
 def _arches(house: House) -> Iterator[tuple[Boundary, list[_Point], float]]:
-    """For each arch: its boundary, its curve as (position along the boundary, z) and the z of its crown, in W [m]."""
+    """For each arch: its boundary, its curve as points (position along the boundary, z), and its crown's z, in W [m]."""
     for level, pieces in enumerate(house.boundaries):
         floor = house.storeys[level].floor_m
         for boundary, opening in pieces:

@@ -1,6 +1,6 @@
-"""Candidate poses for a piece, best first, with one generator per kind of place (`worlds.furniture.kinds.Place`).
+"""Candidate poses for a piece, best first; each kind of place (`worlds.furniture.kinds.Place`) has its own function.
 
-The candidates are not checked for collisions: `RoomPlan.first_free` takes the first that fits.
+The candidates are not checked for collisions: `RoomPlan.first_free` takes the first pose at which the piece fits.
 """
 
 from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ _UNDER_M = 0.02
 def candidates(plan: RoomPlan, kind: Kind, size: Size, host: Piece | None, draws: Draws) -> Iterator[Pose]:
     """Poses for a piece of `kind` and `size`, best first, all at the same height.
 
-    `host` is the piece that the new piece stands at or on, or hangs above; None if its kind of place needs no host.
+    `host` is the piece that the new piece stands at or on, or hangs above; None if the new piece needs no host.
     """
     return _BY_PLACE[type(kind.place)](plan, kind.place, size, host, draws)
 
@@ -127,13 +127,13 @@ def _on_ceiling(plan: RoomPlan, place: OnCeiling, size: Size, host: Piece | None
 
 
 def _backed(plan: RoomPlan, index: int, t: float, depth: float, z: float) -> Pose:
-    """The pose with the back to a wall, at distance `t` along it [m]."""
+    """The pose of a piece with its back to wall `index`, at distance `t` along the wall and at height `z` [m]."""
     side = plan.runs[index].side
     return Pose(*side.at(t, HALF_WALL_M + WALL_GAP_M + depth / 2), side.turn, z, index)
 
 
 def _evenly(length: float, each: float) -> list[float]:
-    """Positions of as many seats of width `each` as fit along a side of `length`, about its middle [m]."""
+    """Positions of as many seats of width `each` as fit along a side of `length`, relative to the middle of the side [m]."""
     count = max(1, int(length / (each + 0.1)))
     return [(i + 0.5) * length / count - length / 2 for i in range(count)]
 

@@ -1,4 +1,4 @@
-"""How many pieces of a kind a room has: each piece is present if `clutter` is at least the piece's own threshold.
+"""How many pieces of a kind a room has: each piece has a threshold, and is present if `clutter` is at least that high.
 
 A piece that is present at some clutter is therefore present at any higher clutter.
 """
@@ -12,7 +12,7 @@ from worlds.furniture.placing.draws import Draws
 USUAL = 1.0
 """Value of `clutter` in a usual home."""
 _LOOSE_M2 = 0.4
-"""Footprint below which a piece on the floor counts as loose [m²]. Above the usual clutter, rooms get more loose pieces."""
+"""Footprint below which a piece on the floor counts as loose [m²]. Higher clutter than usual adds more loose pieces."""
 _ROOM_M2 = 12.0
 """Area of a room for which `PerClutter.per_clutter` gives the number of pieces on the floor [m²]."""
 

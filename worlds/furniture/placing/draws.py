@@ -11,12 +11,15 @@ _MASK = _POOL - 1
 
 
 def pool(rng: Generator) -> tuple[float, ...]:
-    """The numbers in [0, 1) that all streams of a room draw from."""
+    """The random numbers in [0, 1) that the streams of all pieces in a room share."""
     return tuple(rng.random(_POOL).tolist())
 
 
 def stream_key(name: str, number: int, parent: int = 0) -> int:
-    """The key of the random stream of a piece: the `number`-th `name` at, on or above the piece with the key `parent`."""
+    """The key of the random stream of the `number`-th piece of the kind `name` in a room.
+
+    For a piece that stands at or on, or hangs above another piece, `parent` is the key of that other piece.
+    """
     return crc32(_text(name, number), parent)
 
 
@@ -26,10 +29,11 @@ def _text(name: str, number: int) -> bytes:
 
 
 class Draws:
-    """A stream of uniform numbers. It steps through the pool of a room; the key gives the start and the stride.
+    """A stream of uniform random numbers for one piece, read from the numbers that all pieces of a room share (the `pool`).
 
-    The stride is odd and the length of the pool is a power of two, so a stream visits the whole pool before it repeats.
-    A stream costs much less than a generator, and the draws for a piece do not depend on the order of the pieces.
+    The key decides where in the pool the stream begins, and the stride by which it moves on for each number. The stride is
+    odd and the length of the pool is a power of two, so a stream reads the whole pool before it repeats. A stream costs much
+    less than a generator, and the numbers for a piece do not depend on the order of the pieces.
     """
 
     __slots__ = ("_at", "_pool", "_stride")
@@ -48,5 +52,5 @@ class Draws:
         return low + (high - low) * self.random()
 
     def index(self, count: int) -> int:
-        """An integer from 0 to `count` - 1."""
+        """A random integer from 0 to `count` - 1."""
         return int(count * self.random())

@@ -12,21 +12,21 @@ from worlds.furniture.placing.room_shape import Point, Rectangle, RoomShape, gro
 BODY_RADIUS_M = 0.32
 """Radius of the body that has to pass [m].
 
-The radius is larger than the walker's radius of 0.25 m, because the walker's grid has 10 cm cells at arbitrary offsets: with
-this margin, a path on the grid of `FreeFloor` also exists on the walker's grid.
+The radius is larger than the 0.25 m of the body in `worlds.walkable`. The grid there has 10 cm cells too, but may be shifted
+against the grid of `FreeFloor`; thanks to the larger radius, a path on one grid also exists on the other.
 """
 CELL_M = 0.1
 HALF_WALL_M = 0.05
 _REACH = int(BODY_RADIUS_M / CELL_M)
 _RIM = 2 * _REACH
-"""Number of blocked cells on every side of the bounding box, so that a window around any place stays inside the grid."""
+"""Number of blocked cells around the bounding box, so that a block of cells around any place stays inside the grid."""
 _BODY = np.ones((2 * _REACH + 1,) * 2, np.uint8)
 _Cells = UInt8[np.ndarray, "rows columns"]
 _Cell = tuple[int, int]
 
 
 class FreeFloor:
-    """Grid of the cells that the centre of a body can reach from the passages into the room."""
+    """A grid over a room that marks the cells that the centre of a body can reach from the passages into the room."""
 
     def __init__(self, shape: RoomShape, entries: Sequence[Point], leaves: Sequence[Rectangle] = ()) -> None:
         """`entries` are points in front of the passages. Door `leaves` are obstacles unless they block too much floor."""
@@ -42,9 +42,9 @@ class FreeFloor:
             self.block(leaf, 0.5)
 
     def block(self, place: Rectangle, share: float) -> bool:
-        """Block `place` if all passages stay connected and a body still covers `share` of the room's area.
+        """Block `place` if all passages stay connected and a body can still cover `share` of the room's area.
 
-        Returns True if both hold. If not, returns False and leaves the floor unchanged.
+        Returns True if both conditions hold. Otherwise, returns False and leaves the floor unchanged.
         """
         rows, columns = window = self._cells(grown(place, BODY_RADIUS_M))
         if not self._free[window].any():
@@ -67,16 +67,17 @@ class FreeFloor:
         return True
 
     def _stays_in_one(self, rows: slice, columns: slice) -> bool:
-        """Whether the free cells on the ring around a window are connected: then blocking the window cuts nothing off.
+        """Whether the free cells right around a window (a block of cells) are connected: blocking it then cuts nothing off.
 
-        They are if the ring, read around, changes from blocked to free at most once. This local test avoids a flood fill.
+        They are connected if, once around the window, the cells change from blocked to free at most once. This local test
+        avoids a flood fill.
         """
         a = self._free[rows.start - 1 : rows.stop + 1, columns.start - 1 : columns.stop + 1]
         ring = a[0].tobytes() + a[1:-1, -1].tobytes() + a[-1, ::-1].tobytes() + a[-2:0:-1, 0].tobytes()
         return b"\1" in ring and (ring + ring[:1]).count(b"\0\1") <= 1
 
     def _lost(self, rows: slice, columns: slice) -> int:
-        """Number of cells that a body no longer covers once its centre must stay out of a window."""
+        """Number of cells that a body can no longer cover once its centre must stay out of a window (a block of cells)."""
         around = self._free[rows.start - _RIM : rows.stop + _RIM, columns.start - _RIM : columns.stop + _RIM]
         without = around.copy()
         without[_RIM:-_RIM, _RIM:-_RIM] = 0
@@ -85,7 +86,7 @@ class FreeFloor:
         return int(np.count_nonzero(before)) - int(np.count_nonzero(after))
 
     def _cells(self, r: Rectangle) -> tuple[slice, slice]:
-        """Slices of the cells of the room's bounding box whose centres lie in the rectangle."""
+        """Slices (rows, columns) of the cells of the room's bounding box whose centres lie in the rectangle."""
         (x0, y0, x1, y1), (width, depth) = r, self._box
         return _between(y0, y1, depth), _between(x0, x1, width)
 
@@ -113,7 +114,8 @@ def _nearest_free(free: _Cells, entries: Sequence[Point]) -> frozenset[_Cell]:
 def _reached(free: _Cells, doors: frozenset[_Cell]) -> tuple[_Cells, int]:
     """The free cells connected to all doors, and the number of cells that a body covers from them.
 
-    Without doors, it is the largest connected region. If the doors are not connected, no cell is free and the number is 0.
+    Without doors, the largest connected region is taken. If the doors are not connected to each other, no cell is free and
+    the number is 0.
     """
     region = _joined_to(free, *doors) if doors else _largest(free)
     return region, int(np.count_nonzero(cv2.dilate(region, _BODY)))

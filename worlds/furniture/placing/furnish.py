@@ -1,6 +1,7 @@
 """`furnish`: fills the rooms of a storey with furniture from the catalogue and keeps every room walkable.
 
-Each room is furnished in this order. Steps 1 and 2 place everything that a usual home has, whatever the clutter:
+Each room is furnished in this order. Steps 1 and 2 place everything that a usual home has. If the clutter is lower than
+usual, some of these pieces are left out at the end.
 
 1. Pieces that stand by themselves, the required and the large ones first, each followed by its required seats.
 2. Details: other seats, and things on top of pieces, on walls and under the ceiling.
@@ -51,7 +52,7 @@ def furnish(
         storey: the storey to furnish.
         rng_of: returns the random generator of a room. Equal rooms with equal generators are furnished equally.
         clutter: 0 for no furniture, 1 for the furniture of a usual home, more for additional loose things. A piece that is
-            present at some clutter is present at any higher one, under the same id.
+            present at some clutter is present at any higher clutter, under the same id.
         prefix: start of the ids of the furniture.
         windows: the windows of the storey.
     """
@@ -70,12 +71,12 @@ def furnish(
 
 
 def is_solid(kind: str) -> bool:
-    """Whether a person cannot walk through pieces of `kind`. Raises `WorldsError` for an unknown kind."""
+    """Whether pieces of `kind` block a walking person. Raises `WorldsError` for an unknown kind."""
     return kind_of(kind).solid
 
 
 class _Furnisher:
-    """Fills one room: first with everything that a usual home has, then with the additional pieces of a cluttered one."""
+    """Fills one room: first with everything that a usual home has, then with the additional pieces of a cluttered home."""
 
     def __init__(self, plan: RoomPlan, numbers: Sequence[float], clutter: float) -> None:
         self._plan, self._numbers, self._clutter = plan, numbers, clutter
@@ -105,7 +106,7 @@ class _Furnisher:
         return [piece for name in names for piece in self._by_kind[name]] if names else (None,)
 
     def _usual(self, kind: Kind, host: Piece | None) -> list[Piece]:
-        """Place the pieces of a kind that a usual home has (per host), and queue the first of the additional ones."""
+        """Place the pieces of a kind that a usual home has (per host), and queue the first one that needs more clutter."""
         placed: list[Piece] = []
         each = appearances(kind, self._plan.label, self._plan.shape.area_m2, self._draws(kind, 0, host))
         for since, number in each:
@@ -123,7 +124,7 @@ class _Furnisher:
             heapq.heappush(self._more, _Queued(since, _key(kind, number, host), kind, number, host, rest))
 
     def _add_queued(self, next_one: "_Queued") -> None:
-        """Place a queued piece; then queue the next piece of its kind and the first one of each kind of guest."""
+        """Place a queued piece; then queue the next piece of its kind, and the first of each kind that it can be host to."""
         since, _, kind, number, host, rest = next_one
         piece = self._place(kind, number, host, since)
         if piece is None:
@@ -138,7 +139,7 @@ class _Furnisher:
                 break
 
     def _place(self, kind: Kind, number: int, host: Piece | None, since: float) -> Piece | None:
-        """Place a piece with a random size, or else with the smallest; None if there is no room for either."""
+        """Place a piece with a random size, or else with the smallest size of its kind; None if neither fits."""
         draws = self._draws(kind, number, host)
         seed, shares = int(draws.random() * 2**32), (draws.random(), draws.random(), draws.random())
         since = max(since, host.since) if host else since
@@ -163,7 +164,7 @@ def _key(kind: Kind, number: int, host: Piece | None) -> int:
 
 
 class _Queued(NamedTuple):
-    """A piece that is present from a clutter above the usual on, with the further pieces of its kind (`rest`)."""
+    """A piece that needs more than the usual clutter and is still to be placed; `rest` yields further pieces of its kind."""
 
     since: float
     key: int
@@ -178,7 +179,7 @@ class RoomKinds:
     """The kinds that belong in rooms with one label, in the order of placing."""
 
     standing: tuple[Kind, ...]
-    """Kinds of furniture that stand by themselves on the floor."""
+    """Kinds of furniture that stand on the floor, independently of other pieces."""
     seats: Mapping[str, tuple[Kind, ...]]
     """Kinds of required seats around another piece (the host), by the name of the host's kind. Seats are placed right after
     their host."""
@@ -215,9 +216,10 @@ def host_names(kind: Kind) -> tuple[str, ...]:
 
 
 def _rank(kind: Kind, label: str) -> tuple[int, bool, bool, float]:
-    """Sort key of the order of placing: required kinds first, then those for the centre of the room, then the large ones.
+    """Sort key of the order of placing, since kinds that come later have less space to choose from.
 
-    Kinds that come later have less room to choose from.
+    Kinds are sorted by their place (floor, around a piece, on top, wall, ceiling). Within a place, required kinds come
+    first, then solid kinds for the centre of the room, then kinds with a large footprint.
     """
     central = kind.solid and isinstance(kind.place, OnFloor) and kind.place.spot == "centre"
     return _stage(kind), not _is_required(kind, label), not central, -kind.width[1] * kind.depth[1]
@@ -241,7 +243,7 @@ def _stage(kind: Kind) -> int:
 
 
 def _size(kind: Kind, shares: tuple[float, float, float], room_height: float) -> Size:
-    """The size at `shares` in [0, 1] of the ranges of the kind, no higher than the room."""
+    """The size at the relative positions `shares`, in [0, 1], within the kind's ranges of sizes; no higher than the room."""
     width, depth, height = map(_at_share, (kind.width, kind.depth, kind.height), shares)
     return Size(width, depth, min(height, round(room_height - _HEAD_ROOM_M, 3)))
 

@@ -10,13 +10,13 @@ from worlds.furniture.placing.room_shape import EPS_M, Interval, Point, Rectangl
 from worlds.spec import PASSABLE, LeafSpec, OpeningSpec, RoomSpec, StoreySpec, WindowSpec
 
 OPENING_DEPTH_M = 0.9
-"""Depth of the floor that stays free in front of a passage [m]."""
+"""Depth of the floor that stays free in front of a passage, an opening that can be walked through [m]."""
 OPENING_MARGIN_M = 0.15
-"""Width of the floor that stays free as well on each side of a passage [m]."""
+"""Width by which the free floor in front of a passage extends beyond the passage on each side [m]."""
 PASSAGE_M = 1.3
 """Greatest width that stays free at an opening [m]. A wider opening stays free at the end nearer to another passage."""
 SIGHT_DEPTH_M = 0.35
-"""Distance from a window, half wall or counter that furniture higher than the sill keeps [m]."""
+"""Depth of the space in front of a window, half wall or counter that stays free above the sill [m]."""
 _SWING_MARGIN_M = 0.06
 _LEAF_HALF_M = 0.02
 _STANDS_OPEN_RAD = 1.2
@@ -40,7 +40,7 @@ class WallRun:
 
     side: Side
     free: tuple[Interval, ...]
-    """Stretches between the passages, as distances from the start of the side [m]."""
+    """Stretches of wall between the passages, as distances from the start of the side [m]."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class KeptFree:
     zones: tuple[Rectangle, ...]
     """Floor that stays free of solid pieces: in front of passages and in the swing area of door leaves."""
     spaces: tuple[Space, ...]
-    """Boxes that stay empty: swing areas of leaves, and above the sill in front of each window, half wall and counter."""
+    """Boxes that stay empty: swing areas of door leaves, and the space above sills of windows, half walls and counters."""
     entries: tuple[Point, ...]
     """A point in front of every passage [m]."""
     leaves: tuple[Rectangle, ...]
@@ -112,7 +112,7 @@ def _swings(shape: RoomShape, opening: OpeningSpec, leaf: LeafSpec) -> Iterator[
 
 
 def _passage(opening: OpeningSpec, all_openings: Sequence[OpeningSpec]) -> tuple[Point, Point]:
-    """The part of an opening that stays free on both sides. It depends on neither room, so both keep the same part free."""
+    """Ends of the part of an opening that stays free, which is the same part for the rooms on both sides."""
     a, b, width = opening.start_m, opening.end_m, opening.width_m
     if width <= PASSAGE_M:
         return a, b

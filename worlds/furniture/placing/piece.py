@@ -19,10 +19,10 @@ class Pose(NamedTuple):
     z: float = 0.0
     """Height of the underside above the floor [m]."""
     run: int | None = None
-    """Index into `RoomPlan.runs` of the wall at the back of the piece, if any."""
+    """Index into `RoomPlan.runs` of the wall at the back of the piece; None if there is no wall."""
 
     def moved(self, x: float, y: float) -> Point:
-        """The room coordinates of (x, y) in the piece's frame [m]."""
+        """Convert a point (x, y) from the piece's frame to the room's coordinates [m]."""
         (tx, ty), (nx, ny) = AXES[self.turn], AXES[self.turn - 3]
         return self.x + x * tx + y * nx, self.y + x * ty + y * ny
 

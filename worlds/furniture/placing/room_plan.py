@@ -19,7 +19,7 @@ _TRIES = 5
 class RoomPlan:
     """The free floor, walls and space of a room.
 
-    Two solid pieces must not overlap in plan. Any other two pieces may overlap in plan, but not in space.
+    Seen from above, two solid pieces must not overlap. Other pieces may lie above or below each other, but not intersect.
     """
 
     def __init__(self, room: RoomSpec, storey: StoreySpec, windows: Sequence[WindowSpec] = ()) -> None:
@@ -39,7 +39,7 @@ class RoomPlan:
         self._floor = FreeFloor(self.shape, ways.entries, ways.leaves)
 
     def first_free(self, kind: Kind, size: Size, poses: Iterable[Pose], host: Piece | None, share: float) -> Pose | None:
-        """The first of `poses` at which a piece fits; None if it fits nowhere. All poses have the same height.
+        """The first of `poses` at which a piece fits; None if it fits nowhere. All poses must have the same height.
 
         A solid piece must leave all passages connected and `share` of the room's area walkable. If it fits, this method
         already marks its floor as occupied, so the caller has to `add` the piece.
@@ -63,7 +63,10 @@ class RoomPlan:
         return None
 
     def add(self, piece: Piece) -> None:
-        """Mark the space of a piece as occupied. Only its guests (chairs) may stand in the clearance in front of it."""
+        """Mark the space of a piece as occupied.
+
+        Other solid pieces keep out of the clearance in front of it, except pieces placed around it, such as chairs.
+        """
         kind, size, pose = piece.kind, piece.size, piece.pose
         place = pose.covers(size)
         if pose.z + size.height <= FLAT_M:

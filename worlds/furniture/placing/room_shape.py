@@ -35,7 +35,7 @@ class Side:
         return self.start[0] + t * tx + off * nx, self.start[1] + t * ty + off * ny
 
     def along(self, point: Point) -> float:
-        """Distance of a point from the start, measured along the side [m]."""
+        """Distance of a point from the start of the side, measured along the side [m]."""
         tx, ty = AXES[self.turn]
         return (point[0] - self.start[0]) * tx + (point[1] - self.start[1]) * ty
 
@@ -74,12 +74,12 @@ class RoomShape:
         return RoomShape(origin, tuple(_less(point, origin) for point in polygon))
 
     def local(self, point: Point) -> Point:
-        """A point of the storey in the room's coordinates [m]."""
+        """Convert a point from the storey's to the room's coordinates [m]."""
         return _less(point, self.origin)
 
     @cached_property
     def size(self) -> Point:
-        """Size of the bounding box [m]."""
+        """Width along x and depth along y of the bounding box [m]."""
         return max(x for x, _ in self.corners), max(y for _, y in self.corners)
 
     @cached_property

@@ -1,7 +1,7 @@
 """Patterns of materials: functions that take an area and a random generator, and return a shade for every pixel.
 
-`worlds.visuals.materials` colours them. `texture_area` defines an area with its size in metres, and draws the random fields
-that patterns are mixed from; `building` has patterns for floors and walls, `objects` for furniture and things.
+`worlds.visuals.materials` multiplies the shades by a colour. `texture_area` defines an area with its size in metres, and the
+random noise that patterns are made of; `building` has patterns for floors and walls, `objects` for furniture and things.
 """
 
 import lazy_loader

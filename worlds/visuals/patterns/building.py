@@ -40,7 +40,7 @@ def concrete(surface: TextureArea, rng: Generator) -> Shade:
 
 
 def wood(surface: TextureArea, rng: Generator) -> Planes:
-    """Boards along the longer side, with grain and knots."""
+    """Wooden boards along the longer side of the surface, with grain and knots."""
     return _boards(surface, rng, width_m=0.14, length_m=1.6, tint=0.01, light=0.09, joint=0.66)
 
 
@@ -83,7 +83,7 @@ def carpet(surface: TextureArea, rng: Generator) -> Shade:
 
 
 def marble(surface: TextureArea, rng: Generator) -> Shade:
-    """Marble: dark veins run where a noise field changes its sign."""
+    """Marble with dark veins, which run where random noise changes its sign."""
     veins = np.abs(surface.noise(rng, 0.45, octaves=6, gain=0.62))
     shade: Shade = 1.05 - 0.4 * np.exp(-9.0 * veins) + 0.05 * surface.noise(rng, 0.3, octaves=4)
     return shade

@@ -11,7 +11,7 @@ from worlds.visuals.patterns.texture_area import Planes, Shade, TextureArea, cou
 
 
 def fabric(surface: TextureArea, rng: Generator) -> Planes:
-    """Woven cloth: threads in both directions and stripes."""
+    """Woven cloth with stripes; its threads run in both directions."""
     threads = surface.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0)
     threads += surface.transposed.noise(rng, 0.04, octaves=3, gain=1.0, stretch=4.0).T
     bands = courses(rng, surface, rng.uniform(0.06, 0.2), 50.0, vary=0.0)
@@ -71,7 +71,7 @@ def books(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def picture(surface: TextureArea, rng: Generator) -> Planes:
-    """A painting or a poster: a landscape, a portrait or bold shapes, some with a title, all with brush strokes."""
+    """A painting or a poster with a landscape, a portrait or bold shapes; some pictures have a title."""
     height, width = surface.height, surface.width
     image = np.empty((height, width, 3), np.float32)
     horizon = int(height * rng.uniform(0.3, 0.8))
@@ -128,7 +128,7 @@ def food(surface: TextureArea, rng: Generator) -> Planes:
 
 
 def scribble(surface: TextureArea, rng: Generator) -> Planes:
-    """A whiteboard or map: lines, boxes and notes in several colours."""
+    """Writing and drawings, as on a whiteboard: crooked lines in four colours."""
     planes = np.empty((3, surface.height, surface.width), np.float32)
     planes[:] = 1.0 + 0.02 * surface.noise(rng, 0.2, octaves=3)
     for x, y in surface.scatter(rng, 22.0, most=40):
@@ -165,7 +165,7 @@ def _shapes(image: _Image, rng: Generator) -> None:
 
 
 def _landscape(image: _Image, rng: Generator) -> None:
-    """A sun, then ranges of hills, the near ones low and dark."""
+    """Paint a sun, then ranges of hills; the near hills are low and dark."""
     height, width, _ = image.shape
     cv2.circle(
         image, _spot(rng, image, 0.1, 0.4), int(0.09 * height) + 1, (1.25, 1.1, rng.uniform(0.4, 1.0)), -1, cv2.LINE_AA
@@ -179,7 +179,7 @@ def _landscape(image: _Image, rng: Generator) -> None:
 
 
 def _portrait(image: _Image, rng: Generator) -> None:
-    """Head, hair and shoulders in front of the background."""
+    """Paint head, hair and shoulders in front of the background."""
     height, width, _ = image.shape
     x, y, size = width // 2, int(0.42 * height), 0.17 * min(height, width)
     head = (int(0.75 * size) + 1, int(size) + 1)
@@ -192,7 +192,7 @@ def _portrait(image: _Image, rng: Generator) -> None:
 
 
 def _title(image: _Image, rng: Generator) -> None:
-    """A strip with blocks that look like letters."""
+    """Paint a strip with blocks that look like letters."""
     height, width, _ = image.shape
     low, high = (0.04, 0.16) if rng.random() < 0.5 else (0.82, 0.94)
     image[int(low * height) : int(high * height) + 1] = _hue(rng)

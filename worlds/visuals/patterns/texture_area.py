@@ -1,4 +1,4 @@
-"""`TextureArea`: a rectangle of pixels with its size in metres, and the random fields that patterns are composed of."""
+"""`TextureArea`: a rectangle of pixels with its size in metres, and the random noise that patterns are made of."""
 
 import math
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class TextureArea:
     def noise(
         self, rng: Generator, cell_m: float, octaves: int = 4, gain: float = 0.7, stretch: float = 1.0
     ) -> Float32[np.ndarray, "height width"]:
-        """Value noise of zero mean and about unit variance, drawn anew so that no two surfaces share a detail.
+        """Smooth random values (value noise) of zero mean and about unit variance, one per pixel, drawn anew by each call.
 
         The coarsest octave has cells of `cell_m` [m] (times `stretch` along the width). Each further octave has cells half
         as wide and `gain` times the amplitude; octaves with cells below two pixels are left out. Before each octave is
@@ -80,9 +80,9 @@ class Courses:
     """Upper bound on the number of pieces in a row."""
 
     def spread(self, rng: Generator, light: float, tint: float, joint: float) -> Planes:
-        """Draw the shade of each piece; joints get shades about `joint`.
+        """Draw a random shade near 1 for each piece, and one near `joint` for each joint.
 
-        `light` and `tint` are the standard deviations of a piece's brightness and hue.
+        `light` and `tint` are the standard deviations of the pieces' brightness and hue.
         """
         rows = len(self.piece_of)
         shades = 1.0 + rng.normal(0.0, light, (rows, self.pieces, 1)) + rng.normal(0.0, tint, (rows, self.pieces, 3))
@@ -98,9 +98,10 @@ class Courses:
 def courses(
     rng: Generator, surface: TextureArea, course_m: float, piece_m: float, vary: float, aligned: bool = False
 ) -> Courses:
-    """Rows of height `course_m` [m]. The lengths of the pieces differ from `piece_m` [m] by up to the share `vary`.
+    """Divide a surface into rows of height `course_m` [m], and each row into pieces about `piece_m` [m] long.
 
-    With `aligned`, the joints of all rows lie one above the other, as between tiles.
+    The lengths of the pieces differ from `piece_m` by up to the share `vary`. With `aligned`, the joints of all rows lie one
+    above the other, as between tiles.
     """
     scale_y, scale_x = surface.height_m / surface.height, surface.width_m / surface.width
     row_of = ((np.arange(surface.height) + 0.5) * scale_y / course_m + rng.random()).astype(np.int64)
