@@ -132,7 +132,9 @@ def _instance(run: Run) -> Iterator[_Wrong]:
     if claims is not None:
         main_room, main_claim = _most_frequent(claims, truth), _most_frequent(truth, claims)
         for row, (claim, room) in enumerate(zip(claims.tolist(), truth.tolist(), strict=True)):
-            if main_room[claim] != room:
+            if claim < 0:
+                yield row, "in no claimed room"
+            elif main_room[claim] != room:
                 yield row, f"in the claimed room {claim}, which lies mostly in {_name(run.house.rooms[main_room[claim]])}"
             elif main_claim[room] != claim:
                 yield row, f"in the claimed room {claim}, though most of this room is the claimed room {main_claim[room]}"

@@ -102,6 +102,7 @@ class Reduction:
             reason = {
                 None: "nothing was run on feature fidelity",
                 "cannot run": "the SLAM cannot run on feature fidelity",
+                "fails": "no smaller scenario was found that fails on feature fidelity and on images",
             }.get(self.on_features, "the failure does not exist on feature fidelity")
             return f"{how} The search ran on rendered images, because {reason}."
         confirmed = (

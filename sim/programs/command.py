@@ -118,6 +118,8 @@ def command_words(command: str) -> list[str]:
         words = shlex.split(command)
     except ValueError as error:
         raise SimError(f"command {command!r:.80}: {error}; valid: words and quotes as in a shell") from None
+    if words and any(placeholder in words[0] for placeholder in (DATASET, OUT)):
+        raise SimError(f"command {command!r:.80} names no program; valid: such as './my_slam {DATASET} {OUT}'")
     for placeholder in (DATASET, OUT):
         if not any(placeholder in word for word in words):
             raise SimError(f"command {command!r:.80} has no {placeholder}; valid: such as './my_slam {DATASET} {OUT}'")

@@ -102,6 +102,13 @@ def test_where_nothing_is_claimed_nothing_is_wrong(silent):
         assert first_wrong(silent, figure) is None
 
 
+def test_a_frame_in_no_claimed_room_is_said_to_be_in_none(true):
+    rooms = true.true_rooms.copy()
+    rooms[WRONG] = -1
+    found = first_wrong(replace(true, estimate=replace(true.estimate, rooms=rooms)), "rooms.pq")
+    assert (found.frame, found.what) == (true.estimate.frames[WRONG], "in no claimed room")
+
+
 def test_a_frame_without_a_label_is_said_to_have_none(true):
     labels = true.true_labels.copy()
     labels[WRONG] = -1

@@ -195,6 +195,15 @@ def test_a_failure_of_images_alone_is_searched_on_images():
     assert "because the failure does not exist on feature fidelity" in reduction.note
 
 
+def test_a_failure_on_features_that_gets_smaller_on_images_alone_is_said_to_do_so():
+    rooms = lambda scenario: len(scenario.house.storeys[0].rooms)  # noqa: E731
+    wrong = lambda scenario: scenario.fidelity == "render" or rooms(scenario) == rooms(with_listed_house(RENDERED))  # noqa: E731
+    fails = lambda scenario: Signature("always") if wrong(scenario) else None  # noqa: E731
+    reduction = reduce(RENDERED, fails, steps={"drop rooms": STEPS["drop rooms"]})
+    assert (reduction.searched_on, reduction.on_features) == ("render", "fails")
+    assert "because no smaller scenario was found that fails on feature fidelity and on images" in reduction.note
+
+
 def test_what_could_not_be_confirmed_in_time_is_said():
     fails = Counted()
     reduction = reduce(RENDERED, fails, 6.0, clock=fails.clock)

@@ -163,6 +163,7 @@ def test_what_a_program_does_wrong_is_named_in_one_line(content, message, tmp_pa
     [
         ("./my_slam {dataset}", SCENARIO, "has no {out}; valid: such as './my_slam {dataset} {out}'"),
         ("", SCENARIO, "has no {dataset}"),
+        ("{dataset} {out}", SCENARIO, "names no program; valid: such as './my_slam {dataset} {out}'"),
         ("'./my_slam {dataset} {out}", SCENARIO, "No closing quotation"),
         ("x {dataset} {out}", replace(SCENARIO, fidelity="features"), "needs images, but the fidelity is 'features'"),
     ],
