@@ -140,6 +140,10 @@ class CovisibilityVerifier:
         """`view_of` maps the index of an observation to its ground truth."""
         self._model, self._view_of, self._seed = model, view_of, seed
 
+    def renumbered(self, original: Callable[[int], int]) -> "CovisibilityVerifier":
+        """Return this verifier for a SLAM that gets observations under other indices, which `original` maps to the true ones."""
+        return CovisibilityVerifier(self._model, lambda index: self._view_of(original(index)), self._seed)
+
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> list[LoopEdge]:

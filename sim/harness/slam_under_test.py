@@ -1,7 +1,7 @@
 """Interfaces of the SLAM systems that the harness tests."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
@@ -9,6 +9,7 @@ from lexis.perception import Encoder
 from lexis.types import Camera, Observation
 from lexis.verification import Verifier
 from sim.errors import SimError
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import Oracle
 from sim.harness.estimate import Estimate
@@ -71,6 +72,12 @@ class FeatureInput:
     oracle: bool
     """Whether embeddings hold the ground truth instead of simulated embeddings of the encoder."""
     verifier: Verifier
+
+    def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
+        """Return this input for a SLAM that gets observations under other indices; `original` maps those to the run's."""
+        if not isinstance(self.verifier, CovisibilityVerifier):
+            raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
+        return replace(self, verifier=self.verifier.renumbered(original))
 
     def check(self, encoder: Encoder) -> None:
         """Raise `SimError` unless the embeddings of the run simulate `encoder`."""

@@ -1,0 +1,86 @@
+"""`Agreement`: how well two estimates of one run agree, which needs no ground truth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.evaluation.partitions import overlap
+from lexis.evaluation.rooms import adjusted_rand_index
+from lexis.evaluation.trajectory import aligned
+from sim.harness.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How well two estimates agree on the frames that both cover; None for a claim that one of them does not make."""
+
+    frames: float
+    """Number of frames that both estimates cover, as a share of those that at least one covers."""
+    labels: float | None
+    """Share of the common frames with equal labels."""
+    rooms: float | None
+    """Adjusted Rand index of the two partitions into rooms: 1 if equal, about 0 if unrelated."""
+    floors: float | None
+    """Share of the common frames with equal floors."""
+    loops: float | None
+    """Number of loop closures that both estimates claim, as a share of those that at least one claims; 1 without loops."""
+    position_m: float | None
+    """Largest distance between the two positions of a frame, after the trajectories are aligned [m]."""
+
+
+def agreement(first: Estimate, second: Estimate) -> Agreement:
+    """Compare two estimates of one run. Their frames are matched by `Observation.index`."""
+    frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
+    union = len(first.frames) + len(second.frames) - len(frames)
+    return Agreement(
+        frames=len(frames) / union,
+        labels=_equal_share(first.labels, second.labels, rows_a, rows_b),
+        rooms=_rand_index(first.rooms, second.rooms, rows_a, rows_b),
+        floors=_equal_share(first.floors, second.floors, rows_a, rows_b),
+        loops=_common_loops(first, second),
+        position_m=_distance_m(first, second, rows_a, rows_b),
+    )
+
+
+def _equal_share(
+    first: Int[np.ndarray, "n"] | None, second: Int[np.ndarray, "m"] | None, rows_a: Int[np.ndarray, "k"],
+    rows_b: Int[np.ndarray, "k"],
+) -> float | None:  # fmt: skip
+    if first is None or second is None or not len(rows_a):
+        return None
+    return float((first[rows_a] == second[rows_b]).mean())
+
+
+def _rand_index(
+    first: Int[np.ndarray, "n"] | None, second: Int[np.ndarray, "m"] | None, rows_a: Int[np.ndarray, "k"],
+    rows_b: Int[np.ndarray, "k"],
+) -> float | None:  # fmt: skip
+    if first is None or second is None or not len(rows_a):
+        return None
+    return adjusted_rand_index(overlap(first[rows_a], second[rows_b]))
+
+
+def _common_loops(first: Estimate, second: Estimate) -> float | None:
+    if first.loops is None or second.loops is None:
+        return None
+    a, b = (set(_loop_frames(estimate)) for estimate in (first, second))
+    return len(a & b) / len(a | b) if a | b else 1.0
+
+
+def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
+    """The pairs of frames that loop closures join, the earlier frame first."""
+    loops = estimate.loops
+    if loops is None:
+        return []
+    ends = np.sort(np.stack([estimate.frames[loops.query], estimate.frames[loops.match]], axis=1), axis=1)
+    return [(int(a), int(b)) for a, b in ends]
+
+
+def _distance_m(
+    first: Estimate, second: Estimate, rows_a: Int[np.ndarray, "k"], rows_b: Int[np.ndarray, "k"]
+) -> float | None:
+    if first.T_W_B is None or second.T_W_B is None or not len(rows_a):
+        return None
+    a, b = np.asarray(first.T_W_B, float)[rows_a], np.asarray(second.T_W_B, float)[rows_b]
+    return float(np.linalg.norm(aligned(b, a)[:, :3, 3] - a[:, :3, 3], axis=1).max())
