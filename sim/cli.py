@@ -15,7 +15,7 @@ from sim.errors import SimError
 from worlds.errors import WorldsError
 
 GROUPS = (run, check, shrink, compare, house, record, bench, training, calibration, features, doctor)
-"""Groups of commands, in the order in which the help lists them."""
+"""Modules that each define a group of commands, in the order in which the help lists them."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

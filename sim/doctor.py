@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_info
 
 _GIB = 1 << 30
 NEEDED_BYTES = 2 * _GIB
-"""Memory that a rendered run needs: at most 1.2 GB without torch, plus torch itself."""
+"""Memory that a run with rendered images needs [bytes]: at most 1.2 GB without torch, plus torch itself."""
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP_MAX, _CGROUP_USED = Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")
 PACKAGES = (
@@ -24,7 +24,7 @@ PACKAGES = (
 PROBES = "sim.doctor_probes"
 PROBE_TIMEOUT_S = 300.0
 _OTHERS = ("cv2", "opencv", "scipy")
-"""How the folders of packages begin that bring a copy of OpenBLAS for themselves, which numpy does not use."""
+"""Prefixes of the folders of packages that contain their own copy of OpenBLAS. numpy does not use these copies."""
 _BROKEN = "update the graphics driver and torch, or try another MUJOCO_GL (egl, osmesa)"
 
 
@@ -53,7 +53,10 @@ def examine() -> list[Diagnosis]:
 
 
 def versions() -> dict[str, str | None]:
-    """Return for result.json all that affects a result's last digits: packages, processor, BLAS kernels and GL back end."""
+    """Return what can change the last digits of a result: versions of packages, processor, BLAS kernels and GL back end.
+
+    result.json records these entries. None means that numpy does not use OpenBLAS, or that `MUJOCO_GL` is not set.
+    """
     return {
         "python": platform.python_version(),
         **_package_versions(),
@@ -65,7 +68,7 @@ def versions() -> dict[str, str | None]:
 
 @cache
 def _package_versions() -> dict[str, str]:
-    """The versions of all packages, which cannot change while this process runs; reading them takes 0.1 s."""
+    """Return the version of each package. The result is cached: versions do not change while the process runs."""
     return {package: version(package) for package in PACKAGES}
 
 
@@ -86,7 +89,10 @@ def _package(name: str) -> Diagnosis:
 
 
 def probe(subject: str, *steps: str) -> Diagnosis:
-    """Run steps of `sim.doctor_probes` in a child process, because a broken driver or library may crash or hang it."""
+    """Run checks (`steps`) of `sim.doctor_probes` in a child process, and return their result as a diagnosis.
+
+    A broken driver or library can then crash or hang only the child process.
+    """
     command = [sys.executable, "-P", "-m", PROBES, *steps]  # -P: do not import a folder `sim` of the working directory
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
@@ -99,7 +105,7 @@ def probe(subject: str, *steps: str) -> Diagnosis:
 
 
 def available_bytes() -> int | None:
-    """Return the memory that a new process may use: the machine's or the container's, whichever is less; None if unknown."""
+    """Return the free memory of the machine or of the container, whichever is less [bytes]; None if it is unknown."""
     found = []
     if _MEMINFO.is_file():
         rows = (line.split() for line in _MEMINFO.read_text().splitlines())

@@ -1,6 +1,6 @@
-"""Steps that `sim.doctor` runs in child processes, because a broken driver or library may crash the process.
+"""Checks that `sim.doctor` runs in child processes, because a broken driver or library may crash the process.
 
-`python -m sim.doctor_probes draw encode` runs both steps in one process and prints the result of the last one.
+`python -m sim.doctor_probes draw encode` runs both checks in one process and prints the result of the last one.
 """
 
 import sys
@@ -13,7 +13,7 @@ _SCENE = '<mujoco><worldbody><light pos="0 0 3"/><geom size=".3 .3 .3" type="box
 
 
 def draw() -> str:
-    """Render a box off-screen; return the GL back end and its device. Raises `GraphicsError` if rendering fails."""
+    """Render a box off-screen; return a text that names GL back end and device. Raises `GraphicsError` if this fails."""
     from sim.render.gl import choose_backend, device_name, graphics_errors, mujoco, require_rendering
 
     require_rendering()
@@ -30,7 +30,7 @@ def draw() -> str:
 
 
 def encode() -> str:
-    """Encode an image with the shipped encoder; return the size of the embedding. Raises `LexisError` if that fails."""
+    """Encode an image with the shipped encoder; return the embedding's size as text. Raises `LexisError` if this fails."""
     import numpy as np
 
     from lexis.encoder.open_clip_encoder import load_encoder
@@ -43,7 +43,10 @@ PROBES: dict[str, Callable[[], str]] = {"draw": draw, "encode": encode}
 
 
 def main(names: list[str]) -> int:
-    """Run the named steps in this process, in the given order, and return the exit status."""
+    """Run the named checks in this process, in the given order, and return the exit status.
+
+    Prints the result of the last check, or the error of the first check that fails.
+    """
     try:
         found = [PROBES[name]() for name in names]
     except (SimError, LexisError) as error:

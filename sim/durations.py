@@ -8,7 +8,7 @@ _LONGEST_S = 1e7
 
 
 def duration_s(text: str) -> float:
-    """Seconds from a text such as 90s, 3m or 1h, for `type=` of argparse; a number without a unit is in seconds."""
+    """Convert a text such as 90s, 3m or 1h to seconds, as a `type=` of argparse. A number without a unit is in seconds."""
     match = re.fullmatch(r"(\d+(?:\.\d+)?|\.\d+)([smh]?)", text, re.ASCII)
     seconds = float(match[1]) * _UNITS_S[match[2]] if match else 0.0
     if not 0.0 < seconds < _LONGEST_S:

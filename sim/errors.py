@@ -11,7 +11,8 @@ class ProgramError(SimError):
     def __init__(self, message: str, how: str, stderr: str = "") -> None:
         """Create the error.
 
-        `how` says in a few words what the program did, such as "ends with exit status 3"; `stderr` is what it printed there.
+        `how` says in a few words what the program did, such as "ends with exit status 3". `stderr` is the program's output
+        on stderr.
         """
         super().__init__(message)
         self.how, self.stderr = how, stderr

@@ -1,10 +1,11 @@
-"""Names of the kinds of input that a run gives to LEXIS."""
+"""Names of the kinds of input that LEXIS gets in a run: rendered images or predicted features."""
 
 from typing import Literal, get_args
 
 Fidelity = Literal["render", "features"]
-"""What the SLAM gets. "render": rendered images. "features": the embeddings and loop closures that a fitted model, the
-feature sensor, predicts without rendering."""
+"""The kind of input that the SLAM gets. "render": rendered images. "features": the embeddings and loop closures that a
+fitted model, the feature sensor, predicts without rendering."""
 FIDELITIES: tuple[Fidelity, ...] = get_args(Fidelity)
 ORACLE = "oracle"
-"""Name of an encoder that is told the truth, for tests of the stages after it. Never report its results as LEXIS's."""
+"""Name of the encoder that knows the ground truth. It serves to test the stages after the encoder. Never report its results
+as LEXIS's."""

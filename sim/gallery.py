@@ -30,9 +30,9 @@ _CAPTION_PX = 26
 _EYE_M = 1.5
 _FROM_CORNER_M = 0.45
 _NEAR_M = 0.9
-"""Distance from the camera below which pixels reduce the score of a view [m]."""
+"""Surfaces that are nearer to the camera than this reduce the score of a view [m]."""
 _MOST_SHARE = 0.06
-"""Share of the image up to which an object adds to a view's score: several objects tell more than one large object."""
+"""Largest share of the image that one object adds to a view's score: several objects tell more than one large object."""
 _PITCH_RAD = math.radians(12.0)
 _ROOMS_PER_HOUSE = 2
 
@@ -53,21 +53,25 @@ def plans_page(specs: Sequence[HouseSpec]) -> Picture:
 
 
 def rooms_page(views: Sequence[RoomView], *, labelled: bool = True) -> Picture:
-    """Arrange views in rows of five. Views without labels are numbered from 1, for a test of human recognition."""
+    """Arrange views in rows of five. Their captions are their labels or, if not `labelled`, numbers from 1."""
     return _page([_captioned(v.image, v.label if labelled else str(i)) for i, v in enumerate(views, 1)])
 
 
 def sample_page(presets: Sequence[str], seed: int, count: int = 25) -> list[HouseSpec]:
-    """Sample `count` houses, cycling through `presets`, with seeds from `seed` up. Raises `SimError` for `count` below 1."""
+    """Sample `count` houses for a page: one house of each of the `presets` with `seed`, then with `seed + 1`, and so on.
+
+    Raises `SimError` if `count` is below 1 or `presets` is empty.
+    """
     if count < 1 or not presets:
         raise SimError(f"gallery: {count} houses of {len(presets)} presets; valid: at least 1 of each")
     return [sample_house(presets[i % len(presets)], seed + i // len(presets)) for i in range(count)]
 
 
 def room_views(specs: Sequence[HouseSpec], labels: Sequence[str] = ROOM_LABELS) -> Iterator[RoomView]:
-    """Render one room of each label, in the order of `labels`, taken from the first house of `specs` that has one.
+    """Render one room of each label, in the order of `labels`.
 
-    At most two rooms come from the same house. A label that is still missing is shown in a house built for it.
+    The rooms are taken from the first houses of `specs` that have them, at most two rooms from each house. For a label that
+    no house provides, a small house with such a room is built.
     """
     chosen: dict[str, tuple[House, Room]] = {}
     for spec in specs:
@@ -87,7 +91,10 @@ def png(page: Picture) -> bytes:
 
 
 def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> Picture:
-    """Render `room` from the viewpoint, at a corner or a wall, that shows most of the objects typical of its label."""
+    """Render `room` from a corner or the middle of a side.
+
+    The viewpoint is the one from which the objects that are typical of the room's label can be seen best.
+    """
     camera = wide_camera(*size_px, _VIEW_HFOV_DEG)
     scene = build_scene(house, size_px, fovy_deg(camera.intrinsics))
     # Furniture that occurs in few kinds of rooms is more characteristic of the label.
@@ -107,7 +114,7 @@ def best_view(house: House, room: Room, size_px: tuple[int, int] = _VIEW_PX) -> 
 
 
 def _poses(house: House, room: Room) -> Iterator[Float64[np.ndarray, "4 4"]]:
-    """Candidate body poses in every corner and at the middle of every side, facing the room's or its furniture's centre."""
+    """Yield body poses in each corner and at the middle of each side, facing the centre of the room or of its furniture."""
     inner = room.polygon.buffer(-_FROM_CORNER_M, join_style="mitre")
     inner = room.polygon.buffer(-0.2, join_style="mitre") if inner.is_empty or inner.geom_type != "Polygon" else inner
     corners = np.array(inner.exterior.coords)

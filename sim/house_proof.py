@@ -1,4 +1,4 @@
-"""`lexis-sim house prove`: generates many houses of all families and checks each of them.
+"""`lexis-sim house prove`: generates many houses of all families (presets) and checks each of them.
 
 Each house is validated, and generated again in another process. Both results have to be equal bit by bit, because a seed
 has to give the same house in every run.
@@ -23,12 +23,13 @@ from worlds.validation import validate
 
 _CHUNK = 20
 _OPENNESS, _CLUTTER = (None, 0.0, 0.25, 0.5, 0.75, 1.0), (1.0, 1.0, 0.0, 2.0, 4.0)
-"""Values that the houses cycle through. Their counts (6 and 5) have no common divisor, so every pair of values occurs."""
+"""Values of openness and clutter through which the houses cycle. The numbers of values (6 and 5) have no common divisor, so
+every pair of values occurs."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A house to be checked, as the arguments that generate it."""
+    """A house to be checked, given by the arguments from which it is generated."""
 
     preset: str
     seed: int
@@ -46,7 +47,7 @@ class Proof:
 
     case: Case
     seconds: float
-    """Processor time of this process for plan, openings, stairs, windows, furniture, truth and validation [s]."""
+    """Processor time of generating and validating the house once [s]."""
     failure: str | None
     """Why the house is invalid or differs when generated again; None if it passed."""
 
@@ -59,7 +60,7 @@ class _Made:
 
 
 def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
-    """List `count` houses with seeds from `seed` up, cycling through presets.
+    """List `count` houses with consecutive seeds, the first of which is `seed`. The houses cycle through the presets.
 
     Every other round through the presets also varies openness and clutter.
     """
@@ -76,7 +77,7 @@ def cases(presets: Sequence[str], seed: int, count: int) -> list[Case]:
 
 
 def prove(wanted: Sequence[Case], processes: int) -> Iterator[Proof]:
-    """Check houses in several processes, and yield the results in order.
+    """Check houses in several processes, and yield the results in the order of `wanted`.
 
     At least two processes are used, even for `processes` below 2, because each house is generated in two of them.
     """
@@ -111,7 +112,7 @@ def _make(case: Case, validated: bool) -> _Made:
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts and generation times of the houses of one family."""
+    """Counts and generation times of the houses of one family (preset), or of all families."""
 
     preset: str
     houses: int

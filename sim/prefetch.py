@@ -1,4 +1,4 @@
-"""`prefetched`: a generator that runs in a background thread, which produces some items before they are requested.
+"""`prefetched`: runs a generator in a background thread, which produces some items before they are requested.
 
 The thread ends by itself: after the last item, when the consumer closes its iterator, or when the main thread ends. No code
 ever waits for the thread to end. The reason is garbage collection: an abandoned iterator is closed by whichever thread runs
@@ -23,10 +23,10 @@ _POLL_S = 0.25
 
 
 def prefetched(make: Callable[[], Generator[T, None, None]], depth: int) -> Generator[T, None, None]:
-    """Yield the items of the generator `make()`, which runs up to `depth` items ahead in a background thread.
+    """Yield the items of the generator `make()`. A background thread produces up to `depth` items before they are requested.
 
     The background thread creates, runs and closes the generator. Exceptions of the generator are raised in the calling
-    thread. A caller that may stop early has to close the returned generator, because the background thread runs until then.
+    thread. A caller that may stop early has to close the returned generator, which ends the background thread.
     """
     shared = _Shared[T](depth)
     threading.Thread(target=_produce, args=(make, shared), name=THREAD).start()
@@ -57,7 +57,7 @@ class _Shared(Generic[T]):
     def __init__(self, depth: int) -> None:
         self.items: SimpleQueue[_Item[T] | _End] = SimpleQueue()
         self.free_slots: SimpleQueue[None] = SimpleQueue()
-        """One entry for every further item that the thread may produce."""
+        """One entry for each item that the background thread may still produce before it has to wait."""
         self.wanted = True
         for _ in range(depth - 1):
             self.free_slots.put(None)

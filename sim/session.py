@@ -29,14 +29,14 @@ _AHEAD = 16
 
 
 class Session:
-    """An iterable of `(Observation, Truth)` pairs in the order of arrival. It can be iterated several times.
+    """The observations of a run along a tour, as an iterable of `(Observation, Truth)` pairs in the order of arrival.
 
-    Observations arrive in order of time unless `faults` change that order. The faults draw from random streams of `seed`. A
-    background thread, which owns the GL context, renders frames ahead, so that rendering and LEXIS run on two cores. With a
-    `sensor` nothing is rendered, and each observation holds a percept of the sensor instead of an image. With a `distortion`
-    the images are distorted as by a real lens. The caller has to undistort them for LEXIS, whose camera model is a pinhole.
-    A caller that may stop early has to close the iterator (`contextlib.closing`). Raises `SimError` if the tour leaves the
-    house.
+    A session can be iterated several times. Observations arrive in order of time unless `faults` change that order. `seed`
+    determines the random numbers of the faults. A background thread, which owns the GL context, renders frames ahead, so
+    that rendering and LEXIS run on two cores. With a `sensor` nothing is rendered, and each observation holds a percept (a
+    simulated embedding) instead of an image. With a `distortion` the images are distorted as by a real lens. The caller has
+    to undistort them for LEXIS, whose camera model is a pinhole. A caller that may stop early has to close the iterator
+    (`contextlib.closing`). Raises `SimError` if the tour leaves the house.
     """
 
     def __init__(
@@ -60,13 +60,13 @@ class Session:
         if sensor is None:
             self._world_states.compile()
         self.truths = self._world_states.marked(truths)
-        """Ground truth of every frame of the tour. It records faults of the world, not faults of the observations."""
+        """Ground truth of every frame of the tour. It names active faults of the world, but no faults of observations."""
         self.render_seconds = 0.0
-        """Time that was spent on rendering or sensing so far [s]."""
+        """Time spent so far on rendering images, or on simulating percepts in their place [s]."""
 
     @property
     def scene(self) -> Scene:
-        """The scene at the start of the tour."""
+        """The house as a compiled MuJoCo scene, as it is at the start of the tour."""
         return self._world_states.world_at(0).scene
 
     def __len__(self) -> int:
@@ -86,7 +86,7 @@ class Session:
                 yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
 
     def picture(self, frame: int) -> Image:
-        """Render the image of a frame once more, without faults of the image. This works in sessions with a `sensor`, too.
+        """Render the image of a frame of the tour, without faults of the image, also in sessions with a `sensor`.
 
         Raises `GraphicsError` if there is no off-screen OpenGL.
         """
@@ -94,7 +94,10 @@ class Session:
             return renderer.rgb(frame, self.tour.T_W_B[frame])
 
     def verifier(self) -> Verifier:
-        """Return the loop verifier: LEXIS's own verifier for images, otherwise the feature sensor's model of it."""
+        """Return the function that verifies LEXIS's loop candidates.
+
+        With images it is LEXIS's own verifier; with a `sensor`, the sensor's model of this verifier.
+        """
         return verify if self._sensed is None else self._sensed.verifier()
 
     def _images(self) -> Generator[Image | Percept, None, None]:

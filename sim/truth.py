@@ -17,15 +17,16 @@ class Truth:
     index: int
     """Index of the frame in the tour, equal to the observation's index."""
     stamp: float
-    """True time of the image [s]. A fault may change the stamp of the observation, never this one."""
+    """True time of the image [s]. Faults of clocks change only the stamp of the observation. The fault `kidnap` cuts a part
+    out of the tour, and shifts both stamps of all later frames."""
     T_W_B: Float64[ndarray, "4 4"]
     """True pose of the body B in the world W."""
     room: int
-    """Index into `House.rooms` of the room that holds the camera."""
+    """Index into `House.rooms` of the room that contains the body."""
     label: str
-    """Label of the room that holds the camera."""
+    """Label of the room that contains the body."""
     storey: int
-    """Index of the storey that holds the camera."""
+    """Index of the storey that contains the body."""
     faults: tuple[str, ...] = ()
     """Names of the faults that changed this observation, in the order in which they were applied."""
 

@@ -1,4 +1,4 @@
-"""`WorldStates`: the world that is rendered at every frame of a tour, where faults may change it during the tour."""
+"""`WorldStates`: the house and the moving actors at every frame of a tour. Faults of the world may change them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,33 +21,36 @@ from worlds.visuals.meshes import Solid
 
 @dataclass(frozen=True, eq=False)
 class CompiledHouse:
-    """The static part of a world, without the actors that move in it."""
+    """A house and the scene that is compiled from it for one camera, without actors (people and doors that move)."""
 
     house: House
     camera: Camera
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene, ready to render. It is compiled at the first access."""
+        """The house as a MuJoCo scene, ready to render. It is compiled at the first access."""
         k = self.camera.intrinsics
         return build_scene(self.house, (k.width, k.height), fovy_deg(k))
 
 
 @dataclass(frozen=True, eq=False)
 class RenderableWorld:
-    """A static house and the actors that move in it."""
+    """A static house and the actors (people and doors) that move in it."""
 
     compiled: CompiledHouse
     actors: tuple[Actor, ...]
 
     @property
     def scene(self) -> Scene:
-        """The compiled scene of the static part."""
+        """The compiled scene of the house, without the actors."""
         return self.compiled.scene
 
 
 class WorldStates:
-    """The worlds of a tour, one for each combination of active world faults; without such faults there is just one."""
+    """The worlds (house and moving actors) of a tour: one for each set of faults of the world that are active together.
+
+    Without faults of the world there is a single world.
+    """
 
     def __init__(self, house: House, tour: Tour, camera: Camera, faults: Sequence[Fault], seed: int) -> None:
         world = [(place, fault) for place, fault in enumerate(faults) if isinstance(fault, WorldFault)]
@@ -56,7 +59,7 @@ class WorldStates:
         self.active = [
             tuple(k for k, (start, end) in enumerate(spans) if start <= stamp < end) for stamp in tour.stamps.tolist()
         ]
-        """Indices of the world faults that are active at each frame."""
+        """Numbers of the world faults that are active at each frame; 0 is the first world fault of the run."""
         self._names = [fault.name for _, fault in world]
         self._sets: dict[tuple[int, ...], RenderableWorld] = {}
         houses: dict[int, CompiledHouse] = {}
@@ -82,12 +85,12 @@ class WorldStates:
         return self._sets[self.active[frame]]
 
     def solids_at(self, frame: int, T_W_B: Float64[ndarray, "4 4"]) -> list[Solid]:
-        """Return the solids of all actors at a frame, for a body at `T_W_B`."""
+        """Return the shapes of all actors at a frame. Some depend on the body's pose `T_W_B`: doors open near the body."""
         stamp = float(self._stamps[frame])
         return [solid for actor in self.world_at(frame).actors for solid in actor.solids_at(stamp, T_W_B)]
 
     def marked(self, truths: Sequence[Truth]) -> tuple[Truth, ...]:
-        """Return the truths of all frames with the names of the active world faults recorded in them."""
+        """Return copies of the truths of all frames, in which the names of the active world faults are recorded."""
         return tuple(
             replace(truth, faults=tuple(self._names[k] for k in active)) if active else truth
             for truth, active in zip(truths, self.active, strict=True)
@@ -97,7 +100,7 @@ class WorldStates:
 class FrameRenderer:
     """Renders the frames of a tour, each in its own world. Use it in one thread only, which owns the GL context.
 
-    With a distortion, `staging` has to be built for the larger pinhole of `sim.render.lens.rendered_camera`.
+    With a distortion, `staging` has to be built for the larger pinhole camera from `sim.render.lens.rendered_camera`.
     """
 
     def __init__(self, staging: WorldStates, camera: Camera, distortion: Distortion | None = None) -> None:

@@ -20,7 +20,8 @@ _FILE = "orb-words.npz"
 def orb_vocabulary(work: Path | None = None) -> OrbWords:
     """Load the vocabulary from the work folder; if it is missing, learn it (less than a minute) and save it there.
 
-    Raises `SimError` if the file there cannot be read, or was made from other houses or with other settings.
+    Without a work folder, the vocabulary is learned and not saved. Raises `SimError` if the file in the folder cannot be
+    read, or was made from other houses or with other settings.
     """
     draws = list(draw_houses(_HOUSES, TRAINING_SEEDS, np.random.default_rng(_SEED)))
     if work is None:

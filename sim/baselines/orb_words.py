@@ -49,7 +49,7 @@ class OrbWords:
         return OrbWords(centres, np.log(len(found) / np.maximum(having, 1)).astype(np.float32))
 
     def described(self, image: Image) -> Float32[np.ndarray, "words"]:
-        """The image's tf-idf histogram with unit norm; all zeros if no key point is found in the image."""
+        """The tf-idf histogram of an image's words, with unit norm; all zeros if no key point is found in the image."""
         counts = np.bincount(nearest(orb_descriptors(image), self.words), minlength=len(self.words))
         histogram = (counts * self.weights).astype(np.float32)
         norm = np.linalg.norm(histogram)
@@ -64,7 +64,7 @@ def orb_descriptors(image: Image) -> Descriptors:
 
 
 def nearest(descriptors: Descriptors, words: UInt8[np.ndarray, "words 32"]) -> Int[np.ndarray, "n"]:
-    """Index of the word with the smallest Hamming distance to each descriptor."""
+    """For each descriptor, the index of the word with the smallest Hamming distance."""
     matches = cv2.BFMatcher(cv2.NORM_HAMMING).match(descriptors, words) if len(descriptors) else ()
     return np.array([match.trainIdx for match in matches], np.intp)
 

@@ -1,10 +1,10 @@
-"""Benchmarks behind `lexis-sim bench`: each module prints one table of figures over several houses.
+"""Benchmarks behind `lexis-sim bench`: each benchmark measures figures over several houses and prints a table.
 
-`speed` (with `memory`, `overlap` and `plain`) measures time, `throughput` houses per second; `segmentation` measures the
-labels, rooms, loops and plans of whole runs, `planning` compares plans that are driven with different pose estimates,
-`queries` asks the `everyday_questions`, `fidelity` compares the feature sensor with renders, and the subpackage `encoders`
-compares vision-language models. `houses` chooses the houses of a benchmark. `shrinking` proves the reducer on the
-`failing_scenarios`, in which `planted_bugs` show.
+`speed` (with `memory`, `overlap` and `plain`) measures time, and `throughput` houses per second. `segmentation` measures the
+labels, rooms, loops and plans of whole runs, `planning` compares plans that are driven with different pose estimates, and
+`queries` asks the `everyday_questions`. `fidelity` compares the feature sensor with renders, and the subpackage `encoders`
+compares vision-language models. `houses` chooses the houses of a benchmark. `shrinking` tests the reducer on the
+`failing_scenarios`, in which the SLAM has one of the `planted_bugs`.
 """
 
 import lazy_loader

@@ -14,7 +14,7 @@ class EverydayQuestion(NamedTuple):
     text: str
     labels: frozenset[str]
     kinds: frozenset[str]
-    """Kinds of things; a room that contains one of them is a right answer too."""
+    """Kinds of things; a room that contains a thing of these kinds is a right answer too."""
     negated: bool
     """Whether the question is negated: the right answers are then the rooms without any of the labels and things."""
 
@@ -68,7 +68,7 @@ take me to the laboratory | laboratory |
 I need to lift weights | gym | weight bench, weight rack
 where can I park the car | garage |
 """)
-"""Questions for tuning. They include the wordings that gave rise to this list."""
+"""Questions on which the prompts of `lexis query` were chosen."""
 
 HELD_OUT = _table("""
 I have to use the restroom | toilet | toilet bowl

@@ -1,6 +1,6 @@
-"""Mixed scenarios in which planted bugs show: houses of all presets, and walks, odometry, gaits and faults of all kinds.
+"""Mixed scenarios in which planted bugs show: houses of all presets, with tours, odometry, gaits and faults of all kinds.
 
-All of them are on feature fidelity with few frames per second, so that one run takes well under a second.
+All scenarios have the fidelity "features" and few frames per second, so that a run takes well under a second.
 """
 
 from collections.abc import Mapping
@@ -30,8 +30,8 @@ _FRAME_RATE_HZ = 2.0
 _FEWEST_ROOMS = 4
 _LENGTHS_M = (40.0, 120.0)
 _HALF = 0.5
-"""Probability that a setting keeps its plain value. Each of these is drawn by itself: openness, storeys, length and kind of
-the tour, start manoeuvre and overconfidence."""
+"""Probability that a setting keeps its plain value. It applies separately to openness, storeys, length and kind of the tour,
+start manoeuvre and overconfidence."""
 _FAULTS = (
     "dropped:0.1",
     "frozen:0.05,burst=4",
@@ -49,12 +49,12 @@ _FAULTS = (
 
 @dataclass(frozen=True)
 class Family:
-    """A planted bug, the failure by which it shows, and what a scenario needs for that."""
+    """A planted bug, the failure by which it shows, and what a scenario needs so that the bug can show."""
 
     bug: str
     """A key of `BUGS`."""
     fails: str
-    """What is true of a failing run, as `FailureTest.parse` reads it."""
+    """What is true of a failing run, as text for `FailureTest.parse`, such as "labels.accuracy < 0.9"."""
     rooms: int
     """Least number of rooms in which the bug can show; a staircase counts once for each storey."""
     openness: float | None = None
@@ -63,7 +63,7 @@ class Family:
     """Values of fields of the scenario; all other fields are drawn at random."""
 
     def test(self) -> FailureTest:
-        """The test by which a scenario of the family fails."""
+        """Return the test that runs the planted bug on a scenario and decides whether the run fails."""
         return FailureTest.parse(self.fails, planted(BUGS[self.bug]))
 
 
@@ -93,7 +93,7 @@ FAMILIES = (
 
 
 def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) -> Scenario:
-    """Draw scenarios with at most about `most_rooms` rooms until one fails with the family's bug, but not without it.
+    """Draw scenarios with at most about `most_rooms` rooms until one fails with the family's bug, but not without the bug.
 
     The same arguments always give the same scenario. Raises `SimError` if none of many scenarios fails.
     """
@@ -110,7 +110,7 @@ def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) ->
 
 
 def _drawn(family: Family, most_rooms: int, rng: np.random.Generator) -> Scenario:
-    """One scenario that has what the family needs, and everything else at random."""
+    """Draw a scenario with the settings that the family needs; all other settings are random."""
     house = sample_house(
         PRESETS[rng.integers(len(PRESETS))],
         int(rng.integers(HOUSE_SEEDS)),

@@ -1,8 +1,8 @@
 """`lexis-sim bench fidelity`: how well runs with simulated features predict runs with rendered images, house by house.
 
 LEXIS maps the same walks through the same houses in both fidelities. The benchmark compares label accuracy and panoptic
-quality of rooms. Loop closing is off, since it hardly changes them. To save time, the walks have few frames, and images are
-rendered in the small size that LEXIS uses.
+quality of rooms. Loop closing is off, since it hardly changes these figures. To save time, the walks have few frames, and
+images are rendered in the small size that LEXIS uses.
 """
 
 import collections
@@ -73,7 +73,10 @@ class Agreement:
 
 
 def mixed_houses(count: int, first_seed: int) -> list[tuple[str, Scenario]]:
-    """Draw `count` houses of mixed families, openness and clutter, then some more with unusual looks, as (group, config)."""
+    """Draw `count` houses of mixed families, openness and clutter, then some more with unusual looks.
+
+    Returns pairs (group, scenario); for the group see `HousePair`.
+    """
     usual = choices(count, first_seed)
     mixed = [(choice.preset, _config(choice.spec())) for choice in usual]
     extra = choices(len(_LOOKS) * (count // _LOOKS_SHARE), first_seed + count)
@@ -97,7 +100,7 @@ def _config(spec: HouseSpec) -> Scenario:
 def compare_fidelities(
     configs: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
-    """Run every house of (group, config) in both fidelities."""
+    """Run LEXIS on every scenario in both fidelities, and yield the figures. `configs` are pairs (group, scenario)."""
     for group, config in configs:
         figures = []
         for fidelity in FIDELITIES:
@@ -110,7 +113,7 @@ def compare_fidelities(
 
 
 def percepts_per_second(first_seed: int, feature_model: Path | None = None) -> float:
-    """Measure for how many views of a furnished home the feature sensor draws an embedding per second of processor time."""
+    """Measure how many embeddings of views in a furnished home the feature sensor draws per second of processor time."""
     walked = walk(Scenario(preset="home", seed=first_seed, frame_rate_hz=_FRAME_RATE_HZ))
     poses = np.tile(walked.tour.T_W_B, (1 + _SPEED_FRAMES // len(walked.tour.stamps), 1, 1))[:_SPEED_FRAMES]
     sensor = FeatureSensor(load_features(feature_model or MINI_FEATURES), build_rig(Scenario().rig).front, first_seed)
@@ -132,7 +135,10 @@ def agreement(pairs: Sequence[tuple[float, float]]) -> Agreement:
 
 
 def summarised(pairs: Sequence[HousePair]) -> Iterator[tuple[str, str, Agreement]]:
-    """Yield (houses, figure, agreement): every figure over all houses with usual looks, then label accuracy by group."""
+    """Yield triples (name of a set of houses, name of a figure, agreement in this figure).
+
+    First come all figures over all houses with usual looks, then the label accuracy of each group.
+    """
     usual = [pair for pair in pairs if pair.group in PRESETS]
     for name in FIGURES:
         yield "usual looks", name, agreement([getattr(pair, name) for pair in usual])

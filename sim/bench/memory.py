@@ -1,4 +1,4 @@
-"""Peak memory of a whole run, measured in a process of its own: `python -m sim.bench.memory SEED` prints bytes."""
+"""Peak memory of a whole run, measured in a separate process: `python -m sim.bench.memory SEED` prints bytes."""
 
 import subprocess
 import sys

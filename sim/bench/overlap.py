@@ -31,11 +31,11 @@ class Overlap:
     lexis: Seconds
     both: Seconds
     busiest: float
-    """Time of the busier of the two while both ran in parallel: the larger of `render_s` and `slam_s` of the run [s]."""
+    """Time of the slower task while both ran in parallel: the larger of `render_s` (rendering) and `slam_s` (LEXIS) [s]."""
 
     @property
     def of_the_busiest(self) -> float:
-        """Wall time of both in parallel, divided by `busiest`; what exceeds 1 was spent waiting for each other."""
+        """Wall time of both in parallel, divided by `busiest`. The excess over 1 is time that one waited for the other."""
         return self.both.wall / self.busiest
 
     @property
@@ -50,7 +50,7 @@ class Overlap:
 
 
 def measure_overlap(config: Scenario, frames: int, repetitions: int) -> list[Overlap]:
-    """Measure the first `frames` frames of a run, `repetitions` times. LEXIS alone runs on images kept in memory."""
+    """Measure the first `frames` frames of a run, `repetitions` times. LEXIS alone gets images that are kept in memory."""
     walked, encoder, camera = walk(config), load_encoder(config.encoder), build_rig(config.rig).front
     tour, odometry = walked.tour, walked.odometry
     part = Tour(tour.stamps[:frames], tour.T_W_B[:frames], tour.motion, tour.eye_height_m)

@@ -1,6 +1,6 @@
 """The baseline for rendering speed: `mujoco.Renderer` on a model with one geom per furniture part and per wall face.
 
-The simulator itself merges these geoms into few meshes, which is faster.
+The simulator itself merges these geoms into a few meshes, which renders faster.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ _MAX_GEOMS = 20_000
 
 
 def unmerged(house: House) -> Visuals:
-    """The same quads as in `visuals(house)`, but each face of the building and each part of an object is its own visual."""
+    """The quads of `visuals(house)`, but each face of the building and each part of an object is a visual of its own."""
     seen = visuals(house)
     things = [*house.furniture, *house.leaves, *house.windows]
     parts_of = {thing.id: thing.parts for thing in things}
@@ -43,7 +43,7 @@ def _pieces(visual: Visual, parts: Sequence[Part] | None) -> Iterator[Visual]:
 
 
 class PlainRenderer:
-    """MuJoCo's own renderer: without shadows and multi-sampling, or with MuJoCo's defaults for both."""
+    """MuJoCo's own renderer: without shadows and multi-sampling or, if `defaults`, with MuJoCo's default settings."""
 
     def __init__(self, house: House, camera: Camera, *, defaults: bool = False) -> None:
         require_rendering()

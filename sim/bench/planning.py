@@ -1,7 +1,7 @@
 """`lexis-sim bench planning`: the same plans driven with different pose estimates, with and without the range scan.
 
-The waypoints and the pose of the robot come from LEXIS, from the truth or from odometry alone. A blind robot does not use
-its scan to avoid obstacles.
+The robot's waypoints and pose come from LEXIS, from the truth or from odometry alone. A blind robot does not use its scan to
+avoid obstacles.
 """
 
 import time

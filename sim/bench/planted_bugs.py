@@ -1,7 +1,7 @@
-"""Planted bugs: systems that claim the truth about a run, except for one thing that each of them gets wrong.
+"""Planted bugs: simulated SLAM systems that claim the truth about a run, except for one thing that each gets wrong.
 
-They judge the harness: the reducer has to find the smallest scenario in which a bug shows. A planted bug knows the ground
-truth, which no real SLAM does. It is silent where the scenario lacks what triggers it, such as an open boundary or stairs.
+They test the harness: the reducer has to find the smallest scenario in which a bug shows. A planted bug knows the ground
+truth, which no real SLAM does. A bug does not show in a scenario without its trigger, such as an open boundary or stairs.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,7 @@ from sim.harness.scenario import Scenario
 from worlds.truth import boundary_openness, room_graph
 
 Bug = Callable[[Run], Estimate]
-"""Makes claims about a finished run; the estimate of that run holds none yet."""
+"""Makes claims about a finished run. The estimate of that run contains only its frames."""
 
 _OPEN_SHARE = 0.5
 _SMALL_M2 = 6.0
@@ -43,16 +43,16 @@ class _NoClaims:
         """Begin a run. The camera and the names of rooms are ignored."""
 
     def process(self, observation: Observation) -> None:
-        """Note the number of the frame."""
+        """Store the index of the frame."""
         self._frames.add(observation.index)
 
     def finish(self) -> Estimate:
-        """Return the numbers of all frames."""
+        """Return an estimate that contains the indices of all frames, and no claims."""
         return Estimate(np.array(sorted(self._frames), int))
 
 
 def planted(bug: Bug) -> Runner:
-    """Make the function that runs a planted bug on a scenario, as `FailureTest` wants it."""
+    """Return a function for `FailureTest` that runs a scenario with the planted bug as the SLAM."""
 
     def runner(scenario: Scenario, progress: Progress | None = None) -> Run:
         finished = run(scenario, _NoClaims(), progress)
@@ -68,7 +68,7 @@ def no_bug(run: Run) -> Estimate:
 
 
 def open_plan(run: Run) -> Estimate:
-    """Swap the labels of two rooms where more than half of the boundary between them is open."""
+    """Claim the truth, but swap the labels of two rooms if more than half of the boundary between them is open."""
     labels, rooms = run.true_labels, run.true_rooms
     for pair, share in boundary_openness(run.house).items():
         if share > _OPEN_SHARE:
@@ -78,7 +78,7 @@ def open_plan(run: Run) -> Estimate:
 
 
 def small_rooms(run: Run) -> Estimate:
-    """Give every room of less than 6 m² the label of a neighbour from which a door leads into it."""
+    """Claim the truth, but give every room of less than 6 m² the label of a room from which a passage leads into it."""
     labels, rooms, place = run.true_labels, run.true_rooms, _indices(run)
     for passage in room_graph(run.house).passages:
         for small, other in (passage.rooms, passage.rooms[::-1]):
@@ -88,30 +88,30 @@ def small_rooms(run: Run) -> Estimate:
 
 
 def corners(run: Run) -> Estimate:
-    """Label every room with more than four corners as some other room."""
+    """Claim the truth, but give every room with more than four corners a wrong label."""
     angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the first corner counts twice
     return replace(no_bug(run), labels=_mislabelled(run, np.array(angular)))
 
 
 def clutter(run: Run) -> Estimate:
-    """Label every room with five pieces of furniture or more as some other room."""
+    """Claim the truth, but give every room with five or more pieces of furniture a wrong label."""
     pieces = [piece.room for piece in run.house.furniture]
     full = [pieces.count(room.id) >= _CLUTTERED for room in run.house.rooms]
     return replace(no_bug(run), labels=_mislabelled(run, np.array(full)))
 
 
 def floors(run: Run) -> Estimate:
-    """Take every floor for the lowest one."""
+    """Claim the truth, but claim that every frame is on the lowest floor."""
     return replace(no_bug(run), floors=np.zeros_like(run.true_storeys))
 
 
 def third_floor(run: Run) -> Estimate:
-    """Take every floor above the second one for the second one."""
+    """Claim the truth, but claim the second floor for every frame above it."""
     return replace(no_bug(run), floors=np.minimum(run.true_storeys, 1))
 
 
 def ring(run: Run) -> Estimate:
-    """Merge into one room all rooms that lie on a ring of connected rooms, or on a way between two such rings."""
+    """Claim the truth, but merge all rooms on a loop of connected rooms, or on a way between two loops, into one."""
     rooms, place = run.true_rooms, _indices(run)
     beside = {
         room: {o for p in room_graph(run.house).passages if room in p.rooms for o in p.rooms} - {room} for room in place
@@ -126,39 +126,39 @@ def ring(run: Run) -> Estimate:
 
 
 def twins(run: Run) -> Estimate:
-    """Take all rooms of one label for one room."""
+    """Claim the truth, but merge all rooms of one label into one room."""
     return replace(no_bug(run), rooms=run.true_labels)
 
 
 def revisits(run: Run) -> Estimate:
-    """Take a room that is entered again for a new one."""
+    """Claim the truth, but claim a new room whenever a room is entered again."""
     return replace(no_bug(run), rooms=np.cumsum(np.diff(run.true_rooms, prepend=-1) != 0))
 
 
 def drift(run: Run) -> Estimate:
-    """Claim the poses of the odometry."""
+    """Claim the truth, but claim the poses of the odometry."""
     return replace(no_bug(run), T_W_B=run.odometry_poses)
 
 
 def kidnap(run: Run) -> Estimate:
-    """Miss every step of more than a metre that the odometry does not report."""
+    """Claim the truth, but miss every step of more than a metre that the odometry does not report."""
     jumps = (_steps_m(run.true_poses) > _JUMP_M) & (_steps_m(run.odometry_poses) < _JUMP_M)
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, jumps))
 
 
 def gaps(run: Run) -> Estimate:
-    """Miss the motion wherever no observation arrives for more than 1.2 s."""
+    """Claim the truth, but miss the motion wherever no observation arrives for more than 1.2 s."""
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, np.diff(run.stamps) > _GAP_S))
 
 
 def long_walks(run: Run) -> Estimate:
-    """Notice no motion after 30 m of walk."""
+    """Claim the truth, but notice no motion after the first 30 m of the path."""
     travelled_m = arc_length(run.true_poses[:, :3, 3])
     return replace(no_bug(run), T_W_B=_without_steps(run.true_poses, travelled_m[1:] > _LONG_M))
 
 
 def gait(run: Run) -> Estimate:
-    """Push the position aside by a metre for each 0.1 rad that the body rolls."""
+    """Claim the truth, but shift the position by a metre along x for each 0.1 rad that the body rolls."""
     poses = run.true_poses.copy()
     roll_rad = np.arcsin(np.clip(poses[:, 2, 1], -1.0, 1.0))
     poses[:, 0, 3] += np.where(np.abs(roll_rad) > _TILT_RAD, 10.0 * roll_rad, 0.0)
@@ -166,14 +166,14 @@ def gait(run: Run) -> Estimate:
 
 
 def wet_rooms(run: Run) -> Estimate:
-    """Raise ZeroDivisionError in a bathroom or a toilet."""
+    """Claim the truth, but raise ZeroDivisionError if a frame is in a bathroom or a toilet."""
     if any(run.room_names[label] in _WET for label in run.true_labels):
         raise ZeroDivisionError("the area of a wet room")
     return no_bug(run)
 
 
 def nan_poses(run: Run) -> Estimate:
-    """Raise FloatingPointError where a pose of the odometry is not finite."""
+    """Claim the truth, but raise FloatingPointError if a pose of the odometry is not finite."""
     if not all(np.isfinite(given.T_O_B).all() for given in run.given.values()):
         raise FloatingPointError("the odometry is not finite")
     return no_bug(run)
@@ -192,11 +192,11 @@ BUGS: Mapping[str, Bug] = MappingProxyType(
         )
     }
 )
-"""All planted bugs by name: none, those of labels, floors, room instances, poses, and those that raise an exception."""
+"""All planted bugs by name: no bug, bugs of labels, floors, room instances and poses, and bugs that raise an exception."""
 
 
 def _indices(run: Run) -> dict[str, int]:
-    """Index into `house.rooms` by the id of a room."""
+    """Index of every room in `house.rooms`, by the id of the room."""
     return {room.id: k for k, room in enumerate(run.house.rooms)}
 
 
@@ -210,7 +210,7 @@ def _area_m2(run: Run, room: int) -> float:
 
 
 def _mislabelled(run: Run, wrong: Bool[np.ndarray, "rooms"]) -> Int[np.ndarray, "n"]:
-    """The true labels, but the next one in the list of names where the camera is in a room that is wrong."""
+    """The true label of every frame; in rooms that are `wrong`, instead the label after it in the list of room names."""
     shift = wrong[run.true_rooms] if len(run.room_names) > 1 else np.zeros(len(run.true_rooms), bool)
     return np.asarray((run.true_labels + shift) % len(run.room_names))
 
@@ -221,7 +221,7 @@ def _steps_m(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "m"]:
 
 
 def _without_steps(poses: Float64[np.ndarray, "n 4 4"], missed: Bool[np.ndarray, "m"]) -> Float64[np.ndarray, "n 4 4"]:
-    """The poses, moved back by the steps between successive poses that are missed; orientations stay."""
+    """The poses without the steps that are `missed`: step k leads from pose k to pose k + 1. Orientations stay."""
     lost = np.zeros((len(poses), 3))
     lost[1:] = np.cumsum(np.diff(poses[:, :3, 3], axis=0) * missed[:, None], axis=0)
     moved = poses.copy()

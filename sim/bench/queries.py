@@ -28,7 +28,7 @@ class Answered(NamedTuple):
     has_answer: bool
     """Whether the map contains a room that is a right answer."""
     first: str
-    """Label of the true room that was ranked first."""
+    """True label of the room that was ranked first."""
     right: bool
     """Whether the room that was ranked first is a right answer."""
     unknown: bool
@@ -57,7 +57,10 @@ class QueriesRow:
 
 
 def ask_houses(config: Scenario, seeds: Sequence[int]) -> Iterator[tuple[int, str, list[Answered]]]:
-    """Make one run per seed, with all other settings from `config`; yield (seed, name of the set of questions, answers)."""
+    """Make one run per seed, with all other settings from `config`, and ask all questions about its map.
+
+    Yields (seed, name of the set of questions as in `SETS`, answers).
+    """
     encoder = load_encoder(config.encoder)
     slam, calibration = Lexis(encoder), find_calibration(encoder)
     for seed in seeds:

@@ -25,9 +25,9 @@ class SegmentationRow:
     floors: float | None
     """Share of keyframes with the right floor."""
     odometry_m: float | None
-    """ATE of the odometry [m]."""
+    """Absolute trajectory error of the odometry [m]."""
     ate_m: float | None
-    """ATE of the optimised trajectory [m]."""
+    """Absolute trajectory error of the optimised trajectory [m]."""
     false_loops: int
     heavy_false_loops: int
     """Number of false loop edges whose weight after optimisation is above 0.5."""
@@ -40,7 +40,10 @@ class SegmentationRow:
 def run_houses(
     config: Scenario, seeds: Sequence[int], openness: float | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
-    """Make one run for each scenario of `sim.bench.houses.configs`, which has the same arguments; yield (seed, figures)."""
+    """Make one run for each scenario of `sim.bench.houses.configs`; yield the seed and the figures of each run.
+
+    The arguments are those of `configs`.
+    """
     slam = Lexis(config.encoder)
     for own in configs(config, seeds, openness):
         finished = run(own, slam)
@@ -64,9 +67,10 @@ def run_houses(
 
 
 def mean_and_spread(rows: Sequence[Any]) -> tuple[list[float | None], list[float | None]]:
-    """Mean and standard deviation of every field of `rows`, which are dataclasses with one figure per field.
+    """Return the means and the standard deviations of all fields of `rows`, in the order of the fields.
 
-    Rows whose figure is None are left out; a field without any figure gives None.
+    `rows` are dataclasses with one figure per field. A figure that is None is left out. If a field has no figures, its mean
+    and standard deviation are None.
     """
     columns = [[value for value in column if value is not None] for column in zip(*map(astuple, rows), strict=True)]
     return [float(np.mean(c)) if c else None for c in columns], [float(np.std(c)) if c else None for c in columns]

@@ -1,4 +1,7 @@
-"""Proof of the reducer: scenarios in which planted bugs show are reduced, and the laws of a reduction are checked."""
+"""`prove`: tests the reducer. Scenarios in which planted bugs show are reduced, and laws of reductions are checked.
+
+`broken_laws` lists the laws.
+"""
 
 import multiprocessing
 import runpy
@@ -24,12 +27,12 @@ from sim.harness.walk import walk
 
 _NO_BUG = "no bug"
 _PYTEST_FAILED = 1
-"""Exit status of pytest where a test failed."""
+"""Exit status with which pytest says that a test failed."""
 
 
 @dataclass(frozen=True)
 class ProofPlan:
-    """The scenarios that a proof reduces, its limits, and the folder of its files."""
+    """What `prove` does: the seed of its scenarios, its limits, and the folder for files."""
 
     seed: int
     """Seed of the scenarios."""
@@ -40,12 +43,13 @@ class ProofPlan:
     out: Path
     """Folder for the failure folders of reductions; only those that break a law are kept."""
     pytests: int
-    """Every test_replay.py is called in this process. For one in `pytests` scenarios (0: none), pytest runs it as well."""
+    """How often pytest runs a test_replay.py in a process of its own: once in this many scenarios, or never if 0. In
+    addition, every test_replay.py is called directly."""
 
 
 @dataclass(frozen=True)
 class ReductionProof:
-    """How the reduction of one scenario went."""
+    """The outcome of reducing one scenario: sizes before and after, times, and broken laws."""
 
     number: int
     rooms: tuple[int, int]
@@ -59,21 +63,21 @@ class ReductionProof:
     in_time: bool
     """Whether the search ended before the deadline."""
     broken: tuple[str, ...]
-    """The laws that the reduction breaks."""
+    """The laws that the reduction breaks, in words; see `broken_laws`."""
 
     @property
     def family(self) -> Family:
-        """The family of the scenario. It is no field, because proofs travel between processes, and families cannot."""
+        """The scenario's bug and failure. It could not be a field, because proofs are pickled for other processes."""
         return family_of(self.number)
 
 
 def family_of(number: int) -> Family:
-    """The family of the scenario with this number: the families take turns."""
+    """The family, a planted bug and its failure, of the scenario with this number. The families take turns."""
     return FAMILIES[number % len(FAMILIES)]
 
 
 def prove(plan: ProofPlan, scenarios: int, processes: int) -> Iterator[ReductionProof]:
-    """Reduce scenarios 0, 1, ... in several processes and check the laws; yield the proofs in order.
+    """Reduce scenarios 0, 1, ... in several processes and check the laws of `broken_laws`; yield the proofs in order.
 
     Raises `SimError` if no failing scenario is found for a family.
     """
@@ -89,7 +93,7 @@ def prove(plan: ProofPlan, scenarios: int, processes: int) -> Iterator[Reduction
 
 
 def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
-    """Draw one scenario, reduce it, and check the laws. Its failure folder is kept only if a law is broken."""
+    """Draw one scenario, reduce it, and check the laws of `broken_laws`. The failure folder stays only if one is broken."""
     family = family_of(number)
     scenario = failing_scenario(family, plan.seed, number, plan.most_rooms)
     test = family.test()
@@ -110,7 +114,7 @@ def prove_one(number: int, plan: ProofPlan) -> ReductionProof:
 
 
 def folder_of(number: int, plan: ProofPlan) -> Path:
-    """The failure folder of a scenario; the scenario itself is kept beside it, with the suffix .json."""
+    """The failure folder of a scenario. The scenario itself is saved beside the folder, in a file with the suffix .json."""
     return plan.out / f"{family_of(number).bug.replace(' ', '-')}-{number}"
 
 
@@ -122,7 +126,7 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
     """Yield the laws that a reduction breaks, in words, and write its failure folder to `folder`.
 
     The laws: the smallest scenario is valid, fails with the signature of the original, and is no larger than the original.
-    The test in the folder fails, and passes for the SLAM without the bug.
+    The test in the folder fails, but passes for a SLAM without the bug. If `own_pytest`, pytest also runs the test.
     """
     if not is_valid(reduction.scenario):
         yield "valid: the house of the smallest scenario breaks a rule"
@@ -139,7 +143,7 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
 
 
 def broken_replays(folder: Path, bug: str, own_pytest: bool) -> Iterator[str]:
-    """Yield the laws that the test in a failure folder breaks, in words."""
+    """Yield, in words, the laws that the test_replay.py of a failure folder breaks; see `broken_laws`."""
     replay = folder / "test_replay.py"
     if not _fails(replay):
         yield "replays: test_replay.py passes, although the bug is there"
@@ -166,7 +170,7 @@ def _pytest_status(file: Path) -> int:
 
 @dataclass(frozen=True)
 class ReductionSummary:
-    """Sizes and times of the reductions of one family: median, 90 % quantile and worst."""
+    """Sizes and times of the reductions of one family. Triples are median, 90 % quantile and worst value."""
 
     family: str
     scenarios: int
@@ -187,7 +191,7 @@ class ReductionSummary:
 
 
 def summaries(proofs: Sequence[ReductionProof]) -> Iterator[ReductionSummary]:
-    """One summary for each family that occurs, and one for all of them."""
+    """Yield one summary for each family that occurs, and last one for all families together."""
     for family in FAMILIES:
         if members := [proof for proof in proofs if proof.family == family]:
             yield _summary(family.bug, family.rooms, members)

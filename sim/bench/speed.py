@@ -25,7 +25,7 @@ _MANY_ROOMS, _MANY_HOUSES = 40, 5
 _FRAME_ROOMS = 10
 _RATIO_BARS = {(320, 240): 1.8, (480, 360): 1.25}
 _GREY_LEVELS = 2
-"""Largest difference per channel between equal pixels of merged and plain rendering [grey levels]."""
+"""Pixels of merged and plain rendering count as equal if they differ by at most this in every channel [grey levels]."""
 _RUN_FRAMES, _RUNS = 400, 5
 _ALL_THREE, _PLAIN, _DEFAULTS = "RGB + depth + ids", "RGB, plain", "RGB, defaults"
 
@@ -52,10 +52,10 @@ class Section:
 
 
 def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
-    """Measure, section by section, the speed of the simulator.
+    """Measure the speed of the simulator; yield one section after the other.
 
-    It measures `houses` houses of a preset, with seeds from `seed` upwards; the scene, the frames and the memory of one
-    house; and rendering and LEXIS in the run of the demo.
+    It measures the making of `houses` houses of a preset, with seeds from `seed` upwards; for one house, the building of the
+    scene, rendering, and the memory of a run; and rendering and LEXIS in the run of the demo.
     """
     yield _houses(preset, houses, seed)
     house, walk = _furnished(seed)
@@ -67,7 +67,7 @@ def measure_speed(preset: str, houses: int, seed: int) -> Iterator[Section]:
 
 
 def complete_house(preset: str, seed: int, rooms: int | None = None) -> House:
-    """Make a house completely: plan, openings, stairs, furniture, truth and validation."""
+    """Make a house completely: sample and build it, compute its truth, such as the room graph, and validate it."""
     house = build_house(sample_house(preset, seed, rooms=rooms))
     for truth in (room_graph, boundary_lines, objects, openness):
         truth(house)
@@ -91,7 +91,7 @@ def _houses(preset: str, houses: int, seed: int) -> Section:
 
 
 def _furnished(seed: int) -> tuple[House, Poses]:
-    """The first house from `seed` upwards with ten rooms or more, and poses along a walk through it."""
+    """The first house with at least ten rooms, by seeds from `seed` upwards, and poses along a tour through it."""
     candidates = (build_house(sample_house("home", s)) for s in range(seed, seed + 1000))
     house = next(house for house in candidates if len(house.rooms) >= _FRAME_ROOMS)
     tour = plan_tour(house, Walkable(house), np.random.default_rng(seed))
@@ -106,9 +106,10 @@ def _scenes(house: House) -> Section:
 
 
 def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Section]:
-    """Frame rates of merged and plain rendering and of MuJoCo's defaults, and their ratios.
+    """Measure frame rates and their ratios for merged rendering, plain rendering and MuJoCo's defaults.
 
-    The renderers take turns at each pose, so that other load on the machine slows all of them alike.
+    Merged rendering is the simulator's. Plain rendering is MuJoCo's own on unmerged geoms; the defaults add shadows and
+    multi-sampling. The renderers take turns at each pose, so that other load on the machine slows all of them alike.
     """
     camera, name = wide_camera(*size), f"{size[0]} x {size[1]}"
     plain, defaults = PlainRenderer(house, camera), PlainRenderer(house, camera, defaults=True)
@@ -145,7 +146,10 @@ def _frames(house: House, walk: Poses, size: tuple[int, int]) -> Iterator[Sectio
 
 
 def _runs() -> Iterator[Section]:
-    """Times of rendering and LEXIS, each alone and both in parallel, in turn, so that other load slows all of them alike."""
+    """Measure the times of rendering alone, LEXIS alone, and both in parallel.
+
+    The three take turns, so that other load on the machine slows all of them alike.
+    """
     runs = measure_overlap(Scenario(), _RUN_FRAMES, _RUNS)
     parts = {
         "rendering alone": [run.rendering for run in runs],
@@ -177,7 +181,7 @@ def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Pose
 
 
 def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> SpeedFigure:
-    """The ratio of the median times, and as the worst value the smallest ratio of a single view."""
+    """The ratio of the median times `slow` and `fast`. The worst value is the smallest ratio at a single pose."""
     single = np.array(slow) / np.array(fast)
     return SpeedFigure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
 

@@ -1,7 +1,7 @@
 """`lexis-sim bench throughput`: houses per second in tests that do not render, with all processor cores at work.
 
-Every worker process handles houses of its own, as the workers of a parallel pytest do. What a process does only once,
-such as to import the libraries and to load the encoder, is done before the clock starts.
+Every worker process handles houses of its own, as the workers of a parallel pytest do. Work that a process does only once,
+such as importing libraries and loading the encoder, is done before the clock starts.
 """
 
 import multiprocessing
@@ -20,7 +20,8 @@ from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
 
 _ROOMS, _LENGTH_M = 7, 170.0
-"""Number of rooms, to which corridors, halls and stairs are added, and length of the tour [m], about 250 keyframes."""
+"""Number of rooms, to which corridors, halls and stairs are added. Length of the tour [m]; LEXIS makes about 250 keyframes
+on it."""
 _WARM_UP_SEED = 1
 
 
@@ -55,7 +56,7 @@ def measure_throughput(houses: int, seed: int, workers: int | None = None) -> It
 
 
 def check_layout(seed: int) -> Handled:
-    """Draw a house, build it and check it, as the fixture `house` does."""
+    """Draw a house, build it and check it, as the pytest fixture `house` does."""
     start = time.perf_counter()
     house = built_and_checked(_house(seed))
     return Handled(time.perf_counter() - start, len(house.rooms), 0)

@@ -43,7 +43,7 @@ PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 
 def argument(*names: str, **options: Any) -> Argument:
-    """Wrap the parameters of `ArgumentParser.add_argument` in an `Argument`, for tables of commands."""
+    """Return an `Argument` from the parameters of `ArgumentParser.add_argument`, for tables of commands."""
     return lambda parser: parser.add_argument(*names, **options)
 
 
@@ -66,7 +66,7 @@ def number(low: float, high: float, lowest: str = "") -> Callable[[str], float]:
 
 
 def folder(text: str) -> Path:
-    """Convert text to the path of an output folder, for `type=`. It refuses files, but does not check write permission."""
+    """Convert text to the path of an output folder, for `type=`. Files are refused; write permission is not checked."""
     if not text.strip():
         raise argparse.ArgumentTypeError("is blank; valid: the name of a folder")
     try:
@@ -97,14 +97,14 @@ def numbers(names: str, counts: tuple[int, ...]) -> Callable[[str], tuple[float,
 
 
 def seeing_encoder(text: str) -> str:
-    """Accept any encoder name except the oracle's, for `type=`. It does not check that the encoder exists."""
+    """Accept any encoder name except that of the oracle, which sees no images. For `type=`; the encoder need not exist."""
     if text == ORACLE:
         raise argparse.ArgumentTypeError(f"{text!r} is told the truth, so benchmarks refuse it; valid: mini, or open_clip's")
     return text
 
 
 def out_file(metavar: str) -> Argument:
-    """The required argument `--out` of a command that writes one file."""
+    """Return the required argument `--out` of a command that writes one file."""
     return argument(
         "-o", "--out", type=Path, required=True, metavar=metavar, help="file to write; an earlier one is replaced"
     )

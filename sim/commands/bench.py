@@ -42,7 +42,7 @@ _OPENNESS = argument(
 _HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _OWN_PYTESTS = 10
-"""How many of the tests that replay a reduced scenario are also run by a pytest of their own."""
+"""Approximate number of tests replaying a reduced scenario that pytest also runs in a process of its own."""
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -64,12 +64,12 @@ def _printing(tables: Tables) -> Command:
 
 
 def _console() -> Console:
-    """Standard output, of which rich would assume 80 columns and cut figures off if it is not a terminal."""
+    """Standard output, 200 columns wide if it is no terminal: rich would assume 80 columns then, and cut figures off."""
     return Console(width=None if sys.stdout.isatty() else 200)
 
 
 def _houses(arguments: argparse.Namespace) -> str:
-    """Name the family of houses in a table's title."""
+    """Describe the family of houses and its openness, for a table's title."""
     return arguments.preset if arguments.openness is None else f"{arguments.preset} at openness {arguments.openness:g}"
 
 
@@ -198,7 +198,7 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _shrinking(arguments: argparse.Namespace) -> int:
-    """Print the table of all families and a line for each broken law. The exit status is 1 if there is one."""
+    """Print a line for each broken law and a table of the families of bugs; return 1 if a law is broken, else 0."""
     from sim.bench.shrinking import ProofPlan, folder_of, prove, summaries
 
     one_in = arguments.scenarios // _OWN_PYTESTS
@@ -220,7 +220,7 @@ def _shrinking(arguments: argparse.Namespace) -> int:
 
 
 def _spread(value: object) -> str:
-    """A figure, or several ones between slashes, with one decimal at most."""
+    """A figure as text, with at most one decimal. The figures of a tuple are joined by slashes; None gives "" (empty)."""
     if isinstance(value, tuple):
         return " / ".join(map(_spread, value))
     if value is None:

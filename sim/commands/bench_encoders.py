@@ -69,7 +69,7 @@ ARGUMENTS = (
 
 
 def tables(arguments: argparse.Namespace) -> Iterator[Table]:
-    """Yield tables for every preset and encoder, then accuracy and times of all encoders, as in the paper's Table I."""
+    """Yield tables for every preset and encoder, then one of accuracy and times like Table I of the LEXIS paper."""
     from lexis.encoder.open_clip_encoder import load_encoder
     from sim.baselines.orb_vocabulary import orb_vocabulary
     from sim.bench.encoders.ceiling import ceiling_of
@@ -99,7 +99,7 @@ def tables(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Check the arguments now that are otherwise used only after minutes of work."""
+    """Check the arguments that are used only after minutes of work. Raises `SimError` or `EncoderError`."""
     from sim.bench.encoders.table import import_matplotlib
     from sim.bench.encoders.times import check_architecture
 

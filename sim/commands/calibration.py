@@ -1,4 +1,4 @@
-"""`lexis-sim calibrate-queries`: fit the map from an encoder's similarities to the probabilities of `lexis query`."""
+"""`lexis-sim calibrate-queries`: fit how `lexis query` converts an encoder's similarities to probabilities."""
 
 import argparse
 from collections.abc import Sequence

@@ -62,7 +62,7 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
-    """Print the traceback of a crash and one line about it; write its folder if the user has asked for one."""
+    """Print the traceback of a crash and one line about it, and write its folder if `--out` is given; return status 1."""
     from sim.harness.failure_folder import replay_test
     from sim.harness.outputs import write_crash
     from sim.harness.why_page import crash_page
@@ -78,7 +78,7 @@ def _crashed(crash: "Crash", arguments: argparse.Namespace) -> int:
 
 
 def failure(fails: "Claim", result: "RunResult") -> str:
-    """Describe in one line how the figure fails; return "" if it does not."""
+    """Return one line that says that the condition `fails` is true or cannot be judged; "" (empty) if it is false."""
     value = fails.value(result)
     if value is None:
         return f"failed: {fails.figure} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"

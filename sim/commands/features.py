@@ -1,4 +1,4 @@
-"""`lexis-sim fit-features`: fit the model of an encoder from which `--fidelity features` draws embeddings."""
+"""`lexis-sim fit-features`: fit the model from which runs with `--fidelity features` draw an encoder's embeddings."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`lexis-sim house check|prove`: check that one house, or thousands of sampled ones, are valid and walkable."""
+"""`lexis-sim house check|prove`: check that one house is valid and walkable, or that thousands of sampled houses are."""
 
 import argparse
 import os

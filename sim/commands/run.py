@@ -1,4 +1,4 @@
-"""`lexis-sim demo` and `run`: one run, its table and its folder."""
+"""`lexis-sim demo` and `lexis-sim run`: one run of LEXIS, the printed table of its figures, and its folder."""
 
 import argparse
 from collections.abc import Iterator
@@ -92,7 +92,10 @@ def progress_bar(work: str) -> Iterator["Progress"]:
 
 
 def print_result(finished: "Run", result: "RunResult", nulls: bool = True) -> None:
-    """Print the table of figures, without `nulls` only those that have a value; a wide terminal also gets their meanings."""
+    """Print the table of figures; on a wide terminal also what each figure means.
+
+    Without `nulls`, figures that are None are left out.
+    """
     from sim.report import result_table, result_title
 
     console, figures = Console(), result.data()

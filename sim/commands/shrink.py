@@ -18,7 +18,7 @@ FAILS_HELP = 'what is true of a failing run, such as "labels.accuracy < 0.7"; or
 DEADLINE_HELP = "such as 90s or 3m; the smallest failure so far is kept (default: 3m; 10m with --command)"
 KEEP_HELP = 'a step that is not tried, such as "drop furniture" or "simplest labels"; may be repeated'
 _PROGRAM_DEADLINE_S = 600.0
-"""Usual deadline for programs, for which every candidate is recorded [s]."""
+"""Default deadline for programs [s]. It is long, because every candidate has to be recorded for the program."""
 
 
 def add_to(commands: Commands) -> None:

@@ -39,7 +39,7 @@ def add_slam(parser: argparse.ArgumentParser) -> None:
 
 
 def is_lexis(arguments: argparse.Namespace) -> bool:
-    """Whether the SLAM that `add_slam` has asked for is LEXIS."""
+    """Whether the options of `add_slam` choose LEXIS."""
     return arguments.slam is None and arguments.program is None
 
 
@@ -92,7 +92,7 @@ def _program(arguments: argparse.Namespace) -> "Runner":
 
 
 def _limits(arguments: argparse.Namespace) -> tuple[str, float, float]:
-    """Format of the recording, and the limits of the program: time [s] and memory [MB]."""
+    """Return the format of the recording, and the program's limits of time [s] and memory [MB]."""
     from sim.programs.command import MEMORY_MB, TIMEOUT_S
 
     return arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB

@@ -51,7 +51,7 @@ def parse_fault(text: str) -> Fault:
 
 
 def written(fault: Fault) -> str:
-    """Convert a fault to text in the notation of `parse_fault`, with all fields that are not None."""
+    """Return a fault as text in the notation of `parse_fault`. Fields that are None are left out."""
     values = {of.name: getattr(fault, of.name) for of in settings(type(fault))}
     return f"{fault.name}:{','.join(f'{name}={value:g}' for name, value in values.items() if value is not None)}"
 
@@ -65,7 +65,7 @@ def _number(text: str, of: "Field[float]", value: str) -> int | float:
 
 
 def usage() -> str:
-    """List all faults with their fields and defaults in the notation of `parse_fault`, one per line."""
+    """Return a help text that lists all faults, one per line, with fields and defaults in the notation of `parse_fault`."""
     return "\n".join(f"  {name}:{','.join(map(_usage, settings(kind)))}" for name, kind in FAULTS.items())
 
 

@@ -14,25 +14,25 @@ from worlds.spec import LeafSpec, OpeningSpec
 from worlds.visuals.meshes import Solid
 
 _OPEN_WITHIN_M, _SHUT_BEYOND_M = 1.1, 1.9
-"""Distances between body and door at which a door is fully open and fully closed [m]. The first exceeds a leaf's width, so
-that no leaf swings through the body."""
+"""Distances between body and door at which a door is fully open and fully closed [m]. The first exceeds the width of
+a door leaf (the moving panel of a door), so that no leaf swings through the body."""
 _REACH_M = 3.0
-"""A body is on the storey of a door if it is at most this far above the door's lower end [m]."""
+"""A body counts as on a door's storey if its height above the door's lower end is between 0 and this [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class ClosingDoors(Actor):
-    """Door leaves that are open only while the body is near them."""
+    """Door leaves (the moving panels of doors) that are open only while the body is near them."""
 
     leaves: Sequence[DoorLeaf]
 
     def solids_at(self, stamp: float, T_W_B: Float64[np.ndarray, "4 4"]) -> Sequence[Solid]:
-        """Return all leaves, opened as far as the body's distance requires."""
+        """Return the shapes of all door leaves for a body at `T_W_B`. The nearer the body, the further a door is open."""
         return [_solid(_turned(leaf, _openness(leaf, T_W_B[:3, 3]))) for leaf in self.leaves]
 
 
 def _openness(leaf: DoorLeaf, body: Float64[np.ndarray, "3"]) -> float:
-    """Return how far a leaf is open for a body: 0 is closed, 1 fully open."""
+    """Return how far a door leaf is open for a body at a position in W: 0 is closed, 1 fully open."""
     centre = _centre(leaf, 0.0)
     if not 0.0 <= body[2] - leaf.position[2] <= _REACH_M:
         return 0.0
@@ -55,7 +55,10 @@ def _solid(leaf: DoorLeaf) -> Solid:
 
 
 def all_leaves(house: House) -> Iterator[DoorLeaf]:
-    """Yield a leaf for each doorway of a house. A doorway without a leaf gets one that swings into its first room."""
+    """Yield a door leaf (the moving panel of a door) for each doorway of a house.
+
+    A doorway that has no leaf in the house gets one that swings into the first of the doorway's two rooms.
+    """
     style = house.spec.seed if house.spec.appearance.seed is None else house.spec.appearance.seed
     for level, (storey, pieces) in enumerate(zip(house.spec.storeys, house.boundaries, strict=True)):
         hung = [_with_leaf(opening) for opening in storey.openings]

@@ -1,4 +1,4 @@
-"""The faults of a run, applied in the order given, each with a random stream of its own."""
+"""Applies the faults of a run in the order given, each with a random stream of its own."""
 
 from collections.abc import Sequence
 
@@ -8,16 +8,19 @@ from sim.faults.fault import Fault, StreamFault
 from sim.truth import Stream
 
 _STREAM = 2
-"""Position of the faults among the random streams that the seed of a run spawns; 0 is the tour's, 1 the odometry's."""
+"""Number of the faults' random stream. The seed of a run spawns several: stream 0 is for the tour, 1 for the odometry."""
 
 
 def fault_rng(seed: int, place: int) -> np.random.Generator:
-    """The random generator of the fault at position `place` among the faults of the run with this seed."""
+    """Return the random generator of the fault at position `place` among all faults of a run with this seed."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, place)))
 
 
 def corrupted(stream: Stream, faults: Sequence[Fault], seed: int) -> Stream:
-    """Apply the faults of the stream, in order. Faults of the world are skipped, but they take a position in the order."""
+    """Return the stream with the faults of the stream applied, in order.
+
+    Faults of the world are skipped. They still count in the positions that decide on the faults' random numbers.
+    """
     for place, fault in enumerate(faults):
         if isinstance(fault, StreamFault):
             stream = fault.apply(stream, fault_rng(seed, place))

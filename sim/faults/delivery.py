@@ -14,7 +14,10 @@ from sim.truth import Stream, Truth
 
 @dataclass(frozen=True)
 class Dropped(StreamFault):
-    """Frames are lost. The odometry continues. The first frame after a gap is marked, and its covariance covers the gap."""
+    """Frames are lost while the odometry continues.
+
+    The truth of the first frame after a gap names this fault. The covariance of this frame's odometry covers the gap.
+    """
 
     name = "dropped"
     share: float = setting(0.1, 0.0, 1.0)
@@ -36,7 +39,10 @@ class Dropped(StreamFault):
 
 
 def _bursts(share: float, burst: int, rng: np.random.Generator) -> Iterator[bool]:
-    """Yield for each frame whether it is in a burst; bursts hold `share` of the frames. The first frame is never in one."""
+    """Yield for each frame whether it belongs to a burst, a sequence of `burst` consecutive frames.
+
+    On average, bursts contain `share` of the frames. The first frame never belongs to a burst.
+    """
     rate = share / (share + burst * (1.0 - share)) if share < 1.0 else 1.0
     yield False
     left = 0
@@ -67,7 +73,7 @@ class Frozen(StreamFault):
     """Number of consecutive frames that repeat the last image before them."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with frozen images."""
+        """Yield the stream. During bursts, the image of the last frame before the burst is repeated."""
         shown: Observation | None = None
         for (observation, truth), is_stuck in zip(stream, _bursts(self.share, self.burst, rng), strict=False):
             if is_stuck and shown is not None:
@@ -79,14 +85,14 @@ class Frozen(StreamFault):
 
 @dataclass(frozen=True)
 class Duplicated(StreamFault):
-    """Frames arrive twice, including their stamps; the second one is marked."""
+    """Frames arrive twice with the same stamp. The truth of the second copy names this fault."""
 
     name = "duplicated"
     share: float = setting(0.1, 0.0, 1.0)
     """Share of the frames that arrive twice."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with duplicated frames."""
+        """Yield the stream, with a copy after each frame that is drawn at random."""
         for observation, truth in stream:
             yield observation, truth
             if rng.random() < self.share:
@@ -101,10 +107,10 @@ class Late(StreamFault):
     share: float = setting(0.05, 0.0, 1.0)
     """Share of the frames that are late."""
     frames: int = setting(3, 1)
-    """Number of frames that overtake a late frame."""
+    """Number of later frames that arrive before a late frame."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with late frames."""
+        """Yield the stream, with frames that are drawn at random delayed by `frames` places."""
         held: deque[tuple[int, Observation, Truth]] = deque()
         for position, (observation, truth) in enumerate(stream):
             if rng.random() < self.share:
@@ -119,7 +125,7 @@ class Late(StreamFault):
 
 @dataclass(frozen=True)
 class OutOfOrder(StreamFault):
-    """Groups of frames arrive in random order, with the right stamps; frames that are not in their place are marked."""
+    """Groups of frames arrive in random order, with the right stamps. The truth of displaced frames names this fault."""
 
     name = "out-of-order"
     share: float = setting(0.1, 0.0, 1.0)
@@ -128,7 +134,7 @@ class OutOfOrder(StreamFault):
     """Number of frames in a group."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with shuffled groups."""
+        """Yield the stream, with the frames shuffled in groups that are drawn at random."""
         waiting: list[tuple[Observation, Truth]] = []
         for pair in stream:
             waiting.append(pair)

@@ -1,6 +1,6 @@
 """Base classes of faults: frozen dataclasses whose fields have valid ranges.
 
-The truth and the command line use the `name` of a fault and the names of its fields.
+A fault class is identified by its `name` in the ground truth, and by `name` and field names on the command line.
 """
 
 import math
@@ -16,7 +16,7 @@ from sim.truth import Stream, Truth
 
 
 def setting(default: int | float | None, low: int | float, high: int | float = math.inf, kw_only: bool = False) -> Any:
-    """Define a field of a fault with a default and a valid range, both ends included."""
+    """Define a field of a fault, with its default value and its valid range `low` to `high`, both ends included."""
     return field(default=default, kw_only=kw_only, metadata={"range": (low, high)})
 
 
@@ -49,7 +49,7 @@ class StreamFault(Fault):
 
 @dataclass(frozen=True)
 class SpanFault(StreamFault):
-    """A fault of the stream that is active for a span of true time."""
+    """A fault of the stream that is active during one span of time, by the true clock."""
 
     at_s: float = setting(0.0, 0.0, kw_only=True)
     """Time after the start of the tour at which the fault begins [s]."""
@@ -63,10 +63,10 @@ class SpanFault(StreamFault):
 
 @dataclass(frozen=True)
 class FrameFault(SpanFault):
-    """A fault that changes each observation of its span, but neither their number nor their order."""
+    """A fault that changes each observation in its time span. It keeps the number and the order of the observations."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with the observations of the span changed."""
+        """Yield the stream, with all observations in the fault's time span changed by `change`."""
         for observation, truth in stream:
             if self.active(truth):
                 yield self.change(observation, rng), self.mark(truth)
@@ -79,5 +79,5 @@ class FrameFault(SpanFault):
 
 
 def settings(kind: type[Fault]) -> "list[Field[float]]":
-    """Return the fields of a kind of fault: its own fields, then the fields for its time span."""
+    """Return the fields of a kind of fault: first the positional ones, then the keyword-only ones such as the time span."""
     return sorted(fields(kind), key=lambda each: bool(each.kw_only))

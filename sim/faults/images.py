@@ -16,7 +16,7 @@ from sim.truth import Stream
 _GAMMA = 2.2
 """Exponent of the camera's gamma curve, which maps light to grey levels."""
 _HAZE, _HAZE_LEVEL = 0.25, 190.0
-"""Share of a greasy pixel's value that is scattered light, and the grey level of this light."""
+"""Share of scattered light in the value of a greasy pixel, and grey level of this light."""
 _PATCH, _EDGE = 0.08, 0.5
 """Grease lies where smoothed noise exceeds a threshold. `_PATCH` is the standard deviation of the smoothing [image widths],
 which sets the size of the patches. `_EDGE` is the range of values around the threshold over which a patch fades in [standard
@@ -25,7 +25,7 @@ deviations of the smoothed noise]."""
 
 @dataclass(frozen=True)
 class ImageFault(FrameFault):
-    """A fault that changes all images of its time span."""
+    """A fault that changes each image in its time span."""
 
     def change(self, observation: Observation, rng: np.random.Generator) -> Observation:
         """Return the observation with the changed image."""
@@ -45,17 +45,17 @@ class Blur(ImageFault):
     """Length of the horizontal line that each point is blurred to [px]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """Return the image, averaged along the line."""
+        """Return the image with each pixel averaged over `pixels` neighbours in its row."""
         return np.asarray(cv2.blur(image, (self.pixels, 1), borderType=cv2.BORDER_REPLICATE))
 
 
 @dataclass(frozen=True)
 class Exposure(ImageFault):
-    """Wrong exposure: the light is scaled before the camera's gamma is applied, and clipped."""
+    """Wrong exposure: the light is scaled before the camera's gamma curve is applied; values above white are clipped."""
 
     name = "exposure"
     stops: float = setting(-2.0, -16.0, 16.0)
-    """Exposure error as a power of two; negative is darker."""
+    """Exposure error in stops: the light is multiplied by `2 ** stops`. Negative values make images darker."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
         """Return the image as exposed to `2 ** stops` times the light, clipped at white."""
@@ -76,7 +76,7 @@ class Noise(ImageFault):
     """Standard deviation of the noise [grey levels]."""
 
     def edit(self, image: Image, rng: np.random.Generator) -> Image:
-        """Return the image with noise, clipped."""
+        """Return the image with noise, clipped to the range of grey levels."""
         return _noisy(image, self.sigma, rng)
 
 
@@ -130,7 +130,7 @@ class Smear(SpanFault):
 def _patches(height: int, width: int, share: float, seed: int) -> Float32[np.ndarray, "h w 1"]:
     """Return the share of each pixel's light that passes through grease.
 
-    Patches are the places where smooth noise exceeds the quantile that leaves `share` of the image above it.
+    Patches lie where smooth random noise exceeds a threshold, which is chosen so that they cover `share` of the image.
     """
     noise = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), _PATCH * width)

@@ -13,7 +13,7 @@ from sim.truth import Stream
 
 @dataclass(frozen=True)
 class OdometryJump(StreamFault):
-    """The odometry jumps once in a random horizontal direction, without a larger covariance."""
+    """The odometry's pose jumps once in a random horizontal direction. The reported covariance does not show the jump."""
 
     name = "odometry-jump"
     at_s: float = setting(60.0, 0.0)
@@ -51,7 +51,7 @@ class OdometryFreeze(SpanFault):
     """Duration of the fault [s]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with frozen poses. All later observations are marked, too, because their poses are wrong."""
+        """Yield the stream with frozen poses. All later poses are wrong, too; the truth of these frames names the fault."""
         before: Observation | None = None
         reported = np.eye(4)
         frozen = False
@@ -73,10 +73,10 @@ class OdometryNaN(SpanFault):
 
     name = "odometry-nan"
     share: float = setting(0.02, 0.0, 1.0)
-    """Share of the frames in the fault's time span that fail."""
+    """Share of the frames in the fault's time span for which the odometry fails."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with poses of NaN."""
+        """Yield the stream, with the odometry's pose replaced by NaN in frames that are drawn at random."""
         for observation, truth in stream:
             if self.active(truth) and rng.random() < self.share:
                 yield replace(observation, T_O_B=np.full((4, 4), np.nan)), self.mark(truth)
@@ -86,20 +86,20 @@ class OdometryNaN(SpanFault):
 
 @dataclass(frozen=True)
 class Kidnap(StreamFault):
-    """The body is moved elsewhere between two frames. Neither the odometry nor the clock notices it.
+    """The body is moved elsewhere between two frames. Neither the odometry nor the clock shows this.
 
-    It is simulated by cutting a stretch out of the tour. All frames after the stretch are marked. Their estimated
-    poses, their stamps and their true stamps are shifted as if the stretch had not been there.
+    To simulate this, a part is cut out of the tour. The frames after the cut get stamps, true stamps and estimated poses as
+    if the part had not been there. The truth of these frames names the fault.
     """
 
     name = "kidnap"
     at_s: float = setting(60.0, 0.0)
     """Time after the start of the tour at which the body is moved [s]."""
     skip_s: float = setting(20.0, 0.0)
-    """Duration of the stretch that is cut out [s]. The body continues from its place at the end of this stretch."""
+    """Duration of the part that is cut out of the tour [s]. The body continues from its place at the end of this part."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream without the stretch, joined as if the stretch had not been there."""
+        """Yield the stream without the part that is cut out. Stamps and estimated poses continue without a gap."""
         last: Observation | None = None
         unseen: Observation | None = None
         for observation, truth in stream:

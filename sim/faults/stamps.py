@@ -14,7 +14,7 @@ from sim.truth import Stream, Truth
 class StampOffset(StreamFault):
     """The clocks of camera and odometry differ: each image gets the stamp and the pose of an earlier or later frame.
 
-    Frames at one end of the stream have no such partner and are lost.
+    At one end of the stream, frames for which there is no such earlier or later frame are lost.
     """
 
     name = "stamp-offset"
@@ -22,7 +22,7 @@ class StampOffset(StreamFault):
     """Number of frames by which the camera's clock is ahead of the odometry's; negative if it is behind."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with each image beside the stamp and pose of another frame."""
+        """Yield the stream, with each image combined with the stamp and pose of the frame that is `frames` later."""
         waiting: deque[tuple[Observation, Truth]] = deque()
         for pair in stream:
             waiting.append(pair)
@@ -34,7 +34,7 @@ class StampOffset(StreamFault):
 
 @dataclass(frozen=True)
 class StampJitter(FrameFault):
-    """Stamps are noisy, so that they may even descend. Images and poses still belong together."""
+    """Stamps are noisy and may even decrease from frame to frame. Image and pose of a frame still belong together."""
 
     name = "stamp-jitter"
     sigma_s: float = setting(0.02, 0.0)
@@ -47,7 +47,7 @@ class StampJitter(FrameFault):
 
 @dataclass(frozen=True)
 class StampJump(FrameFault):
-    """The clock is set back, as a time server may do."""
+    """From the start of its time span, the clock is `back_s` behind, as if a time server had set it back."""
 
     name = "stamp-jump"
     back_s: float = setting(2.0, 0.0)

@@ -1,4 +1,4 @@
-"""Faults of the world, which changes during a tour. They change the world that is observed, not the stream."""
+"""Faults of the world: furniture, doors and people change during a tour. The stream of observations is left alone."""
 
 from abc import abstractmethod
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from worlds.house import House
 
 @dataclass(frozen=True, eq=False)
 class WorldState:
-    """State of the world: the static house and the actors that move in it."""
+    """State of the world: the static house and the actors (people and doors) that move in it."""
 
     house: House
     actors: tuple[Actor, ...] = ()
@@ -24,27 +24,27 @@ class WorldState:
 
 @dataclass(frozen=True)
 class WorldFault(Fault):
-    """A change of the world during the tour. All frames while it lasts are marked, whether the change is in view or not."""
+    """A change of the world during the tour. It is recorded in the truth of all frames while it lasts, in view or not."""
 
     at_s: float | None = setting(None, 0.0, kw_only=True)
-    """Time after the start of the tour at which the change happens [s]. None: halfway through the tour, that is
-    between the laps of a tour of two laps."""
+    """Time after the start of the tour at which the change happens [s]. None: halfway through the
+    tour, which is between the two laps of a tour of two laps."""
     for_s: float = setting(np.inf, 0.0, kw_only=True)
     """Duration of the change from `at_s` [s]."""
 
     def span_s(self, tour: Tour) -> tuple[float, float]:
-        """Return the start and end times of the change [s]."""
+        """Return the times at which the change starts and ends, counted from the start of the tour [s]."""
         start = float(tour.stamps[-1]) / 2 if self.at_s is None else self.at_s
         return start, start + self.for_s
 
     @abstractmethod
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
-        """Return the world while the fault lasts."""
+        """Return the world `stage` as this fault changes it while the fault lasts."""
 
 
 @dataclass(frozen=True)
 class MovedFurniture(WorldFault):
-    """Furniture, with the objects on it, is moved within its room, clear of the rest of the tour's path."""
+    """Furniture is moved within its room, with the objects on it. It keeps clear of the path that the tour still takes."""
 
     name = "moved-furniture"
     share: float = setting(0.3, 0.0, 1.0)
@@ -63,14 +63,14 @@ class MovedFurniture(WorldFault):
 
 @dataclass(frozen=True)
 class ClosedDoors(WorldFault):
-    """Doors are closed. Each opens when the body comes near and closes behind it. Doorways without a leaf get a leaf."""
+    """Doors are closed. Each door opens when the body comes near and closes behind it. Open doorways get a door, too."""
 
     name = "closed-doors"
     share: float = setting(1.0, 0.0, 1.0)
-    """Share of all doors that close."""
+    """Share of the house's doorways that get such a door."""
 
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
-        """Return the world with closing doors."""
+        """Return the world with a share of its doors replaced by doors that are open only near the body."""
         leaves = tuple(leaf for leaf in all_leaves(stage.house) if rng.random() < self.share)
         closing = {leaf.id for leaf in leaves}
         standing = tuple(leaf for leaf in stage.house.leaves if leaf.id not in closing)
@@ -79,7 +79,7 @@ class ClosedDoors(WorldFault):
 
 @dataclass(frozen=True)
 class Pedestrian(WorldFault):
-    """A person walks along the tour ahead of the camera and faster than it, through its view and away."""
+    """A person walks along the tour's path, ahead of the camera and faster than the camera, through the view and away."""
 
     name = "person"
     pace: float = setting(1.35, 0.0, 5.0, kw_only=True)
@@ -90,7 +90,7 @@ class Pedestrian(WorldFault):
     """Duration for which the person is present [s]."""
 
     def change(self, stage: WorldState, tour: Tour, rng: np.random.Generator) -> WorldState:
-        """Return the world with a person."""
+        """Return the world with a person who walks in it."""
         start, _ = self.span_s(tour)
         person = Person(tour, start, self.ahead_s, self.pace, draw_person(rng))
         return replace(stage, actors=(*stage.actors, person))

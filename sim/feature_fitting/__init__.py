@@ -1,7 +1,7 @@
-"""Fits the model of the feature sensor to a real encoder, from renders of a few houses.
+"""Fits the model of the feature sensor, which predicts what LEXIS would extract from images, to a real encoder.
 
-`fit` orders the steps: `fit_samples` renders views of houses and encodes them, `fit_embedding` fits the model of embeddings
-to these views, and `fit_loops` fits the model of loop verification to runs of LEXIS on renders.
+`fit` runs all steps. `fit_samples` renders views of a few houses and encodes them, `fit_embedding` fits the model of
+embeddings to these views, and `fit_loops` fits the model of loop verification to runs of LEXIS on rendered images.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""`fit_features`: fits the feature model of an encoder to rendered images of a few houses."""
+"""`fit_features`: fits the model of the feature sensor to an encoder, on rendered images of a few houses."""
 
 from collections.abc import Callable
 
@@ -13,23 +13,23 @@ from sim.feature_sensor.model import FeatureModel, fingerprint
 from sim.training.houses import HouseDraw
 
 FIRST_SEED = 600
-"""First seed of the houses to fit to. These seeds are reserved for development."""
+"""Seed of the first house to which a model is fitted. Seeds from here on are reserved for development."""
 HOUSES, FRAMES = 72, 40
-"""Default number of houses, and number of frames in each, that embeddings are fitted to."""
+"""Default number of houses to which the model of embeddings is fitted, and number of frames in each house."""
 WALKS = (
     HouseDraw("apartment", 690), HouseDraw("uh2-apt", 691), HouseDraw("apartment", 692, openness=0.4),
 )  # fmt: skip
-"""Houses in which LEXIS runs to collect the loop verifications that the loop model is fitted to."""
+"""Houses in which LEXIS runs. The model of loop verification is fitted to the loop verifications of these runs."""
 _KEPT = 400
 """Largest number of true loop edges, and also of false ones, that a model keeps."""
 _WALK_SHARE = 0.4
-"""Approximate share of the fitting time that the walks take, for the progress display."""
+"""Approximate share of the fitting time that the runs in `WALKS` take, for the progress display."""
 
 
 def fit_features(
     encoder: Encoder, houses: int = HOUSES, walks: int = len(WALKS), progress: Callable[[float], None] = lambda share: None
 ) -> FeatureModel:
-    """Fit a model to frames of `houses` houses and to the loop verifications of the first `walks` of `WALKS`.
+    """Fit a feature model to frames of `houses` houses, and to runs of LEXIS in the first `walks` houses of `WALKS`.
 
     The same arguments give the same model. `progress` is called with the share of the work that is done, in [0, 1].
     """

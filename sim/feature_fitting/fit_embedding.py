@@ -1,8 +1,8 @@
-"""`fit_embedding`: fits the embedding model to rendered frames that a real encoder has embedded.
+"""`fit_embedding`: fits the model of image embeddings to rendered frames that a real encoder has embedded.
 
 1. Fit the expected embedding by ridge regression. The penalty is the one with the smallest error on held-out houses.
 2. Take the principal directions of the errors on held-out houses.
-3. Fit each kernel's share of the errors' variance to the products of the errors of pairs of frames.
+3. Fit the share of each covariance kernel in the variance of the errors, from the products of the errors of two frames.
 4. Scale the errors until drawn embeddings give the right room label as often as the encoder does.
 """
 
@@ -19,9 +19,9 @@ from sim.feature_fitting.fit_samples import Sample
 from sim.feature_sensor.embedding import KERNELS, EmbeddingModel, error_scores, kernel_values
 
 RIDGES = (0.1, 0.3, 1.0, 3.0, 10.0)
-"""Ridge penalties that are tried. The regression does not scale its inputs, the descriptions of views."""
+"""Ridge penalties that are tried, for inputs (the descriptions of views) that are not scaled."""
 RANK = 64
-"""Number of error directions that are kept."""
+"""Number of principal directions of the errors that the model keeps."""
 _FOLDS = 5
 _SCALES = np.linspace(0.3, 1.5, 13)
 """Factors that are tried on the error of drawn embeddings; see step 4 of the module's docstring."""
@@ -32,11 +32,11 @@ Rows = Float64[np.ndarray, "n d"]
 
 
 def fit_embedding(samples: Sequence[Sample], encoder: Encoder) -> EmbeddingModel:
-    """Fit the mean by ridge regression, and the errors to the residuals on held-out houses.
+    """Fit the expected embeddings by ridge regression, and the model of their errors to the residuals on held-out houses.
 
     The residuals are not Gaussian: most are small, and only some change the room label. Gaussian errors of the same
-    covariance would change it more often. The Gaussian errors of the model are therefore scaled until as many labels are
-    right as with the encoder.
+    covariance would change the label more often. The Gaussian errors of the model are therefore scaled until as many labels
+    are right as with the encoder.
     """
     described = [sample.views.described().astype(float) for sample in samples]
     embedded = [sample.embeddings.astype(float) for sample in samples]
@@ -67,7 +67,7 @@ def _ridge(
 def _held_out(
     described: Sequence[Float64[np.ndarray, "_ size"]], embedded: Sequence[Float64[np.ndarray, "_ d"]], ridge: float
 ) -> list[Rows]:
-    """Predict the embeddings of each house by a regression on other houses (cross-validation)."""
+    """Predict the embeddings of each house by a regression on other houses (cross-validation). One array per house."""
     means: list[Rows] = [np.zeros((0, 0))] * len(described)
     folds = min(_FOLDS, len(described))
     for fold in range(folds):
@@ -94,7 +94,7 @@ def _directions(residuals: Rows) -> Float64[np.ndarray, "k d"]:
 
 
 def _kernel_shares(samples: Sequence[Sample], residuals: Sequence[Rows]) -> Float64[np.ndarray, "kernels"]:
-    """Fit the kernels' shares by non-negative least squares to the products of the errors of two frames of a house."""
+    """Fit the shares of the kernels, by non-negative least squares, to products of the errors of two frames of a house."""
     power = _power(residuals)
     columns, products = [], []
     for sample, rows in zip(samples, residuals, strict=True):

@@ -1,7 +1,7 @@
-"""Fits the loop model to real verification.
+"""Fits the model of loop verification to outcomes of LEXIS's real verification.
 
-`try_verification` runs LEXIS on the rendered images of a walk and verifies its loop candidates, and other pairs of nearby
-keyframes beside them. `fit_loops` fits the model to the outcomes.
+`try_verification` runs LEXIS on the rendered images of a walk, then verifies LEXIS's loop candidates and other pairs of
+nearby keyframes. `fit_loops` fits the model to the outcomes.
 """
 
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ _NODES = 21
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Outcomes of loop verification, with one row for each pair of keyframes that was verified."""
+    """Outcomes of loop verification, one row for each verified pair of a query keyframe and an earlier keyframe."""
 
     query: Int[np.ndarray, "n"]
     """Number of each pair's query keyframe, unique over all walks."""
@@ -75,7 +75,10 @@ def fit_loops(trials: Trials) -> LoopModel:
 
 
 def try_verification(choice: HouseDraw, encoder: Encoder, seed: int, camera: Camera | None = None) -> Trials:
-    """Map a walk on rendered images, then verify LEXIS's candidates and other pairs of nearby keyframes."""
+    """Run LEXIS on rendered images of a walk through a house, and return the outcomes of verifying pairs of keyframes.
+
+    The pairs are LEXIS's loop candidates and other pairs of nearby keyframes.
+    """
     camera, config = camera or wide_camera(), Config()
     house = build_house(choice.spec())
     rng = np.random.default_rng((choice.seed, seed))
@@ -140,7 +143,7 @@ def _measured(edges: LoopArrays, errors: Sequence[Float64[np.ndarray, "6"]], row
 
 
 def joined(parts: Sequence[Trials]) -> Trials:
-    """Join the trials of several walks and number their queries consecutively."""
+    """Join the trials of several walks. The queries are renumbered, so that no two walks share a number."""
     first = np.cumsum([0, *(int(part.query.max(initial=-1)) + 1 for part in parts)])
     return Trials(
         np.concatenate([part.query + offset for part, offset in zip(parts, first, strict=False)]),
@@ -159,7 +162,7 @@ def _pooled(parts: Sequence[MeasuredEdges]) -> MeasuredEdges:
 
 
 def _query_share(chance: Float64[np.ndarray, "n"], outcome: Bool[np.ndarray, "n"], query: Int[np.ndarray, "n"]) -> float:
-    """Fit `LoopModel.query_share`: with it, two candidates of a query are both confirmed as often as in the trials."""
+    """Return the `LoopModel.query_share` at which two candidates of a query are both confirmed as often as in the trials."""
     pairs = [(i, i + lag) for lag in range(1, _LAGS) for i in np.flatnonzero(query[lag:] == query[:-lag]).tolist()]
     a, b = np.array(pairs, int).reshape(-1, 2).T
     both = float((outcome[a] & outcome[b]).mean()) if len(a) else 0.0

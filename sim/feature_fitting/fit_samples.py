@@ -1,4 +1,4 @@
-"""The data that feature models are fitted to: walks through houses, the true content of their views, and embeddings."""
+"""The data to which feature models are fitted: views on walks through houses, with true content and embeddings."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ from worlds.walkable import Walkable
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Frames of a walk through one house."""
+    """Frames of a walk through one house: body poses, true contents of the views, and embeddings of the images."""
 
     around: Surroundings
     T_W_B: Float64[np.ndarray, "n 4 4"]
@@ -38,7 +38,7 @@ class Sample:
 
 
 def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
-    """Choose houses with a mixture of families, openness and clutter; each has a seed of its own, from `first_seed` on."""
+    """Choose houses of various presets, openness and clutter. The seeds are consecutive, starting with `first_seed`."""
     presets = ("home", "random", "ori", "home", "office", "uh2-apt", "apartment", "home", "clinic", "uh2-office", "school")
     openness, clutter = (None, 0.2, None, 0.6, None), (1.0, 1.0, 0.3, 1.0, 2.0, 1.0, 0.0)
     return tuple(
@@ -53,7 +53,7 @@ def choices(houses: int, first_seed: int) -> tuple[HouseDraw, ...]:
 
 
 def sample(choice: HouseDraw, encoder: Encoder, frames: int, camera: Camera | None = None) -> Sample:
-    """Render and encode up to `frames` poses, evenly spread over a tour through the house."""
+    """Render and encode up to `frames` frames, which are evenly spread over a tour through a house."""
     camera = camera or wide_camera()
     house = build_house(choice.spec())
     tour = tour_through(house, choice.seed)

@@ -29,10 +29,10 @@ _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
 """Two depths count as those of one point if they differ by at most this share of the depth plus this length [m]. These
 bounds are generous, because rays are coarse."""
 _QUERY, _PAIR = 1, 2
-"""Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the stream of its
-pair with keyframe 0."""
+"""Tags of the random streams. numpy ignores trailing zeros of a seed: without tags, a query would share the random
+stream of the pair of this query with keyframe 0."""
 PREDICTORS = ("constant", "covisibility", "covisibility squared", "distance", "turn")
-"""Inputs of the logistic model. Distance [m] and turn [rad] are those between the body poses of the two keyframes."""
+"""Inputs of the logistic model, for a pair of keyframes. Distance [m] and turn [rad] are between their body poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,33 +40,33 @@ class MeasuredEdges:
     """Loop edges that LEXIS measured on rendered images: true errors, reported covariances and numbers of inliers."""
 
     error: Float64[np.ndarray, "n 6"]
-    """`log` of the motion from the true to the measured relative pose, rotation first [rad, m]."""
+    """Error of each measured relative pose: `log(T_true^-1 T_measured)`, rotation first [rad, m]."""
     covariance: Float64[np.ndarray, "n 6 6"]
     inliers: Int[np.ndarray, "n"]
 
     @cached_property
     def error_motions(self) -> Float64[np.ndarray, "n 4 4"]:
-        """Motions from the true to the measured relative poses."""
+        """The errors as rigid motions: `T_true^-1 T_measured` of each edge."""
         return exp(self.error)
 
 
 @dataclass(frozen=True, eq=False)
 class LoopModel:
-    """A fitted model of loop verification: the probability that it confirms a candidate, and the edges that it returns."""
+    """A fitted model of loop verification: the probability that a candidate is confirmed, and loop edges to return."""
 
     weights: Float64[np.ndarray, "predictors"]
-    """Weights of `PREDICTORS`, for the log odds of a true edge."""
+    """Weights of `PREDICTORS` in the log odds that verification returns a true edge."""
     query_share: float
-    """A random variable decides whether a candidate is confirmed. This share of its variance, in [0, 1), is common to all
-    candidates of one query."""
+    """A random variable decides whether a candidate is confirmed. This share of the variable's variance, in [0, 1), is
+    common to all candidates of one query."""
     false_rate: float
-    """Probability of a false edge for a candidate that does not get a true one."""
+    """Probability that a candidate without a true edge gets a false edge."""
     true_edges: MeasuredEdges
     false_edges: MeasuredEdges
-    """False edges to draw from. They may be empty if `false_rate` is 0."""
+    """False edges to draw from. There may be none if `false_rate` is 0."""
 
     def probability(self, predictors: Float64[np.ndarray, "*n predictors"]) -> Float64[np.ndarray, "*n"]:
-        """Return the probability that verification finds a correct edge for a loop; 0 if the views do not overlap."""
+        """Return the probability that verification finds a true edge for a pair; 0 if the views do not overlap."""
         shared = predictors[..., PREDICTORS.index("covisibility")] > 0.0
         return np.asarray(np.where(shared, expit(predictors @ self.weights), 0.0))
 
@@ -106,7 +106,10 @@ def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float
 
 
 def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64[np.ndarray, "pairs"]:
-    """Return the share of each other view's rays whose end points its viewer sees, too. All views have the same rays."""
+    """Return, for each pair, the share of the rays of `others[i]` whose end points are visible in `viewers[i]`, too.
+
+    All views have the same grid of rays.
+    """
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
     points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
     depths, grid = np.stack([view.depth for view in viewers]), viewers[0].grid
@@ -124,9 +127,9 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
 def _nearest(
     values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"], wanted: Bool[np.ndarray, "n k"]
 ) -> Int[np.ndarray, "n k"]:
-    """Return the indices of the nearest grid lines; outside of the grid they are negative, or `m` and more.
+    """Return the index of the grid line nearest to each value: -1 before the first line, `m` after the last one.
 
-    Where a value is not `wanted`, the index is -1.
+    Values that are not `wanted` get -1, too.
     """
     with np.errstate(invalid="ignore", over="ignore"):
         lines = np.rint((values - axis[0]) / (axis[1] - axis[0]))
@@ -134,7 +137,7 @@ def _nearest(
 
 
 class CovisibilityVerifier:
-    """A `lexis.verification.Verifier` that uses the ground truth. Its result for a pair depends on pair and seed only."""
+    """A `lexis.verification.Verifier` that uses the ground truth. The result for a pair depends on pair and seed only."""
 
     def __init__(self, model: LoopModel, view_of: Callable[[int], TrueView], seed: int) -> None:
         """`view_of` maps the index of an observation to its ground truth."""
@@ -147,7 +150,7 @@ class CovisibilityVerifier:
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> list[LoopEdge]:
-        """Return edges to the confirmed candidates, except those that contradict the odometry."""
+        """Return loop edges, true or false, to candidates of `query`. Edges that contradict the odometry are left out."""
         if not candidates:
             return []
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
@@ -164,7 +167,7 @@ class CovisibilityVerifier:
         """Return the edge to a candidate with the relative pose `true`, or None.
 
         The candidate is confirmed if a standard normal draw is below `limit`. All candidates of a query share the draw
-        `common`, because real successes of one query are correlated.
+        `common`, because the results of real verification are correlated within a query.
         """
         rng = np.random.default_rng((self._seed, _PAIR, query, match))
         share = self._model.query_share

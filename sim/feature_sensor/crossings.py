@@ -1,4 +1,4 @@
-"""Finds in the plan which blocks (upright boxes) each image column crosses, and between which depths."""
+"""Finds, in the floor plan, the blocks (upright boxes) that each image column crosses, and the depths of entry and exit."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from sim.feature_sensor.ray_origins import RayGrid, UprightCameras
 from sim.feature_sensor.surroundings import Blocks
 
 NEAR_M = 0.05
-"""Least distance of a block in front of the camera [m]. A nearer block is ignored: the camera counts as inside it."""
+"""Least distance of a block in front of the camera [m]. Nearer blocks are ignored, as if the camera were inside them."""
 FAR_M = np.float32(200.0)
 """Depth of rays that hit nothing [m]."""
 
@@ -28,7 +28,7 @@ class Crossings:
 
 
 class BlockFootprints:
-    """The footprints of blocks, for intersection with image columns."""
+    """The footprints of blocks (upright boxes) in the floor plan, for intersection with image columns."""
 
     def __init__(self, blocks: Blocks, tall: Bool[np.ndarray, "b"], grid: RayGrid) -> None:
         """`tall` marks the blocks that reach from floor to ceiling and occlude everything behind them."""
@@ -37,7 +37,7 @@ class BlockFootprints:
         self._axes = np.cos(blocks.yaw), np.sin(blocks.yaw)
 
     def cross(self, eyes: UprightCameras) -> Crossings:
-        """Return the blocks that each column of the cameras crosses, up to the first tall block."""
+        """Return the blocks that each image column of each camera crosses, up to the first tall block."""
         camera, block, first, count = self._spanned(eyes)
         pair = np.repeat(np.arange(len(camera)), count)
         column = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count - first, count)
@@ -55,7 +55,7 @@ class BlockFootprints:
         return Crossings(camera[kept], column[kept], block[kept], np.maximum(near[kept], np.float32(0.0)), far[kept])
 
     def _spanned(self, eyes: UprightCameras) -> tuple[Int[np.ndarray, "p"], ...]:
-        """Return camera, block, first column and number of columns of each block that may be in an image."""
+        """Return pairs of a camera and a block that may be in its image: camera, block, first column, number of columns."""
         offset = self._corners[None] - eyes.place[:, None, None]
         depth = np.einsum("kbcj,kj->kbc", offset, eyes.ahead)
         side = np.einsum("kbcj,kj->kbc", offset, eyes.right)
@@ -71,7 +71,7 @@ class BlockFootprints:
     def _through(
         self, block: Int[np.ndarray, "h"], place: Float32[np.ndarray, "h 2"], line: Float32[np.ndarray, "h 2"]
     ) -> tuple[Float32[np.ndarray, "h"], Float32[np.ndarray, "h"]]:
-        """Return the depths at which lines enter and leave blocks (slab method); the former is larger if a line misses."""
+        """Return the depths at which lines enter and leave blocks (slab method). If a line misses, the first is larger."""
         cos, sin = (values[block] for values in self._axes)
         offset, half = place - self._blocks.centre[block], self._blocks.half[block]
         near, far = np.full(len(block), -np.inf, np.float32), np.full(len(block), np.inf, np.float32)

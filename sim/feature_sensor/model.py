@@ -17,7 +17,7 @@ from sim.feature_sensor.embedding import KERNELS, EmbeddingModel
 from sim.feature_sensor.visible_shares import SIZE
 
 MINI_FEATURES = Path(__file__).parent / "mini.npz"
-"""File of the model for the encoder that ships with the package."""
+"""File of the feature model for the encoder that is included in the package."""
 _FILE = FileKind(
     "a file of 'lexis-sim fit-features'",
     100_000_000,
@@ -58,10 +58,10 @@ _PROBES = ("kitchen", "bedroom", "corridor")
 
 @dataclass(frozen=True, eq=False)
 class FeatureModel:
-    """A fitted model that replaces images, their encoder and the verification of loops."""
+    """A fitted model of one encoder and of loop verification, with which LEXIS runs without images."""
 
     fingerprint: Float32[np.ndarray, "probes d"]
-    """Result of the function `fingerprint` for the encoder that the model was fitted to."""
+    """Result of the function `fingerprint` for the encoder to which the model was fitted."""
     embedding: EmbeddingModel
     loops: LoopModel
 
@@ -76,7 +76,7 @@ class FeatureModel:
 
 
 def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
-    """Embed a few texts and one image. The result identifies the encoder, however its weights are stored."""
+    """Embed a few texts and one image. The embeddings identify the encoder, however its weights are stored."""
     ramp = np.linspace(0.0, 255.0, 64)
     image = np.stack(
         [np.broadcast_to(ramp, (48, 64)), np.broadcast_to(ramp[::-1], (48, 64)), np.full((48, 64), 90.0)], axis=-1
@@ -96,7 +96,7 @@ def save_features(model: FeatureModel, path: Path) -> None:
 
 
 def load_features(path: Path) -> FeatureModel:
-    """Read a model that `save_features` has written. Raises `SimError` for anything else."""
+    """Read a model that `save_features` wrote. Raises `SimError` if the file is missing or holds no valid model."""
     arrays = read_arrays(path, _FILE, _LAYOUT, packed=True)
     if not all(np.isfinite(array).all() for array in arrays.values()):
         raise _FILE.refusal(path, "it has values that are not finite")
@@ -155,7 +155,7 @@ def _problem(model: FeatureModel) -> str | None:
 
 
 def _drawn_from(model: FeatureModel) -> Float64[np.ndarray, "n"]:
-    """Return all parameters of embeddings and errors as one vector."""
+    """Return the parameters of the embeddings and of the loop edges' errors as one vector."""
     embedding, loops = model.embedding, model.loops
     parts = (
         embedding.weights,

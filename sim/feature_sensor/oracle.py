@@ -1,7 +1,7 @@
 """`Oracle`: an encoder without error, to test the stages after the encoder. Never report its results as LEXIS's.
 
-Its embedding of a view holds the true shares of the image that each room label and each kind of object fills. Its embedding
-of a room name is the unit vector of that label's dimension.
+The embedding of a view holds the true shares of the image that each room label and each kind of object fills. The embedding
+of a room name is the unit vector of the dimension for this label.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ _SIZE = _NOTHING + 1 + len(OBJECTS)
 
 
 class Oracle:
-    """Encodes room names only. Views have to be embedded by the feature sensor, with `true_embeddings`."""
+    """An encoder without error. It encodes room names only; the feature sensor embeds views with `true_embeddings`."""
 
     @property
     def name(self) -> str:
@@ -43,14 +43,14 @@ class Oracle:
         raise EncoderError("oracle: cannot encode images; valid: percepts of the feature sensor")
 
     def encode_rooms(self, names: Sequence[str]) -> Float32[np.ndarray, "rooms d"]:
-        """Return the unit vector of each label. Raises EncoderError for a name that is no room label."""
+        """Return a unit vector for each label, one dimension per label. Raises EncoderError for a name that is no label."""
         if unknown := [name for name in names if name not in ROOM_LABELS]:
             raise EncoderError(f"oracle: knows no room {unknown[0]!r}; valid: {', '.join(ROOM_LABELS)}")
         return np.eye(_SIZE, dtype=np.float32)[[ROOM_LABELS.index(name) for name in names]]
 
 
 def true_embeddings(views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
-    """Return the oracle's embeddings of views: shares of room labels and of kinds of objects, of unit norm."""
+    """Return the oracle's embeddings of views: shares of room labels and of kinds of objects, scaled to unit norm."""
     rows = np.zeros((len(T_W_B), _SIZE), np.float32)
     np.add.at(rows.T, views.around.labels, views.of_rooms().T.astype(np.float32))
     rows[:, _NOTHING + 1 :] = views.of_kinds()[:, : len(OBJECTS)]

@@ -19,7 +19,7 @@ class RayGrid:
 
     @staticmethod
     def of(intrinsics: Intrinsics, columns: int, rows: int) -> "RayGrid":
-        """Divide the image into equal cells and make a ray through the centre of each."""
+        """Divide the image into equal cells and make a ray through the centre of each cell."""
         k = intrinsics
         u = (np.arange(columns) + 0.5) * (k.width / columns) - 0.5
         v = (np.arange(rows) + 0.5) * (k.height / rows) - 0.5
@@ -34,14 +34,14 @@ class RayGrid:
 
 @dataclass(frozen=True, eq=False)
 class UprightCameras:
-    """Positions and ray directions of upright cameras, separated into plan and height."""
+    """Positions and ray directions of upright cameras, split into horizontal and vertical parts."""
 
     place: Float32[np.ndarray, "k 2"]
     """Horizontal position of each camera in W [m]."""
     height: Float32[np.ndarray, "k"]
     """Height of the camera in W [m]."""
     ahead: Float32[np.ndarray, "k 2"]
-    """Unit vectors of the viewing direction in the plan."""
+    """Horizontal direction of view of each camera, as a unit vector in W."""
     lines: Float32[np.ndarray, "k columns 2"]
     """Horizontal direction of the rays of each image column, scaled to unit depth."""
     slope: Float32[np.ndarray, "k rows"]
@@ -51,12 +51,12 @@ class UprightCameras:
 
     @property
     def right(self) -> Float32[np.ndarray, "k 2"]:
-        """Unit vectors in the plan to the right, perpendicular to `ahead`."""
+        """Horizontal unit vector to the right of each camera, perpendicular to `ahead`."""
         return _right_of(self.ahead)
 
 
 def cameras_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> UprightCameras:
-    """Approximate cameras at `T_W_C` by upright ones: roll is ignored, and pitch shifts the rows."""
+    """Approximate cameras at `T_W_C` by upright cameras: roll is ignored, and pitch changes the slopes of the rays."""
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
     ahead = (axis[:, :2] / np.maximum(level, 1e-9)).astype(np.float32)

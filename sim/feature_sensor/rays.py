@@ -2,9 +2,9 @@
 
 Cameras are approximated as upright, so that all rays of an image column lie over one line in the plan.
 
-1. Find the blocks that each column's line crosses, in 2-D (`crossings`).
-2. For each ray of the column, compute from its slope which of these blocks it hits first.
-3. Where a ray hits the floor or ceiling before any block, use that.
+1. Find in the plan the blocks (upright boxes) that the line of each column crosses (`crossings`).
+2. For each ray of the column, compute from the ray's slope which of these blocks the ray hits first.
+3. If the ray hits the floor or ceiling before any block, take this hit instead.
 4. Look up the room at hits on walls, floors and ceilings.
 """
 
@@ -24,13 +24,13 @@ WALL, FLOOR, CEILING = range(len(SURFACES))
 _NUDGE_M = 0.02
 """Distance by which a hit is moved towards the camera, in front of the wall, before its room is looked up [m]."""
 _RANK = 0xFF
-"""Mask of the low bits of a depth that are replaced by the block's rank in its column. This changes a depth by at most
-3e-5 of itself."""
+"""Mask of the lowest bits of a depth. The rank of a block among the blocks of its column replaces these bits, which changes
+the depth by at most 3e-5 of itself."""
 _CHUNK = 48
 """Number of cameras that are processed at once, so that their arrays fit into the cache."""
 _TOLERANCE_M = 0.01
 _TALL_M = 20.0
-"""Height from which a block would count as tall outdoors, where rooms have no ceiling [m]. In fact no block is as high."""
+"""Height above the floor from which a block counts as tall outdoors, where there is no ceiling [m]. No block is as high."""
 
 Depths = Float32[np.ndarray, "k columns rows"]
 Rows = Int[np.ndarray, "k columns rows"]
@@ -43,11 +43,11 @@ class Hits:
     depth: Float32[np.ndarray, "n columns rows"]
     """Depth along the optical axis [m]; infinite if nothing is hit."""
     thing: Int[np.ndarray, "n columns rows"]
-    """The thing that each ray hits, as an index into `Surroundings.names`; `NOWHERE` if none."""
+    """The thing (surface or object) that each ray hits, as an index into `Surroundings.names`; `NOWHERE` if none."""
 
 
 def cast(around: Surroundings, T_W_C: Poses, grid: RayGrid) -> Hits:
-    """Cast the rays of cameras at `T_W_C`. Cameras that are in no room see nothing."""
+    """Cast the rays of cameras at `T_W_C` and return the first hits. Rays of a camera that is in no room hit nothing."""
     n, shape = len(T_W_C), (len(grid.x), len(grid.y))
     hits = Hits(np.full((n, *shape), np.inf, np.float32), np.full((n, *shape), NOWHERE))
     rooms, storeys = room_at(around.house, T_W_C[:, :3, 3]), floor_at(around.house, T_W_C[:, :3, 3])
@@ -111,7 +111,10 @@ class _Caster:
         return np.where(met, enter, FAR_M)
 
     def _with_levels(self, eyes: UprightCameras, depth: Depths, block: Rows) -> tuple[Depths, Rows]:
-        """Add floors and ceilings that are hit before any block, and replace blocks by things."""
+        """Add floors and ceilings that are hit before any block, and convert blocks to things.
+
+        Returns the depth and the thing (index into `Surroundings.names`) of each ray; infinite and `NOWHERE` for the sky.
+        """
         floor, ceiling = self._levels[eyes.storey].T
         down = eyes.slope < 0.0
         level = np.where(down, floor[:, None], ceiling[:, None])

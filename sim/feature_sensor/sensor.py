@@ -22,7 +22,7 @@ from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
 
 _STREAM = 4
-"""Number of the sensor's stream among the random streams of a run's seed. Number 3 is the robot's."""
+"""Number of the sensor's random stream. The seed of a run spawns several; stream 3 is for the robot."""
 _CHUNK = 256
 """Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
@@ -30,7 +30,7 @@ NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)
 
 
 class FeatureSensor:
-    """Simulates percepts, which LEXIS receives instead of images. A pose in a house always gives the same percept."""
+    """Simulates percepts, which LEXIS receives instead of images. For the same pose in a house, percepts are the same."""
 
     def __init__(self, model: FeatureModel, camera: Camera, seed: int, oracle: bool = False) -> None:
         """`seed` is the seed of the run. With `oracle`, embeddings hold the ground truth; loop verification is unchanged."""
@@ -38,7 +38,7 @@ class FeatureSensor:
         self._oracle = oracle
 
     def tour(self, houses: Sequence[House], T_W_B: Poses) -> "SensedTour":
-        """Return the tour along the true body poses `T_W_B` as the sensor sees it. `houses[i]` is the house at frame i."""
+        """Return percepts and a loop verifier for a tour along true body poses. `houses[i]` is the house at frame i."""
         return SensedTour(self._camera, houses, T_W_B, self._embeddings, self._model.loops, self._seed)
 
     def _embeddings(self, views: VisibleShares, T_W_B: Poses) -> Float32[np.ndarray, "n d"]:
@@ -66,7 +66,7 @@ class SensedTour:
         self._ends = [chunk.frames.stop for chunk in self._chunks]
         self._surroundings: dict[int, Surroundings] = {}
         self._depths: dict[int, Float32[np.ndarray, "n columns rows"]] = {}
-        """Depths of the rays [m] of each chunk of frames whose rays have been cast, by the chunk's number."""
+        """Depths of the rays [m], by number of the chunk of frames, for the chunks whose rays have been cast."""
 
     def percepts(self) -> Iterator[Percept]:
         """Yield the percept of each frame."""
@@ -93,7 +93,7 @@ class SensedTour:
         return np.asarray(self._depths[number][frame - self._chunks[number].frames.start])
 
     def _look(self, number: int) -> VisibleShares:
-        """The views of a chunk of frames."""
+        """Return the visible contents at the frames of the chunk with this number."""
         chunk = self._chunks[number]
         views = look(self._survey(chunk.house), self._T_W_B[chunk.frames], self._camera)
         self._depths[number] = views.hits.depth

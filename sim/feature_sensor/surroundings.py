@@ -19,10 +19,10 @@ from worlds.visuals.surfaces import rectangles
 SURFACES = ("wall", "floor", "ceiling")
 _SHIPPED = sorted(name for name, kind in CATALOGUE.items() if kind.build.__module__.startswith("worlds."))
 OBJECTS = (*_SHIPPED, "door", "window", STAIRS_OBJECT)
-"""Kinds of objects that the shipped feature model was fitted to. Furniture that a user declares has none of these kinds."""
+"""Kinds of objects that the included feature model knows. Furniture that a user declares has none of these kinds."""
 KINDS = (*OBJECTS, *(f"{pattern} {surface}" for surface in SURFACES for pattern in PATTERNS))
-"""Visual kinds of things: objects, and surfaces by the pattern of their finish. The setting `texture` of a house's
-appearance, which changes the rendered textures, is ignored."""
+"""Visual kinds of things: kinds of objects, then one kind for each surface and pattern of its finish. The setting `texture`
+of a house's appearance, which changes the rendered textures, is ignored."""
 CELL_M = 0.05
 """Cell size of `RoomMap` [m]."""
 _LEAST_M = 0.08
@@ -31,11 +31,11 @@ _LEAST_M = 0.08
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Upright boxes, one row each; all in W [m, rad]."""
+    """Upright boxes that rays may hit (walls and objects), one row for each box, in W [m, rad]."""
 
     centre: Float32[np.ndarray, "b 2"]
     half: Float32[np.ndarray, "b 2"]
-    """Half the width and depth, along the box's own axes."""
+    """Half the width and half the depth of each box, along the box's own axes."""
     yaw: Float32[np.ndarray, "b"]
     z: Float32[np.ndarray, "b 2"]
     """Heights of each box's lower and upper end in W [m]."""
@@ -48,7 +48,7 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """All visible things of a house: first the three surfaces of each room, then the objects."""
+    """All visible things of a house: first wall, floor and ceiling of each room, then the objects."""
 
     house: House
     names: tuple[str, ...]
@@ -73,7 +73,7 @@ class Surroundings:
 
 
 def survey(house: House) -> Surroundings:
-    """Build the surroundings of a house."""
+    """Collect all visible things of a house, as surfaces and upright boxes."""
     index = {room.id: i for i, room in enumerate(house.rooms)}
     rows = [*_walls(house), *_objects(house)]
     # The dictionary by name joins all flights of stairs into one object, as in the rendered scene.
@@ -129,7 +129,7 @@ def _objects(house: House) -> Iterator[_Row]:
 
 @dataclass(frozen=True, eq=False)
 class RoomMap:
-    """Raster maps of the rooms of each storey, with cells of `CELL_M` and a border of one cell without room."""
+    """A raster map of rooms for each storey. Cells have the size `CELL_M`; a border of one cell belongs to no room."""
 
     cells: Int[np.ndarray, "storeys nx ny"]
     """The room of each cell, as an index into `House.rooms`; `NOWHERE` outside of all rooms."""
@@ -137,7 +137,7 @@ class RoomMap:
 
     @staticmethod
     def of(house: House) -> "RoomMap":
-        """Rasterise the rooms. Stairs appear on all storeys that they join."""
+        """Build the maps of a house. A staircase appears on all storeys that it joins."""
         bounds = np.array([room.polygon.bounds for room in house.rooms])
         low, high = bounds[:, :2].min(axis=0) - CELL_M, bounds[:, 2:].max(axis=0) + CELL_M
         size = np.ceil((high - low) / CELL_M).astype(int)
@@ -150,7 +150,7 @@ class RoomMap:
         return RoomMap(cells, low.astype(np.float32))
 
     def at(self, storey: Int[np.ndarray, "*#n"], xy: Float32[np.ndarray, "*n 2"]) -> Int[np.ndarray, "*n"]:
-        """Return the room at each point (in W [m]) of a storey, `NOWHERE` outside of all rooms."""
+        """Return the index of the room at each point (in W [m]) of a storey; `NOWHERE` outside of all rooms."""
         place = np.clip((xy - self.origin) / np.float32(CELL_M), 0.0, np.array(self.cells.shape[1:]) - 1).astype(np.int32)
         flat = (storey * self.cells.shape[1] + place[..., 0]) * self.cells.shape[2] + place[..., 1]
         return np.asarray(self.cells.reshape(-1)[flat])

@@ -15,8 +15,8 @@ from worlds.truth import NOWHERE
 COLUMNS, ROWS = 40, 30
 """Number of columns and of rows of rays per image. An object that fills 1 % of the image is hit by a dozen rays."""
 LABEL_WEIGHT = 0.05
-"""Weight of room labels in the description of a view. It is small, so that a ridge regression prefers the entries that
-describe visible things."""
+"""Factor on the entries for room labels in the description of a view. It is small, so that a ridge regression prefers the
+entries that describe visible things."""
 _NEAR_M = 2.5
 """Largest depth of near things [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
@@ -33,19 +33,19 @@ SIZE = LABELS.stop + 3 * len(SURFACES) + len(_DEPTHS_M) + 1
 
 @dataclass(frozen=True, eq=False)
 class VisibleShares:
-    """Visible contents of images: the share of each image that each thing fills, and the hits of the rays."""
+    """Visible contents of images: the share of the image that each thing (surface or object) fills, and the rays' hits."""
 
     around: Surroundings
     hits: Hits
     shares: Float32[np.ndarray, "n things"]
-    """Share of each thing in the image, in [0, 1]. Sky and the outside of the house belong to no thing."""
+    """Share of each image that each thing fills, in [0, 1]. Sky and the outside of the house belong to no thing."""
 
     def of_rooms(self) -> Float64[np.ndarray, "n rooms"]:
-        """Return, for each image, the share that every room fills with its surfaces and the objects in it."""
+        """Return the share of each image that each room fills, with its surfaces and the objects in it."""
         return _summed(self.shares, self.around.room, len(self.around.house.rooms))
 
     def of_kinds(self) -> Float64[np.ndarray, "n kinds"]:
-        """Return the shares of kinds of things, in the order of `KINDS`."""
+        """Return the share of each image that each kind of thing fills, in the order of `KINDS`."""
         return _summed(self.shares, self.around.kind, len(KINDS))
 
     def described(self) -> Float32[np.ndarray, "n size"]:
@@ -53,12 +53,12 @@ class VisibleShares:
 
         A description holds, in this order:
 
-        1. The square root of the share of each kind of thing.
-        2. The square root of the share of each kind among near things.
+        1. The square root of the share of the image that each kind of thing fills.
+        2. The same, counting only what is nearer than 2.5 m.
         3. The square root of the share of each room label, with the low weight `LABEL_WEIGHT`. These
            entries stand for visual differences that no other entry holds.
         4. The mean colours of walls, floors and ceilings.
-        5. The share of rays that hit something nearer than each of `_DEPTHS_M`.
+        5. The shares of rays that hit something nearer than 0.5, 1, 2, 4 and 8 m.
         6. The share of the sky.
         """
         depth = self.hits.depth.reshape(len(self.shares), -1)
@@ -70,16 +70,16 @@ class VisibleShares:
         return np.column_stack([*kinds, labels, self._colours(), *nearer, sky]).astype(np.float32)
 
     def _of_surfaces(self) -> Float32[np.ndarray, "n rooms surfaces"]:
-        """Return the shares of the walls, the floor and the ceiling of each room."""
+        """Return the share of each image that the walls, the floor and the ceiling of each room fill."""
         rooms = len(self.around.labels)
         return self.shares[:, : rooms * len(SURFACES)].reshape(len(self.shares), rooms, len(SURFACES))
 
     def _of_labels(self) -> Float64[np.ndarray, "n labels"]:
-        """Return the shares of room labels, by the surfaces of all rooms of a label."""
+        """Return the share of each image that the surfaces of rooms of each label fill, in the order of `ROOM_LABELS`."""
         return _summed(self._of_surfaces().sum(axis=2), self.around.labels, len(ROOM_LABELS))
 
     def _colours(self) -> Float32[np.ndarray, "n rgb"]:
-        """Return the mean colours of walls, floors and ceilings, weakened if hardly any of them is in view."""
+        """Return the mean colours of walls, floors and ceilings, scaled down if they fill less than `_LEAST_SHARE`."""
         seen = self._of_surfaces()
         total = np.maximum(seen.sum(axis=1), np.float32(_LEAST_SHARE))
         means = np.einsum("nrs,rsc->nsc", seen, self.around.colour) / total[:, :, None]
@@ -93,7 +93,10 @@ def look(around: Surroundings, T_W_B: Poses, camera: Camera) -> VisibleShares:
 
 
 def shares_of(thing: Int[np.ndarray, "n a b"], things: int) -> Float32[np.ndarray, "n things"]:
-    """Return the share of each image that each of `things` things fills. Rays with `NOWHERE` count for no thing."""
+    """Return the share of each image's rays that hit each thing; rays with `NOWHERE` hit none.
+
+    `thing` holds the index of the thing that each ray hits; `things` is the number of things.
+    """
     n, size = len(thing), thing[0].size if len(thing) else 1
     flat = thing.reshape(n, -1)
     rows = np.broadcast_to(np.arange(n)[:, None] * things, flat.shape)

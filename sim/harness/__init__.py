@@ -1,20 +1,22 @@
-"""The harness: give the observations of a scenario to a SLAM, and check its claims against the truth.
+"""The harness: gives the observations of a scenario to a SLAM, and checks the SLAM's claims against the truth.
 
     from sim import Scenario, check
 
     result = check(Scenario(preset="home", seed=7), MySlam())
     assert result.floors.accuracy > 0.9
 
-`scenario` describes a run, `parts` and `walk` build its house, tour and odometry. `slam_under_test` is the interface of a
-SLAM, `estimate` holds its claims, and `adapters` contains LEXIS and others. `runner` feeds the SLAM, `planning` drives its
-plans, `figures` (with `loops`) computes the `results`, about which `claims` are made, and `outputs` writes the folder of a
-run with its report, for which `report_data` prepares the data.
+`scenario` describes a run; `parts` and `walk` build its house, tour and odometry. `slam_under_test` is the interface of a
+SLAM, `estimate` holds the SLAM's claims, and `adapters` contains LEXIS and others. `runner` gives the observations to the
+SLAM, and `planning` lets a robot drive the SLAM's plans. `figures` (with `loops`) computes the figures that `results` holds.
+`claims` reads statements about figures, such as "rooms.pq >= 0.6". `outputs` writes the folder of a run with its report, for
+which `report_data` prepares the data.
 
-`crash` tells a SLAM that raises an exception from a scenario that cannot be run.
+`crash` runs a SLAM, and distinguishes a crash of the SLAM from a scenario that cannot be run.
 
-For a failing run, `failure_signature` says how it fails, and `reducer` finds the smallest scenario that fails in the same
-way, by the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a time to find the
-part that causes the failure. `failure_folder` writes all of this, with the page of `why_page`.
+`failure_signature` says whether and how a run fails. `reducer` finds the smallest scenario that fails in the same way, by
+the steps of `reductions` and `house_reductions`. `blame_table` replaces one part of the run at a time to find the part that
+causes the failure. `failure_folder` writes these results to a folder, with the page why.md that `why_page` makes.
+
 
 `world_tests` holds the decorator `worlds` for tests in pytest, whose plugin is `sim.pytest_plugin`. `first_wrong` finds
 where in a run the SLAM first went wrong, and `failed_test` writes the files that replay a failed test. Through `last_run`

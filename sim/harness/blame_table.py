@@ -1,4 +1,4 @@
-"""`blame`: run a failing scenario again with one thing replaced at a time, and say which replacement mends it."""
+"""`blame`: runs a failing scenario again with one part replaced at a time, and says which replacements mend the failure."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class Substitution:
     name: str
     scenario: Scenario
     slam: Lexis | None = None
-    """The changed SLAM; None if the SLAM stays that of the failing run."""
+    """The changed SLAM; None if the SLAM is not changed."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class BlameRow:
     substitution: str
     verdict: Verdict
     value: float | None = None
-    """The figure of the claim in the run with the substitution."""
+    """Value of the claim's figure in the run with the substitution; None without a claim or without such a run."""
     detail: str = ""
     """Reason for the verdict "cannot be told"; else empty."""
 
@@ -67,9 +67,9 @@ def blame(
 ) -> BlameTable:
     """Run a failing scenario again with one part at a time replaced by the truth or left out, and tabulate what changes.
 
-    `is_lexis` says whether the SLAM of the test is LEXIS. Its stages are then replaced as well, in a copy of the LEXIS that
-    failed, with its settings and its other stages. Raises `WorldsError` if the house cannot be built. If the test has not
-    kept the failing run, the run is repeated, and its exceptions are passed on.
+    `is_lexis` says whether the SLAM of the test is LEXIS. Then the stages of LEXIS are replaced as well, one at a time, in
+    copies of the LEXIS that failed. `on_row` is called with every finished row. If the test has not kept the failing run,
+    the run is repeated, and its exceptions are passed on. Raises `WorldsError` if the house cannot be built.
     """
     listed = with_listed_house(scenario)
     signature = test(listed)
@@ -94,7 +94,7 @@ def blame_outside(scenario: Scenario, fails: Fails, signature: Signature, knows_
 
 
 def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Substitution], BlameRow]) -> BlameRow:
-    """The row of a substitution, which `judged` finds by a run, unless there is nothing to run."""
+    """Return the row of a substitution. `judged` makes the row by a run, unless the substitution changes nothing."""
     if substitution.slam is None and substitution.scenario == scenario:
         return BlameRow(substitution.name, "changes nothing")
     try:
@@ -104,7 +104,7 @@ def _row(scenario: Scenario, substitution: Substitution, judged: Callable[[Subst
 
 
 def _compared(substitution: Substitution, fails: Fails, signature: Signature | None) -> BlameRow:
-    """The row of a substitution whose run has no figure: only the signatures of the failures can be compared."""
+    """Return the row of a substitution for a failure without a figure: only the signatures of failures can be compared."""
     found = fails(substitution.scenario)
     if found is not None and found != signature:
         return BlameRow(substitution.name, "cannot be told", detail=f"it fails differently: {found}")
@@ -112,7 +112,7 @@ def _compared(substitution: Substitution, fails: Fails, signature: Signature | N
 
 
 def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
-    """The LEXIS that failed. After an exception there is no finished run: then LEXIS with its usual settings."""
+    """Return the LEXIS that failed or, if an exception left no finished run, a LEXIS with its usual settings."""
     outcome = test.outcome(scenario)
     slam = outcome.run.slam if isinstance(outcome, Observed) else None
     return slam if isinstance(slam, Lexis) else Lexis(scenario.encoder)
@@ -138,7 +138,7 @@ def _outside(scenario: Scenario) -> Iterator[Substitution]:
 
 
 def _of_lexis(scenario: Scenario, lexis: Lexis) -> Iterator[Substitution]:
-    """The stages of LEXIS in their order, each replaced by the truth; then no loops at all."""
+    """Yield substitutions of LEXIS: each stage replaced by the truth, in the order of the stages; last, no loop closures."""
     truth, on_features = TrueStages.of(scenario), with_features(scenario)
     told = replace(on_features, encoder=ORACLE)
     if scenario.fidelity == "render":
@@ -178,7 +178,7 @@ def _in_daylight(spec: HouseSpec) -> HouseSpec:
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:
-    """The house with all inner walls closed by doors; None where the walls are too short for doors."""
+    """The house with openness 0: doors replace all wider openings; None if the walls are too short for doors."""
     try:
         return variant(spec, openness=0.0)
     except WorldsError:

@@ -19,7 +19,7 @@ Outcome = Literal["holds", "fails", "unknown"]
 
 @dataclass(frozen=True)
 class Claim:
-    """A figure of `RunResult` by its dotted name, compared with a limit."""
+    """A comparison of a figure with a limit. `figure` is a dotted name in `RunResult`, such as "labels.accuracy"."""
 
     figure: str
     comparison: str
@@ -41,7 +41,7 @@ class Claim:
         return f"{self.figure} {self.comparison} {self.limit:g}"
 
     def value(self, result: RunResult) -> float | None:
-        """The figure in a result; None if the run cannot have it. Raises `SimError` for a name that is no figure."""
+        """The figure's value in a result; None if the run cannot have it. Raises `SimError` for a name that is no figure."""
         try:
             value = result[self.figure]
         except KeyError as error:
@@ -59,19 +59,19 @@ class Claim:
 
     @property
     def is_about_plans(self) -> bool:
-        """Whether the figure needs plans that a robot has driven, which takes seconds."""
+        """Whether the figure is about planning: a robot then has to drive the plans first, which takes seconds."""
         return self.figure.startswith("planning.")
 
     @property
     def opposite(self) -> "Claim":
-        """The opposite claim, which holds if this claim fails."""
+        """The claim that holds exactly if this claim fails."""
         pairs = (("<", ">="), (">", "<="), ("==", "!="))
         other = dict(pairs) | {b: a for a, b in pairs}
         return Claim(self.figure, other[self.comparison], self.limit)
 
 
 def _check_name(claim: Claim) -> None:
-    """Raise `SimError` unless results have such a figure. Names below a mapping, such as room names, differ by the run."""
+    """Raise `SimError` unless results have the figure. Names inside a mapping, such as room names, are not checked."""
     kind: Any = RunResult
     for part in claim.figure.split("."):
         if not is_dataclass(kind):

@@ -1,4 +1,4 @@
-"""`attempt`: run a SLAM on a scenario, and get either the finished run or the `Crash` that has ended it."""
+"""`attempt`: runs a SLAM on a scenario, and returns the finished run or, if the SLAM crashed, a `Crash`."""
 
 import traceback
 from collections.abc import Callable, Sequence
@@ -12,16 +12,17 @@ from sim.harness.runner import Progress, Run
 from sim.harness.scenario import Scenario
 
 Runner = Callable[[Scenario, Progress | None], Run]
-"""Runs the SLAM under test on a scenario. Each run needs a SLAM object of its own, because runs are kept."""
+"""Runs the SLAM under test on a scenario. Every call has to create a new SLAM object, because a finished run keeps its
+SLAM."""
 TRACEBACK = "failure-traceback.txt"
-"""File that identifies the folder of a crash, which a new result may replace."""
+"""File with the traceback. It identifies a folder as the output of a crash, which a new result may replace."""
 _MESSAGE = 160
-"""Largest length of an exception in one line, in characters."""
+"""Largest length of an exception's one-line message, in characters."""
 
 
 @dataclass(frozen=True, eq=False)
 class Crash:
-    """An exception, or a failure of the program under test, that has ended a run or a test without a completed run."""
+    """An exception of the SLAM or of a test, or a failure of the program under test, that ended the run or the test."""
 
     scenario: Scenario
     error: BaseException
@@ -40,17 +41,17 @@ class Crash:
 
     @property
     def traceback(self) -> str:
-        """The traceback of the exception, as Python prints it; for a program, what it printed on stderr. It ends a line."""
+        """The traceback as Python prints it, or what a program printed on stderr; empty if a program printed nothing."""
         if isinstance(self.error, ProgramError):
             return f"{self.error.stderr.rstrip()}\n" if self.error.stderr else ""
         return "".join(traceback.format_exception(self.error))
 
 
 def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None) -> Run | Crash:
-    """Run a SLAM; return the run, or the crash by which the SLAM has ended it.
+    """Run a SLAM; return the finished run, or the crash if a method of the SLAM raised or the program under test failed.
 
-    Raises whatever is not raised by a method of the SLAM. `SimError` and `EncoderError` are always raised: the scenario or
-    the claims of the SLAM are not valid, or a model cannot be loaded.
+    Exceptions from outside the SLAM's methods are passed on. `SimError` and `EncoderError` are always passed on: the
+    scenario or the claims of the SLAM are not valid, or a model cannot be loaded.
     """
     with noted() as last:
         last.in_slam = False
@@ -67,7 +68,7 @@ def attempt(runner: Runner, scenario: Scenario, progress: Progress | None = None
 
 
 def attempt_plans(finished: Run) -> Sequence[Trial] | Crash:
-    """Let a robot drive the plans of a SLAM; return the drives, or the crash of the SLAM's `plan`."""
+    """Let a robot drive the SLAM's plans; return the driven plans, or the crash if the SLAM's `plan` raised an exception."""
     try:
         return try_plans(finished)
     except SimError:

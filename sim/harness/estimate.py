@@ -1,4 +1,4 @@
-"""The claims that a SLAM makes about a run. Every claim is optional: a figure that lacks its claim is null, never 0."""
+"""The claims of a SLAM about a run. Every claim is optional: figures that need a missing claim are null, never 0."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from sim.errors import SimError
 
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
 _RIGID = 1e-3
-"""Largest error of a claimed rotation matrix, which may have been computed in single precision."""
+"""Tolerance in the check of claimed rotation matrices, which may have been computed in single precision."""
 _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
     {
         "T_W_B": ("fiu", (4, 4)),
@@ -24,7 +24,7 @@ _FORMS: Mapping[str, tuple[str, tuple[int | None, ...]]] = MappingProxyType(
         "similarities": ("fiu", (None,)),
     }
 )
-"""For each claim, the kinds of numpy's numbers that it may have, and the shape of one row (None: any length)."""
+"""For each claim, the valid values of numpy's `dtype.kind`, and the shape of one row (None: any length)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,45 +32,46 @@ class LoopClaims:
     """Loop closures: pairs of frames with the relative pose that the SLAM measured between them."""
 
     query: Int[np.ndarray, "m"]
-    """Row of the later frame in `Estimate.frames`."""
+    """For each loop, the row of its later frame in `Estimate.frames`."""
     match: Int[np.ndarray, "m"]
-    """Row of the earlier frame in `Estimate.frames`."""
+    """For each loop, the row of its earlier frame in `Estimate.frames`."""
     T_match_query: Float64[np.ndarray, "m 4 4"]
-    """Measured pose of the query's body in the body frame of the match."""
+    """For each loop, the measured pose of the body at the later frame, in the body frame of the earlier frame."""
     weights: Float64[np.ndarray, "m"]
     """Final confidence of the SLAM in each loop, in [0, 1]; all ones if the SLAM gives no confidence."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """The claims of a SLAM about a run, with one row for each frame that they cover: its keyframes, or all frames.
+    """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
 
-    Raises `SimError` for claims that are no arrays of numbers, whose sizes differ, that are not finite, that refer to rows
-    that do not exist, for poses that are no rigid motions, and for labels, rooms and floors below -1.
+    Raises `SimError` for claims that are not arrays of finite numbers, that differ in their number of rows, or that refer to
+    rows that do not exist; for poses that are no rigid motions; and for labels, rooms and floors below -1.
     """
 
     frames: Int[np.ndarray, "n"]
-    """`Observation.index` of every frame, ascending."""
+    """`Observation.index` of every frame about which the SLAM makes claims, ascending."""
     T_W_B: Poses | None = None
     """Poses of the body in the SLAM's own world frame, which figures align with the true world frame."""
     labels: Int[np.ndarray, "n"] | None = None
     """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`. -1: the frame has no
     label, which counts as wrong."""
     baseline_labels: Int[np.ndarray, "n"] | None = None
-    """Labels before refinement, in the same form, if the SLAM refines labels."""
+    """Labels before refinement, in the form of `labels`; for a SLAM that refines labels."""
     rooms: Int[np.ndarray, "n"] | None = None
     """Room instance of every frame, as a number from 0 that the SLAM chooses; -1 for a frame in no room."""
     floors: Int[np.ndarray, "n"] | None = None
     """Floor number of every frame: 0 for the lowest floor, -1 for a frame on stairs."""
     loops: LoopClaims | None = None
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
-    """Proposed revisits: for each query row, the rows of the frames that the query may revisit, the most similar first."""
+    """Proposed revisits: for each query (a row of `frames`), the rows of the frames that may show the same place, the most
+    similar first."""
     similarities: Float64[np.ndarray, "n names"] | None = None
-    """Similarity of every frame with every room name; the report shows the largest."""
+    """Similarity of every frame with every room name. The report shows the highest similarities of some frames."""
     encoder: str | None = None
     """Name of the vision-language model that was used."""
     stage_seconds: Mapping[str, float] = field(default_factory=lambda: _NO_SECONDS)
-    """Wall time by stage [s]."""
+    """Wall time of each stage of the SLAM [s], by the stage's name."""
 
     def __post_init__(self) -> None:
         n = _checked_frames(self.frames)
@@ -92,7 +93,10 @@ class Estimate:
             raise SimError(f"estimate: loops and candidates refer to rows {min(rows)} to {max(rows)}; valid: 0 to {n - 1}")
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
-        """The most frequent label of every room instance with a label, by its number; None unless both are claimed."""
+        """Return the most frequent label of every room instance, by the instance's number.
+
+        Instances without any labelled frame are left out. The result is None unless the SLAM claims both rooms and labels.
+        """
         if self.rooms is None or self.labels is None:
             return None
         named = (self.rooms >= 0) & (self.labels >= 0)
@@ -101,7 +105,7 @@ class Estimate:
 
 
 def _checked_frames(frames: object) -> int:
-    """The number of frames. Raises `SimError` unless they are indices in ascending order."""
+    """Return the number of frames. Raises `SimError` unless `frames` contains indices from 0 in ascending order."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
         raise SimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
     if len(frames) == 0 or (np.diff(frames) <= 0).any() or frames[0] < 0:
@@ -124,5 +128,5 @@ def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | N
 
 
 def _form_of(value: object) -> str:
-    """Type of a value, or type and shape of an array, for messages."""
+    """Type of a value, or number type and shape of an array, as text for messages."""
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"

@@ -60,11 +60,12 @@ class Search:
     """The scenario in which the failure was found."""
     reduction: Reduction
     blamed: BlameTable | None
-    """What mends the failure in the smallest scenario; None if the user has interrupted the test."""
+    """Which changes mend the failure in the smallest scenario; None if the user interrupted the test before this was
+    known."""
 
 
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
-    """Return the folder for a failure of a test on a scenario: the same failure gets the same folder.
+    """Return the folder for a failure of a test on a scenario; the same failure always gets the same folder.
 
     `parameters` is the id of the parameters that the test has besides its world, since it may fail with each of them.
     """

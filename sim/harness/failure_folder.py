@@ -30,10 +30,10 @@ def write_failure(
 ) -> None:
     """Write the folder of the failure; a folder of an earlier run is replaced.
 
-    Besides what `write_run` or, after a crash, `write_crash` writes, the folder has original.json, test_replay.py, and
-    why.md with its pictures. It shows the run of the smallest scenario. If `test` has not kept this run, the scenario is
-    run once more. Raises `SimError` if the failure does not come back, `LexisError` where `out` holds anything else or
-    cannot be written, and what the SLAM's `save` raises.
+    The folder contains the files of `write_run` or, after a crash, of `write_crash`, and also original.json, test_replay.py,
+    and why.md with its pictures. Except for original.json, all files are about the run of the smallest scenario. If `test`
+    has not kept this run, the scenario is run once more. Raises `SimError` if the failure does not come back, `LexisError`
+    where `out` holds anything else or cannot be written, and what the SLAM's `save` raises.
     """
     smallest = test.outcome(reduction.scenario)
     if test.signature_of(smallest) != reduction.signature:

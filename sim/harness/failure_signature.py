@@ -1,4 +1,4 @@
-"""Decides whether a run fails, and how: a given claim about its figures is true, or the SLAM crashes."""
+"""Decides whether and how a run fails: a condition such as "labels.accuracy < 0.7" is true, or the SLAM crashes."""
 
 from dataclasses import dataclass, field
 
@@ -24,7 +24,7 @@ class Signature:
     what: str
     """The claim that is true, or what the SLAM did, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
-    """The figure that the claim is about, in the run that showed the failure."""
+    """Value of the figure that the claim is about, in the run that showed the failure; None without a claim."""
 
     def __str__(self) -> str:
         return self.what
@@ -32,12 +32,12 @@ class Signature:
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """A finished run with its figures, and the failure that it shows."""
+    """A finished run with its figures, and the signature of the failure that it shows (None: it does not fail)."""
 
     run: Run
     result: RunResult
     trials: tuple[Trial, ...]
-    """Driven plans. They are empty unless the claim is about planning, because driving takes seconds."""
+    """The plans that a robot has driven. Driving takes seconds, so there are none unless the claim is about planning."""
     value: float | None
     """Value of the figure that the claim is about; None without a claim, or if the run cannot have the figure."""
     signature: Signature | None
@@ -52,8 +52,8 @@ class Observed:
 class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
-    A run fails if the claim is true or, without a claim, if the SLAM crashes. The last failing run of each fidelity is kept.
-    After a search by `reduce`, that is the run of the smallest scenario, so that it need not be run again.
+    A run fails if the claim is true or, without a claim, if the SLAM crashes. The test keeps the last failing run of each
+    fidelity. After a search by `reduce`, that is the run of the smallest scenario, so that it need not be run again.
     """
 
     claim: Claim | None
@@ -69,16 +69,16 @@ class FailureTest:
         return FailureTest(None if text == CRASH else Claim.parse(text), runner)
 
     def __call__(self, scenario: Scenario) -> Signature | None:
-        """Return the failure's signature, or None if the run does not fail.
+        """Run the SLAM on a scenario; return the signature of the failure, or None if the run does not fail.
 
-        With a claim, raises `SimError` if the SLAM crashes or makes no claim about the figure.
+        If the test has a claim, raises `SimError` if the SLAM crashes or the figure of the claim is null.
         """
         return self.signature_of(self.outcome(scenario))
 
     def signature_of(self, outcome: Observed | Crash) -> Signature | None:
-        """Return the signature of the failure that an outcome shows, or None.
+        """Return the signature of the failure that an outcome shows, or None if it shows none.
 
-        With a claim, raises `SimError` if the SLAM crashed or made no claim about the figure.
+        If the test has a claim, raises `SimError` if the SLAM crashed or the figure of the claim is null.
         """
         if isinstance(outcome, Crash):
             if self.claim is None:
@@ -90,7 +90,7 @@ class FailureTest:
         return outcome.signature
 
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:
-        """Run the SLAM on a scenario, unless this run was kept, and judge the result.
+        """Run the SLAM on a scenario, unless the test has kept this run; return the run with its figures, or the crash.
 
         Raises what `attempt` raises: the scenario cannot be run, or the SLAM's claims are not valid.
         """
@@ -104,13 +104,16 @@ class FailureTest:
         return outcome
 
     def _shows_the_failure(self, outcome: Observed | Crash, kept: Observed | Crash | None) -> bool:
-        """Whether a run fails as the test says; a crash also has to be the same as that of the run that was kept."""
+        """Whether an outcome is the failure that the test looks for. If a crash is kept, only the same crash counts."""
         if isinstance(outcome, Crash):
             return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
         return outcome.signature is not None
 
     def observe(self, scenario: Scenario, progress: Progress | None = None) -> Observed:
-        """Return the outcome of a run that is completed. Raises what `outcome` raises, and what the SLAM raises."""
+        """Run the SLAM like `outcome`, but return completed runs only.
+
+        Raises what `outcome` raises and, after a crash, the exception of the SLAM.
+        """
         outcome = self.outcome(scenario, progress)
         if isinstance(outcome, Crash):
             raise outcome.error
@@ -133,9 +136,10 @@ class FailureTest:
 
 
 def check_fails(scenario: Scenario, test: FailureTest) -> None:
-    """Raise `SimError`, with the value of the figure, unless the scenario with its whole house listed fails the test.
+    """Raise `SimError` unless the SLAM fails on the scenario; the message contains the value of the figure.
 
-    A failing run is kept by the test, so that a search by `reduce` does not repeat it.
+    The scenario is run with its whole house listed (`with_listed_house`). The test keeps a failing run, so that a search by
+    `reduce` does not repeat it.
     """
     outcome = test.outcome(with_listed_house(scenario))
     if test.signature_of(outcome) is not None:

@@ -44,11 +44,14 @@ from worlds.truth import ambiguity_at, floor_area, openness
 
 _MATCHES = (1, 3, 5)
 _REVISIT = PlaceRecognitionConfig()
-"""Settings that say how old a frame must be for a return to its place to count as a revisit; the same for every SLAM."""
+"""Settings that say how old a frame must be so that a return to its place counts as a revisit; the same for every SLAM."""
 
 
 def check(scenario: Scenario, slam: SlamUnderTest | None = None) -> RunResult:
-    """Run a SLAM on a scenario, drive its plans, and compute all figures. Raises the errors of `run`."""
+    """Run a SLAM (by default LEXIS) on a scenario, let a robot drive its plans, and compute all figures.
+
+    Raises the errors of `run`.
+    """
     finished = run(scenario, slam)
     return evaluate(finished, try_plans(finished))
 

@@ -18,7 +18,7 @@ from worlds.house import Room
 _FAR_M = 0.5
 """Least position error at which a frame counts as wrong [m]."""
 _TOP = 3
-"""Number of room names that are reported, the most similar ones."""
+"""Number of room names that are reported for a wrong frame: those most similar to its image."""
 _Wrong = tuple[int, str]
 """A row of the estimate, and what is wrong there."""
 
@@ -30,23 +30,24 @@ class WrongFrame:
     frame: int
     """Index of the frame in the tour."""
     room: str
-    """The room that truly holds the camera: its id, and its label unless the id contains it."""
+    """Id of the room that truly contains the camera, followed by the room's label unless the id contains it."""
     time_s: float
     """Time since the start of the tour [s]."""
     what: str
     """What is wrong: the claim and the truth, in words."""
     similarities: tuple[tuple[str, float], ...] = ()
-    """The room names that the SLAM found most similar to the image, best first; none for errors of other kinds."""
+    """The room names that the SLAM found most similar to the image, best first. Empty if the search was for errors of other
+    kinds than labels and rooms."""
 
     def __str__(self) -> str:
         return f"in {self.room} at {self.time_s:.1f} s: {self.what}"
 
 
 def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
-    """The first frame that is wrong as a figure measures it, such as a frame with a wrong floor for "floors.accuracy".
+    """Return the first frame that is wrong for a figure, such as a frame with a wrong floor for "floors.accuracy".
 
-    Without a figure, the first frame with a wrong label; if no label is wrong, the frame with the largest position error.
-    None if the SLAM makes no such claim, or if no frame is wrong.
+    Without a figure, it is the first frame with a wrong label or, if no label is wrong, the frame with the largest position
+    error. The result is None if there is no such frame, or if the SLAM does not make the claim.
     """
     kind = "" if figure is None else figure.partition(".")[0]
     found = next(_SEARCHES.get(kind, _label)(run), None)
@@ -62,7 +63,7 @@ def first_wrong(run: Run, figure: str | None = None) -> WrongFrame | None:
 
 
 def crash_frame(session: Session, done: float) -> WrongFrame:
-    """The frame at which a SLAM raised an exception, after it had processed the share `done` in [0, 1] of the frames."""
+    """The frame at which a SLAM raised an exception, after it had processed the share `done` (from 0 to 1) of all frames."""
     stamps = session.tour.stamps
     frame = min(round(done * len(stamps)), len(stamps) - 1)
     where = "in start() or at the first frame" if done == 0.0 else "in process()" if done < 1.0 else "after the last frame"
@@ -71,7 +72,7 @@ def crash_frame(session: Session, done: float) -> WrongFrame:
 
 
 def position_errors(claimed: Poses, truth: Poses) -> Float64[np.ndarray, "n"]:
-    """Distance of every claimed position from the true one [m], aligned as for the ATE."""
+    """Distance of every claimed position from the true one [m], after an alignment as for the absolute trajectory error."""
     return np.asarray(np.linalg.norm((aligned(claimed, truth) - truth)[:, :3, 3], axis=1))
 
 
@@ -80,7 +81,7 @@ def _room(run: Run, row: int) -> str:
 
 
 def _name(room: Room) -> str:
-    """Id and label of a room, which may differ in a house that was made smaller."""
+    """Id of a room, followed by its label unless the id contains it. A reduced scenario may have changed the label."""
     return room.id if room.label in room.id else f"{room.id} ({room.label})"
 
 
@@ -102,7 +103,7 @@ def _floor(run: Run) -> Iterator[_Wrong]:
 
 
 def _position(run: Run) -> Iterator[_Wrong]:
-    """Frames half a metre off; if there are none, the worst frame."""
+    """Yield the frames that are more than half a metre off, and last the frame with the largest error."""
     if run.estimate.T_W_B is not None:
         errors_m = position_errors(run.estimate.T_W_B, run.true_poses)
         yield from ((int(k), f"the position is {errors_m[k]:.2f} m off") for k in np.flatnonzero(errors_m > _FAR_M))
@@ -117,7 +118,7 @@ def _worst(errors_m: Float64[np.ndarray, "n"]) -> tuple[int, float]:
 
 
 def _loop(run: Run) -> Iterator[_Wrong]:
-    """Frames with a loop edge whose relative pose is wrong."""
+    """Yield the later frames of loop edges whose relative pose is wrong, in the order of time."""
     loops, stamps = run.estimate.loops, run.stamps - run.session.tour.stamps[0]
     if loops is not None:
         for k in sorted(np.flatnonzero(~edge_truth(run)), key=lambda k: int(loops.query[k])):
@@ -126,7 +127,11 @@ def _loop(run: Run) -> Iterator[_Wrong]:
 
 
 def _instance(run: Run) -> Iterator[_Wrong]:
-    """Frames with a wrong label; if there are none, frames whose claimed room lies mostly in another room, or is a piece."""
+    """Yield the frames with a wrong label, then the frames in a wrong room instance.
+
+    An instance is wrong for a frame if most of the instance lies in another true room, or if most frames of the true room
+    are in another instance.
+    """
     yield from _label(run)
     claims, truth = run.estimate.rooms, run.true_rooms
     if claims is not None:
@@ -152,4 +157,4 @@ def _most_frequent(groups: Int[np.ndarray, "n"], values: Int[np.ndarray, "n"]) -
 _SEARCHES: Mapping[str, Callable[[Run], Iterator[_Wrong]]] = MappingProxyType(
     {"floors": _floor, "trajectory": _position, "loops": _loop, "rooms": _instance}
 )
-"""Searches for wrong rows of the estimate, by the first part of a figure's name; `_label` is the search for other names."""
+"""Searches for wrong rows of the estimate, by the first part of a figure's name. `_label` is used for all other figures."""

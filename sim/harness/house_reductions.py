@@ -1,8 +1,8 @@
-"""Steps that make a house simpler: each takes a spec and yields smaller specs, the most simplified first.
+"""Steps that make a house simpler: each takes the spec of a house and yields smaller specs, the most simplified first.
 
 Houses have to list their furniture and windows (`worlds.variant.explicit`). The results need not be valid: a room may have
-become unreachable, for example. The caller validates them. Objects that a step leaves in a house keep their ids. They also
-keep their shapes and positions, except in the steps `rectangular`, `cropped` and `narrower`.
+become unreachable, for example. The caller has to validate the results. Objects that a step leaves in a house keep their
+ids. They also keep their shapes and positions, except in the steps `rectangular`, `cropped` and `narrower`.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -27,7 +27,10 @@ _T = TypeVar("_T")
 
 
 def fewer_storeys(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Keep a single storey, or drop the highest or the lowest one, with the stairs that led there."""
+    """Yield the house with a single storey, then without the highest or the lowest storey.
+
+    Stairs to a dropped storey are dropped as well.
+    """
     for kept in dict.fromkeys(_storey_choices(len(spec.storeys))):
         yield from _if_smaller(keep_rooms(spec, {room.id for k in kept for room in spec.storeys[k].rooms}))
 
@@ -39,11 +42,11 @@ def _storey_choices(count: int) -> list[tuple[int, ...]]:
 
 
 def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Keep only part of the rooms: first small parts, and at last all rooms but one.
+    """Yield the house with part of its rooms: first small parts, and at last all rooms but one.
 
-    A part is a staircase with the rooms beside it, or the half, or three quarters, of all rooms that lie nearest to one
-    room. Near means few openings and stairs away, so that the kept rooms are connected. Then single rooms are dropped, from
-    the highest storey down and large ones first. A staircase is dropped as a whole.
+    The first parts are a staircase with the rooms beside it. The next are half, then three quarters, of all rooms: those
+    nearest to some room, by the number of openings and stairs on the way, so that they are connected. Finally, single rooms
+    are dropped, from the highest storey down and large rooms first. A staircase is dropped as a whole.
     """
     near = _nearest_first(spec)
     count = len(near)
@@ -58,28 +61,28 @@ def fewer_rooms(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def less_furniture(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop all furniture, then each half of it, each quarter, and so on down to single pieces."""
+    """Yield the house without furniture, without each half of the furniture, each quarter, and so on down to each piece."""
     ids = [piece.id for storey in spec.storeys for piece in storey.furniture or ()]
     for kept in without_parts(ids):
         yield keep_furniture(spec, set(kept))
 
 
 def fewer_windows(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop all windows, then each half of them, each quarter, and so on down to single windows."""
+    """Yield the house without windows, without each half of the windows, each quarter, and so on down to each window."""
     places = [(level, k) for level, storey in enumerate(spec.storeys) for k in range(len(storey.windows or ()))]
     for kept in without_parts(places):
         yield _with_storeys(spec, [_keep_windows(storey, level, kept) for level, storey in enumerate(spec.storeys)])
 
 
 def fewer_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Drop one opening at a time: the boundary between its two rooms becomes a closed wall."""
+    """For each opening, yield the house without it: the boundary between the two rooms becomes a closed wall."""
     for level, storey in enumerate(spec.storeys):
         for k in range(len(storey.openings)):
             yield _with_openings(spec, level, (*storey.openings[:k], *storey.openings[k + 1 :]))
 
 
 def simpler_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Replace one opening at a time by a doorway without a leaf, in the middle of the opening."""
+    """Yield the house with one opening replaced by a doorway without a door leaf, in the middle of the opening."""
     for level, storey in enumerate(spec.storeys):
         for k, opening in enumerate(storey.openings):
             if opening_rank(opening):
@@ -87,13 +90,13 @@ def simpler_openings(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def opening_rank(opening: OpeningSpec) -> int:
-    """Return the complexity of an opening; a doorway without a leaf is the simplest opening and has rank 0."""
+    """Return the complexity of an opening; the simplest opening, a doorway without a door leaf, has 0."""
     ranks = ("door", "cased", "arch", "half wall", "counter", "open")
     return 2 * ranks.index(opening.kind) + (opening.leaf is not None)
 
 
 def rectangular(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Cut a room that is no rectangle down to one of the three largest rectangles in it."""
+    """Yield the house with one room that is no rectangle cut down to one of the three largest rectangles inside it."""
     for level, room in _rooms(spec):
         if len(room.polygon_m) > 4:
             for rectangle in _rectangles(room)[:3]:
@@ -101,7 +104,7 @@ def rectangular(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def cropped(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Cut a rectangular room in half, along x or y, and keep either half."""
+    """Yield the house with one rectangular room cut down to one of its halves, along x or y."""
     for level, room in _rooms(spec):
         if len(room.polygon_m) == 4:
             for half in _halves(bounds(room)):
@@ -109,9 +112,9 @@ def cropped(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def narrower(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Move walls together: first all movable walls along x or y, then single pairs of neighbouring walls.
+    """Halve distances between walls along x or y: first all distances that can be halved, then each alone.
 
-    Stairs and the widths of openings stay, except for removed walls (kind "open").
+    Stairs keep their size, and openings their width. Only openings of the kind "open", which are removed walls, shrink.
     """
     for axis in (0, 1):
         loose = _loose_intervals(spec, axis)
@@ -121,9 +124,10 @@ def narrower(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def simpler_labels(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Rename all rooms of one label to the simplest label that no room has; simple labels come first in `ROOM_LABELS`.
+    """Yield the house with all rooms of one label renamed to the simplest label that no room has.
 
-    Rooms with furniture keep their labels: a bedroom that is called a kitchen would fail for another reason.
+    Simple labels come first in `ROOM_LABELS`. Labels of rooms with furniture stay: a bedroom that is called a kitchen would
+    fail for another reason.
     """
     furnished = {piece.room for storey in spec.storeys for piece in storey.furniture or ()}
     fixed = {STAIRS, *OUTDOOR_LABELS, *(room.label for _, room in _rooms(spec) if room.id in furnished)}
@@ -135,14 +139,14 @@ def simpler_labels(spec: HouseSpec) -> Iterator[HouseSpec]:
 
 
 def plain_appearance(spec: HouseSpec) -> Iterator[HouseSpec]:
-    """Give the house daylight and rich textures."""
+    """Yield the house with daylight and rich textures, unless it has both."""
     plain = spec.appearance.model_copy(update={"light": "day", "texture": "rich"})
     if plain != spec.appearance:
         yield spec.model_copy(update={"appearance": plain})
 
 
 def without_parts(items: Sequence[_T]) -> Iterator[list[_T]]:
-    """Yield a list without all items, without each half, without each quarter, and so on down to single items."""
+    """Yield copies of a list without any items, without each half, without each quarter, and so on down to each item."""
     size = len(items)
     while size:
         yield from ([*items[:start], *items[start + size :]] for start in range(0, len(items), size))
@@ -157,8 +161,8 @@ def keep_furniture(spec: HouseSpec, ids: Collection[str]) -> HouseSpec:
 def keep_rooms(spec: HouseSpec, ids: Collection[str]) -> HouseSpec | None:
     """Return the house with only the rooms of the given ids, and their openings, windows and furniture.
 
-    Stairs that lead nowhere any more are dropped, and so are empty storeys at the top or the bottom. None if no room is
-    left, or if a storey between two others is empty.
+    Stairs that lead nowhere any more are dropped, and so are empty storeys at the top or the bottom. The result is None if
+    no room is left, or if a storey between two others is empty.
     """
     spec = _with_storeys(spec, [_kept(storey, ids) for storey in spec.storeys])
     levels = [level for level, storey in enumerate(spec.storeys) if storey.rooms]
@@ -235,19 +239,19 @@ def _with_storey(spec: HouseSpec, level: int, storey: StoreySpec) -> HouseSpec:
 
 
 def _rooms(spec: HouseSpec, stairs: bool = False) -> Iterator[tuple[int, RoomSpec]]:
-    """All rooms with their levels, with or without stairs."""
+    """Yield the level and the room for all rooms; `stairs` says whether stairs are included."""
     for level, storey in enumerate(spec.storeys):
         yield from ((level, room) for room in storey.rooms if stairs or room.label != STAIRS)
 
 
 def _cells_of(spec: HouseSpec, level: int, room: RoomSpec) -> frozenset[str]:
-    """The ids of a room; for stairs, of the cells of the whole staircase."""
+    """The id of a room; for a room of stairs, the ids of the staircase's rooms on all storeys."""
     cells = [cell_on(spec, k, room) for k in range(len(spec.storeys))] if room.label == STAIRS else []
     return frozenset({room.id, *(cell.id for cell in cells if cell is not None)})
 
 
 def _staircases(spec: HouseSpec) -> Iterator[frozenset[str]]:
-    """The ids of the cells of every staircase, of the rooms with an opening to one of them, and of the rooms below those."""
+    """For each staircase, yield the ids of its rooms on all storeys, the rooms that open into it, and all rooms below."""
     openings = [opening.rooms for storey in spec.storeys for opening in storey.openings]
     for level, room in _rooms(spec, stairs=True):
         if room.label == STAIRS:
@@ -256,7 +260,7 @@ def _staircases(spec: HouseSpec) -> Iterator[frozenset[str]]:
 
 
 def _with_support(spec: HouseSpec, ids: frozenset[str]) -> frozenset[str]:
-    """The ids of some rooms, and of all rooms on lower storeys on which they stand."""
+    """Add to the ids of some rooms those of all rooms below them, down to the lowest storey."""
     for level in range(len(spec.storeys) - 1, 0, -1):
         above = [Polygon(room.polygon_m) for room in spec.storeys[level].rooms if room.id in ids]
         below = ((room.id, Polygon(room.polygon_m)) for room in spec.storeys[level - 1].rooms)
@@ -265,7 +269,7 @@ def _with_support(spec: HouseSpec, ids: frozenset[str]) -> frozenset[str]:
 
 
 def _nearest_first(spec: HouseSpec) -> dict[str, list[str]]:
-    """For every room the ids of all rooms that can be reached from it, sorted by the number of openings on the way."""
+    """For every room, the ids of all rooms that can be reached, sorted by the number of openings and stairs on the way."""
     beside: dict[str, list[str]] = {room.id: [] for _, room in _rooms(spec, stairs=True)}
     pairs = [o.rooms for storey in spec.storeys for o in storey.openings if o.kind in PASSABLE]
     for level, room in _rooms(spec, stairs=True):
@@ -295,7 +299,7 @@ def _rounded(value: float) -> float:
 
 
 def _rectangles(room: RoomSpec) -> list[Bounds]:
-    """The rectangles between corners of a room that lie in it, the largest first."""
+    """The rectangles inside a room, with sides at the coordinates of the room's corners, the largest first."""
     outline = Polygon(room.polygon_m).buffer(_EPS_M)
     xs, ys = (sorted(set(values)) for values in zip(*room.polygon_m, strict=True))
     found = [(x0, y0, x1, y1) for x0, x1 in combinations(xs, 2) for y0, y1 in combinations(ys, 2)]
@@ -313,7 +317,7 @@ def _halves(room: Bounds) -> Iterator[Bounds]:
 
 
 def _cut(spec: HouseSpec, level: int, room: RoomSpec, rest: Bounds) -> HouseSpec:
-    """The house in which a room has become a rectangle; openings, windows and furniture outside of that are dropped."""
+    """The house with a room cut down to the rectangle `rest`. Openings, windows and furniture outside are dropped."""
     x0, y0, x1, y1 = rest
     storey = spec.storeys[level]
     smaller = room.model_copy(update={"polygon_m": ((x0, y0), (x1, y0), (x1, y1), (x0, y1))})
@@ -332,7 +336,10 @@ def _cut(spec: HouseSpec, level: int, room: RoomSpec, rest: Bounds) -> HouseSpec
 
 
 def _clipped(opening: OpeningSpec, rest: Bounds) -> OpeningSpec | None:
-    """The part of an opening that is in a side of a rectangle; None unless it is whole, or a removed wall of some width."""
+    """The opening if it lies in a side of a rectangle; of a removed wall (kind "open"), the part in such a side.
+
+    None if nothing remains, or if the remaining part is narrower than a door.
+    """
     if _on_side(opening, rest):
         return opening
     x0, y0, x1, y1 = rest
@@ -355,14 +362,14 @@ def _on_side(thing: OpeningSpec | WindowSpec, room: Bounds) -> bool:
 
 
 def _stands_in(piece: FurnitureSpec, room: Bounds) -> bool:
-    """Whether the circle around a piece, or its centre if it hangs, is inside a rectangle."""
+    """Whether a piece is in a rectangle: a circle as wide as the piece's longer side or, if the piece hangs, its centre."""
     (x, y, z), (width, depth, _) = piece.position_m, piece.size_m
     reach = 0.0 if z else max(width, depth) / 2
     return room[0] <= x - reach and x + reach <= room[2] and room[1] <= y - reach and y + reach <= room[3]
 
 
 def _loose_intervals(spec: HouseSpec, axis: int) -> list[tuple[float, float]]:
-    """The intervals between neighbouring coordinates of walls and openings that may be made shorter."""
+    """The intervals (low, high) along an axis (0: x, 1: y), between walls or ends of openings, that may be halved [m]."""
     corners = {corner[axis] for _, room in _rooms(spec, stairs=True) for corner in room.polygon_m}
     openings = [opening for storey in spec.storeys for opening in storey.openings]
     marks = sorted(corners | {end[axis] for opening in openings for end in (opening.start_m, opening.end_m)})
@@ -376,7 +383,7 @@ def _loose_intervals(spec: HouseSpec, axis: int) -> list[tuple[float, float]]:
 
 
 def _squeezed(spec: HouseSpec, axis: int, intervals: Sequence[tuple[float, float]]) -> HouseSpec:
-    """The house in which these intervals have half their length; everything beyond moves with the walls."""
+    """The house with intervals along an axis halved; everything beyond an interval moves with its wall."""
 
     def moved(point: tuple[float, ...]) -> tuple[float, ...]:
         value = point[axis]

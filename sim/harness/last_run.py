@@ -45,13 +45,13 @@ class LastRun:
         return self.scenario
 
     def evaluated(self, run: "Run", result: "RunResult", trials: "Sequence[Trial]") -> None:
-        """Note the figures of a run, unless another run has begun since."""
+        """Record the figures of a run, unless another run has begun since."""
         if run is self.run:
             self.result, self.trials = result, trials
 
     @contextmanager
     def calling_slam(self) -> Iterator[None]:
-        """Note that the block calls a method of the SLAM. After an exception, `in_slam` stays true."""
+        """Set `in_slam` while the block calls a method of the SLAM. After an exception, `in_slam` stays true."""
         self.in_slam = True
         yield
         self.in_slam = False
@@ -62,7 +62,7 @@ _WATCHED: ContextVar[LastRun | None] = ContextVar("lexis_last_run", default=None
 
 @contextmanager
 def watched(last: LastRun) -> Iterator[None]:
-    """Note the runs that begin in the block, in this thread, in `last`."""
+    """While the block runs, record in `last` the runs that this thread begins."""
     token = _WATCHED.set(last)
     try:
         yield
@@ -72,12 +72,12 @@ def watched(last: LastRun) -> Iterator[None]:
 
 @contextmanager
 def noted() -> Iterator[LastRun]:
-    """Note the runs that begin in the block, in the object of a surrounding `watched` if there is one."""
+    """Record the runs that begin in the block, in the record of a surrounding `watched` or a new one; yield this record."""
     last = _WATCHED.get() or LastRun()
     with watched(last):
         yield last
 
 
 def last_run() -> LastRun:
-    """Return the object that stores the current run; outside a block of `watched`, an object that nobody reads."""
+    """Return the record of a surrounding `watched`; outside of such a block, a new record that nobody reads."""
     return _WATCHED.get() or LastRun()

@@ -1,4 +1,4 @@
-"""The folder of a run or of a crash; it appears whole or not at all."""
+"""Writes the folder of a run or of a crash; the folder is written completely or not at all."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,9 +24,9 @@ _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 def write_run(
     run: Run, result: RunResult, trials: Sequence[Trial], out: Path, more: Mapping[str, bytes] = _NO_FILES
 ) -> None:
-    """Write result.json, scenario.json, house.json, report.html, three trajectories and the SLAM's own files to `out`.
+    """Write result.json, scenario.json, house.json, report.html, the trajectories and the SLAM's own files to `out`.
 
-    `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
+    `more` contains further files: their contents, by file name. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
     """
     with _folder_with(more, out) as folder:
@@ -36,7 +36,7 @@ def write_run(
 def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) -> None:
     """Write failure-traceback.txt and scenario.json to `out`.
 
-    `more` are the contents of further files, by their names. A folder of an earlier run is replaced. Raises `LexisError`
+    `more` contains further files: their contents, by file name. A folder of an earlier run is replaced. Raises `LexisError`
     where `out` holds anything else or cannot be written.
     """
     with _folder_with(more, out) as folder:
@@ -45,7 +45,7 @@ def write_crash(crash: Crash, out: Path, more: Mapping[str, bytes] = _NO_FILES) 
 
 @contextmanager
 def _folder_with(more: Mapping[str, bytes], out: Path) -> Iterator[Path]:
-    """Yield a folder that replaces `out`, with the files `more`, which are written after those of the block."""
+    """Yield an empty folder to fill. After the block, the files `more` are added, and the folder replaces `out`."""
     with replaced_folder(out, *MARKERS) as folder:
         yield folder
         for name, content in more.items():

@@ -1,4 +1,4 @@
-"""The parts of a run, built from its scenario: house, tour, odometry, cameras and random streams."""
+"""Settings of a run's parts, derived from its scenario: the house, the tour, the odometry and the random streams."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ TOUR_LENGTH_M = {"home": 140.0}
 
 
 def house_spec(scenario: Scenario) -> HouseSpec:
-    """The scenario's house, or the house of its preset and seed. Raises `worlds.WorldsError`."""
+    """The scenario's house or, if it has none, the house sampled from its preset and seed. Raises `worlds.WorldsError`."""
     return scenario.house or sample_house(scenario.preset, scenario.seed)
 
 
@@ -38,6 +38,6 @@ def odometry_config(scenario: Scenario) -> OdometryConfig:
 
 
 def random_streams(scenario: Scenario) -> dict[str, np.random.Generator]:
-    """One generator for each stage, so that a change to one stage leaves the draws of the others alone."""
+    """Independent random generators for "tour" and "odometry", so that a change to one does not affect the other."""
     tour, odometry = np.random.SeedSequence(scenario.seed).spawn(2)
     return {"tour": np.random.default_rng(tour), "odometry": np.random.default_rng(odometry)}

@@ -26,9 +26,10 @@ Steering = Literal["estimate", "odometry", "truth"]
 corrected by the SLAM's last pose. odometry: both come from odometry alone. truth: both are true."""
 
 INSIDE_M = 0.5
-"""Distance inside the goal room at which the shortest path ends; SPL compares driven paths with it [m]."""
+"""Distance from the goal room's outline at which the shortest path into the room ends [m]. SPL compares driven paths with
+this path."""
 _STREAM = 3
-"""Position of the drives among the random streams of a run's seed; see `sim.faults` for the others."""
+"""Position of the drives among the random streams of a run's seed; 0 is the tour's, 1 the odometry's, 2 the faults'."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,8 @@ class Trial:
     success: bool
     """Whether the robot ended in a room of the goal's label without touching anything."""
     shortest_m: float
-    """Length of the shortest walkable path from the start into a room of the goal's label [m]; see `shortest_into`."""
+    """Length of the shortest walkable path from the start into a room of the goal's label (see `shortest_into`) [m]; 0
+    without a plan."""
     travelled_m: float
     touched: tuple[str, ...]
     """Names of the objects that the robot collided with."""
@@ -77,11 +79,11 @@ class _Belief:
 
 
 def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) -> list[Trial]:
-    """Ask the SLAM for a plan between every two labels of its rooms, except stairs, and let a robot drive each plan.
+    """Ask the SLAM for a plan from each label of its rooms to every other, except stairs, and let a robot drive each plan.
 
     The robot starts at the first frame of the plan. Its odometry has the error that it had at the end of the run, and drifts
-    on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the SLAM claims no rooms or cannot plan
-    paths, there are no trials.
+    on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the SLAM claims no labelled rooms or
+    cannot plan paths, there are no trials.
     """
     rooms = run.estimate.named_rooms(run.room_names)
     if rooms is None or not isinstance(run.slam, PlansPaths):
@@ -115,15 +117,15 @@ def _try(
 
 
 def _in_plan(T: Pose) -> tuple[float, float, float]:
-    """(x, y, yaw)."""
+    """Position and heading of a pose seen from above: (x [m], y [m], yaw [rad])."""
     return float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0]))
 
 
 def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: str) -> float:
-    """Return the length of the shortest walkable path from `start` into a room of a label, `INSIDE_M` or farther inside [m].
+    """Return the length of the shortest walkable path from `start` to a point `INSIDE_M` inside a room with the label [m].
 
     In rooms where no such point can be reached, as in a cupboard, the innermost reachable points count instead. Raises
-    `worlds.walkable.UnreachableError` where the start is not walkable or no room of that label can be reached.
+    `worlds.walkable.UnreachableError` where the start is not walkable or no room with the label can be reached.
     """
     distances, depths = walkable.distances_from(start), _depths(walkable, label)
     depths[~np.isfinite(distances)] = 0.0
@@ -137,7 +139,7 @@ def shortest_into(walkable: Walkable, start: Float64[np.ndarray, "3"], label: st
 
 
 def _depths(walkable: Walkable, label: str) -> Float64[np.ndarray, "nodes"]:
-    """Distance of every walkable node from the outline of the room of that label that holds it; 0 elsewhere [m]."""
+    """For every walkable node in a room with the label, the distance to the room's outline [m]; 0 for all other nodes."""
     depths = np.zeros(len(walkable.nodes))
     for index, room in enumerate(walkable.house.rooms):
         if room.label == label:

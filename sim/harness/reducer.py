@@ -1,8 +1,9 @@
-"""`reduce`: from a failing scenario to the smallest one that fails in the same way.
+"""`reduce`: finds the smallest scenario that fails in the same way as a given scenario.
 
-The search is greedy: the steps of `reductions` are tried in a fixed order, every candidate that fails with the same
-signature replaces the scenario, and the search ends when no step helps any more. Candidates differ from the scenario in one
-step, so their tours differ too; whether they fail is decided by running them.
+The search is greedy. The steps of `reductions` are tried in a fixed order; each yields candidates, which are simpler
+scenarios. A candidate whose run fails with the same signature replaces the scenario. The search ends when no step helps any
+more. The tour of a candidate may differ from that of the scenario, so only a run shows whether the candidate fails.
+
 """
 
 import time
@@ -22,7 +23,7 @@ from worlds.validation import built_and_checked
 
 DEADLINE_S = 180.0
 _SEARCH_SHARE = 0.6
-"""Share of the time for the search on features, if the result still has to be confirmed on images."""
+"""Share of the time that the search on features may use, if its result still has to be confirmed on images."""
 _TO_FEATURES = "feature fidelity"
 
 Fails = Callable[[Scenario], Signature | None]
@@ -39,7 +40,7 @@ class Attempt:
     """A candidate that was tried, for progress reports."""
 
     step: str
-    """The step that made the candidate, a key of `reductions.STEPS`."""
+    """Name of the step that made the candidate, such as a key of `reductions.STEPS`."""
     scenario: Scenario
     outcome: Outcome
     tried: int
@@ -49,7 +50,7 @@ class Attempt:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A scenario, and the step that made it."""
+    """A scenario, and the name of the step that made it from a larger one."""
 
     step: str
     scenario: Scenario
@@ -57,7 +58,7 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """The smallest failing scenario that was found, and how."""
+    """The result of a search: the smallest failing scenario that was found, and how it was found."""
 
     original: Scenario
     """The failing scenario, with all rooms, furniture and windows of its house listed."""
@@ -65,22 +66,24 @@ class Reduction:
     """The smallest scenario that fails with the same signature."""
     signature: Signature
     accepted: tuple[Change, ...]
-    """The failing scenarios that the search found, from large to small; the last is `scenario`, unless there are none."""
+    """The failing scenarios that the search found, from large to small; the last is `scenario`. Empty if the search found
+    none."""
     passing: tuple[Change, ...]
     """Scenarios one step smaller than `scenario` that were run and did not fail, in the order of the steps. If the search
     ran on features, these were run on features, too."""
     last_passing: tuple[Scenario, Change] | None
-    """A failing scenario and a candidate made from it: the last candidate that was run and passed. None: none passed."""
+    """A failing scenario and a candidate made from it: the last candidate that was run and passed. None if no candidate
+    passed."""
     tried: int
     """Number of candidates that were tried; equal candidates count once."""
     ended: Ending
     """Why the search ended."""
     searched_on: Fidelity
-    """Fidelity of the candidates' runs: "features" if the failure exists there, even for images; else "render"."""
+    """Fidelity of the runs that found the smallest scenario. It may be "features" although the original has images."""
     confirmed: bool
-    """Whether `scenario` was run on the fidelity of the original, and failed."""
+    """Whether `scenario` was run with the fidelity of the original, and failed."""
     on_features: Outcome | None = None
-    """Outcome of the original on feature fidelity, such as "cannot run" for a program; None if it was not tried."""
+    """Outcome of the original with fidelity "features", such as "cannot run" for a program; None if this was not tried."""
 
     @property
     def sizes(self) -> tuple[ScenarioSize, ScenarioSize]:
@@ -89,7 +92,7 @@ class Reduction:
 
     @property
     def note(self) -> str:
-        """How the search went, in one or two sentences."""
+        """How many candidates and steps the search took, why it ended, and on what fidelity, in one or two sentences."""
         why = {
             "smallest": "no single step makes it smaller",
             "deadline": "time was up, so a smaller one may exist",
@@ -125,9 +128,9 @@ def reduce(
     house is valid and its run fails with the same signature. When `deadline_s` have passed, or on Ctrl-C, the smallest
     scenario so far is returned; a run that has begun is completed after the deadline.
 
-    If the scenario has images and the failure exists on feature fidelity too, the search runs there. Its results are then
-    run on images, from the smallest one up, until one fails. If that is not the smallest one, the search goes on from there
-    with images while time is left.
+    If the scenario has images and also fails on features, the search runs on features. The failing scenarios that it finds
+    are then run on images, from the smallest one up, until one fails. If that is not the smallest one, the search goes on
+    from there with images while time is left.
 
     Raises `SimError` for a scenario that does not fail, and what `fails` raises for it.
     """
@@ -159,7 +162,7 @@ class _TimeUpError(Exception):
 
 @dataclass(eq=False)
 class _Search:
-    """The state of a search. It remembers all outcomes, so that no scenario is run twice."""
+    """A search and its state. The outcomes of all scenarios are remembered, so that no scenario is run twice."""
 
     fails: Fails
     signature: Signature
@@ -176,7 +179,7 @@ class _Search:
     passing: dict[str, Change] = field(default_factory=dict)
     """The candidates of `best` that pass, by content hash."""
     on_features: Outcome | None = None
-    """Outcome of the original on feature fidelity; None if it was not tried."""
+    """Outcome of the original with fidelity "features"; None if this was not tried."""
     is_cut: bool = False
     """Whether the search on features was stopped because its share of the time was used up."""
 
@@ -196,7 +199,11 @@ class _Search:
         return for_images(self.steps) if fidelity == "render" else self.steps
 
     def _descend_by(self, name: str, step: Step, path: list[Change], until: float) -> bool:
-        """Repeat one step, each time from the place in its candidates at which the last one was found."""
+        """Append smaller failing scenarios to the path by one step until it finds no more; return whether it found any.
+
+        The step is repeated for every found scenario. Its candidates are tried from the position at which the last one was
+        found.
+        """
         place, moved = 0, False
         while (found := self._first_failing(name, step, path[-1].scenario, place, until)) is not None:
             place, scenario = found
@@ -218,7 +225,7 @@ class _Search:
         return None
 
     def outcome(self, step: str, scenario: Scenario, until: float) -> Outcome:
-        """Run a scenario unless an equal one was run. Raises _TimeUpError if it is too late for that."""
+        """Return the outcome of a scenario; run the scenario if needed. Raises _TimeUpError if it is too late for a run."""
         key = scenario.content_hash
         if key not in self.outcomes:
             if self.clock() >= until:
@@ -246,8 +253,8 @@ class _Search:
         """Search on features, then run the found scenarios on images, from the smallest one up, until one fails there.
 
         `found` gets the scenarios that fail on features, from large to small. The last one is run on images first, then
-        those 1, 3, 7, ... places before it. The scenarios up to the one that fails on images are appended to `path`. If
-        none fails on images, `found` is emptied.
+        those 1, 3, 7, ... places before it. The scenarios up to the one that fails on images are appended to `path`. If none
+        of those that were run fails on images, `found` is emptied.
         """
         self.on_features = self.outcome(_TO_FEATURES, start, self.end)
         if self.on_features != "fails":
@@ -267,7 +274,10 @@ class _Search:
         found.clear()
 
     def reduction(self, original: Scenario, path: list[Change], on_features: list[Change], ended: Ending) -> Reduction:
-        """The result; if time was up before a run on images confirmed anything, the result of the search on features."""
+        """Make the result of the search from its `path`.
+
+        If time was up before a run on images confirmed anything, it is the unconfirmed result of the search on features.
+        """
         unconfirmed = len(path) == 1 and len(on_features) > 1
         accepted = on_features if unconfirmed else path
         best = accepted[-1].scenario
@@ -286,7 +296,10 @@ class _Search:
         )
 
     def _passing(self, best: Scenario) -> list[Change]:
-        """Those of the candidates next to a scenario that do not fail. Nothing is listed anew, as time may be up."""
+        """The scenarios one step smaller than `best` that passed, in the order of the steps, with the fidelity of `best`.
+
+        Only outcomes that the search knows are used, because time may be up.
+        """
         if self.best not in (best, with_features(best)):
             return []
         places = list(self.steps_on(best.fidelity))
@@ -296,7 +309,7 @@ class _Search:
 
 
 def is_valid(scenario: Scenario) -> bool:
-    """Whether the house of a scenario can be written, read, built, and walked through; see `worlds.validate`."""
+    """Whether the house of a scenario can be saved and loaded, can be built, and is valid; see `worlds.validation`."""
     try:
         if scenario.house is not None:
             built_and_checked(HouseSpec.from_json(scenario.house.to_json()))

@@ -1,4 +1,4 @@
-"""Steps that make a scenario simpler, the size by which scenarios are compared, and what differs between two of them."""
+"""Steps that make a scenario simpler, the size by which scenarios are compared, and the differences of two scenarios."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -21,14 +21,14 @@ from worlds.variant import explicit
 Step = Callable[[Scenario], Iterator[Scenario]]
 _MIN_LENGTH_M = 4.0
 _FIRST_LENGTHS_M = (10.0, 20.0, 40.0)
-"""Lengths that `shorter_tour` requests for scenarios without a requested length [m]."""
+"""Lengths that `shorter_tour` tries for scenarios without a requested length [m]."""
 _SMALL_PX = (240, 180)
 _FEW_HZ = 4.0
 """Frame rate to which `fewer_frames` goes down [Hz]. LEXIS adds a keyframe every 0.7 s, and needs two frames for each."""
 
 
 class ScenarioSize(NamedTuple):
-    """The size of a scenario, compared from the first entry to the last: the most important one comes first."""
+    """The size of a scenario. Sizes are compared as tuples, so the first entry is the most important one."""
 
     storeys: int
     rooms: int
@@ -37,7 +37,7 @@ class ScenarioSize(NamedTuple):
     windows: int
     faults: int
     drift: int
-    """Number of odometry errors: poses that drift, and covariances that are too small."""
+    """Number of kinds of odometry error, 0 to 2: poses that drift, and covariances that are too small."""
     motion: int
     """Number of complications of the motion: sway, start manoeuvre, and a tour of another kind than "rooms"."""
     length_m: float
@@ -45,7 +45,7 @@ class ScenarioSize(NamedTuple):
     corners: int
     area_m2: float
     opening_ranks: int
-    """Sum of `opening_rank` over all openings: 0 if all are doorways without leaves."""
+    """Sum of `opening_rank` over all openings: 0 if all openings are doorways without door leaves."""
     labels: int
     """Sum of the rooms' label indices in `ROOM_LABELS`, where simple labels come first."""
     appearance: int
@@ -110,12 +110,12 @@ def _on_house(step: house_steps.HouseStep) -> Step:
 
 
 def fewer_faults(scenario: Scenario) -> Iterator[Scenario]:
-    """Drop all faults, then each half of them, each quarter, and so on down to single faults."""
+    """Yield the scenario without any faults, without each half of the faults, each quarter, and so on down to each fault."""
     return (replace(scenario, faults=tuple(left)) for left in house_steps.without_parts(scenario.faults))
 
 
 def no_drift(scenario: Scenario) -> Iterator[Scenario]:
-    """Make the odometry perfect, or only make its covariances consistent with its errors."""
+    """Yield the scenario with perfect odometry, then with covariances that are consistent with the odometry's errors."""
     if scenario.odometry != "perfect":
         yield replace(scenario, odometry="perfect", overconfidence=1.0)
         yield replace(scenario, odometry="perfect")
@@ -124,14 +124,17 @@ def no_drift(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
-    """Remove sway and start manoeuvre, and use a tour of the kind "rooms": first all three changes, then each alone."""
+    """Yield the scenario without sway and start manoeuvre, on a tour of the kind "rooms"; then with each change alone."""
     plain = replace(scenario, sway="none", start_manoeuvre=False, tour_kind="rooms")
     each = (replace(scenario, **{name: getattr(plain, name)}) for name in ("sway", "start_manoeuvre", "tour_kind"))
     yield from dict.fromkeys(other for other in (plain, *each) if other != scenario)
 
 
 def shorter_tour(scenario: Scenario) -> Iterator[Scenario]:
-    """Request the shortest tour that visits the whole house, then an eighth, a quarter, half ... of the present length."""
+    """Yield the scenario with the shortest possible tour, then with shorter requested lengths, the shortest first.
+
+    The lengths are an eighth, a quarter, a half, ... of the requested length or, if none is requested, 10, 20 and 40 m.
+    """
     least_m = _least_length_m(scenario)
     yield from _if_shorter(scenario, least_m)
     if scenario.length_m is None:
@@ -144,7 +147,7 @@ def shorter_tour(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def smaller_rig(scenario: Scenario) -> Iterator[Scenario]:
-    """Use a single wide camera in the middle of the body; then use smaller images."""
+    """Yield the scenario with a single wide camera in the middle of the body, then with smaller images of all cameras."""
     rig = scenario.rig
     plain = RigConfig(next(iter(RIGS)), rig.width, rig.height, rig.hfov_deg)
     if plain != rig:
@@ -154,19 +157,19 @@ def smaller_rig(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def _with_small_images(rig: RigConfig) -> RigConfig:
-    """The rig with images of `_SMALL_PX`, unless its images have no more pixels."""
+    """The rig with images of size `_SMALL_PX`; unchanged if its images have no more pixels than that."""
     width, height = _SMALL_PX
     return replace(rig, width=width, height=height) if rig.width * rig.height > width * height else rig
 
 
 def fewer_frames(scenario: Scenario) -> Iterator[Scenario]:
-    """Lower the frame rate to four frames per second."""
+    """Yield the scenario with four frames per second, if it has more."""
     if scenario.frame_rate_hz > _FEW_HZ:
         yield replace(scenario, frame_rate_hz=_FEW_HZ)
 
 
 def quicker_to_render(scenario: Scenario) -> Iterator[Scenario]:
-    """Take fewer and smaller images: first on the shortest tour, then on the present tour."""
+    """Yield the scenario with fewer and smaller images: first on the shortest possible tour, then on the present tour."""
     quick = replace(scenario, rig=_with_small_images(scenario.rig), frame_rate_hz=min(scenario.frame_rate_hz, _FEW_HZ))
     yield from _walking_least(quick)
     if quick != scenario:
@@ -174,7 +177,7 @@ def quicker_to_render(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def _walking_least(scenario: Scenario) -> Iterator[Scenario]:
-    """The scenario with the shortest tour, unless its tour is as short or no tour is possible."""
+    """Yield the scenario with the shortest possible tour, if there is one and it is shorter than the present tour."""
     return _if_shorter(scenario, _least_length_m(scenario))
 
 
@@ -184,7 +187,7 @@ def _if_shorter(scenario: Scenario, length_m: float) -> Iterator[Scenario]:
 
 
 def _least_length_m(scenario: Scenario) -> float:
-    """Whole metres of the shortest tour that may be requested; infinite if no tour is possible."""
+    """Length of the shortest possible tour [m], rounded up, at least `_MIN_LENGTH_M`; infinite if no tour is possible."""
     try:
         return max(_MIN_LENGTH_M, float(math.ceil(shortest_walk_m(scenario))))
     except (SimError, WorldsError):
@@ -192,7 +195,10 @@ def _least_length_m(scenario: Scenario) -> float:
 
 
 def _also_walking_least(step: Step) -> Step:
-    """The step; where the shortest tour shows the failure, all candidates are first tried with their shortest tours."""
+    """Extend a step: for a scenario with the shortest possible tour, candidates come with their own shortest tours first.
+
+    Then, and for all other scenarios, the candidates come with the scenario's own requested length.
+    """
 
     def apply(scenario: Scenario) -> Iterator[Scenario]:
         if scenario.length_m == _least_length_m(scenario):
@@ -223,13 +229,13 @@ STEPS: dict[str, Step] = {
 }
 """All steps by name, in the order in which the reducer tries them: the steps that remove most come first."""
 _LEAST_RENDERED = ("drop storeys", "drop rooms")
-"""Steps that, in a search on images, are first tried together with the shortest tour."""
+"""Steps whose candidates are first tried with their shortest tours in a search on images."""
 _COSTLY_FIRST = ("fewer frames", "smaller rig", "shorten the tour")
 """Steps that come first in a search on images, because every later candidate is then quicker to render."""
 
 
 def for_images(steps: Mapping[str, Step]) -> dict[str, Step]:
-    """The same steps for a search in which every candidate has to be rendered: first those that save images."""
+    """Return the steps for a search in which every candidate is rendered: the steps that save rendering come first."""
     quick = {"fewer frames and shortest tour": quicker_to_render} if set(_COSTLY_FIRST) <= steps.keys() else {}
     first = {name: steps[name] for name in _COSTLY_FIRST if name in steps}
     short = {name: _also_walking_least(steps[name]) for name in _LEAST_RENDERED if name in steps and quick}
@@ -272,7 +278,10 @@ def _house_differences(before: HouseSpec, after: HouseSpec) -> Iterator[str]:
 
 
 def _opening_differences(before: HouseSpec, after: HouseSpec, rooms: set[str], moved: bool) -> Iterator[str]:
-    """The openings between rooms of both houses that only one of them has. Positions do not count if walls have moved."""
+    """Yield, in words, the openings that only one house has, among the openings between rooms of both houses.
+
+    If walls have `moved`, the positions of openings are not compared.
+    """
     listed = []
     for spec in (before, after):
         openings = [o for storey in spec.storeys for o in storey.openings if set(o.rooms) <= rooms]

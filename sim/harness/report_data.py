@@ -97,7 +97,7 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:
-    """The frames that the SLAM was most sure of, half of them right and half wrong, rendered once more."""
+    """Up to six frames with a right and six with a wrong label, of which the SLAM was most sure, rendered once more."""
     similarities, baseline = run.estimate.similarities, run.estimate.baseline_labels
     if run.scenario.fidelity != "render" or similarities is None or baseline is None:
         return ()
@@ -110,7 +110,7 @@ def _samples(run: Run) -> tuple[SampleFrame, ...]:
 
 
 def _surest(margin: Float[np.ndarray, "n"], eligible: Bool[np.ndarray, "n"], rooms: Int[np.ndarray, "n"]) -> list[int]:
-    """Keyframes with the largest margin, one per room, in the order of time."""
+    """Rows of the eligible frames with the largest margin, at most one per room and six in all, in the order of time."""
     best: dict[int, int] = {}
     for k in np.argsort(-margin):
         if eligible[k]:

@@ -21,7 +21,7 @@ class HouseFigures:
 
 @dataclass(frozen=True)
 class WalkFigures:
-    """The tour of a run, and the number of frames that the SLAM makes claims about."""
+    """The tour of a run, its number of frames, and the number of frames that the SLAM makes claims about (`keyframes`)."""
 
     path_m: float
     duration_s: float
@@ -37,9 +37,9 @@ class LabelFigures:
     accuracy_baseline: float | None = None
     """Label accuracy before refinement."""
     accuracy_graded: float | None = None
-    """Label accuracy if a frame near an open boundary may carry the label of either side."""
+    """Label accuracy if, near an open boundary between two rooms, the labels of both rooms count as right."""
     per_room: Mapping[str, float] = field(default_factory=dict)
-    """Label accuracy by true label."""
+    """Label accuracy of the frames with each true label, by this label."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class LoopFigures:
 
 @dataclass(frozen=True)
 class MatchFigures:
-    """Figures on proposed revisits, as in the paper's Fig. 5; see `lexis.evaluation.place_recognition.Counts`."""
+    """Figures on proposed revisits, as in Fig. 5 of the LEXIS paper; see `lexis.evaluation.place_recognition.Counts`."""
 
     tp: int | None = None
     fp: int | None = None
@@ -89,7 +89,7 @@ class MatchFigures:
 
 @dataclass(frozen=True)
 class CoverageFigures:
-    """Coverage of the tour by the frames of the estimate."""
+    """How much of the tour the frames of the estimate cover: numbers of rooms, and share of the path."""
 
     rooms_with_keyframe: int
     rooms_walked: int
@@ -105,7 +105,7 @@ class TrajectoryFigures:
     ate_m: float | None = None
     """Absolute trajectory error (ATE) of the estimate [m]."""
     rpe_8m_m: float | None = None
-    """Mean relative position error of the estimate after 8 m [m]."""
+    """Relative pose error of the estimate: RMSE of the translation error over stretches of 8 m of path [m]."""
     rpe_8m_odometry_m: float | None = None
     rpe_24m_m: float | None = None
     rpe_24m_odometry_m: float | None = None
@@ -138,7 +138,7 @@ class TimeFigures:
 
 @dataclass(frozen=True)
 class FaultFigures:
-    """Faults of a run, and the numbers of observations that they affected."""
+    """Faults of a run, and how many observations they changed, were delivered and were refused."""
 
     given: tuple[str, ...]
     """The faults in the notation of the command line."""
@@ -169,7 +169,8 @@ class RunResult:
     floors: FloorFigures
     loops: LoopFigures
     place_recognition: Mapping[str, MatchFigures]
-    """Figures of place recognition by the number of matches per query: "1", "3" and "5"."""
+    """Figures of place recognition, by the number of right matches for which a query counts as a true positive: "1", "3" or
+    "5"."""
     coverage: CoverageFigures
     trajectory: TrajectoryFigures
     planning: PlanningFigures
@@ -180,14 +181,14 @@ class RunResult:
     faults: FaultFigures | None = None
 
     def data(self) -> dict[str, Any]:
-        """The contents of result.json; runs without faults have no entry for them."""
+        """The contents of result.json. Runs without faults have no entry "faults"."""
         data = {"schema": SCHEMA} | asdict(self)
         if self.faults is None:
             del data["faults"]
         return data
 
     def __getitem__(self, name: str) -> Any:
-        """The figure of a dotted name, such as "labels.accuracy". Raises KeyError that lists the valid names."""
+        """Return the figure with a dotted name, such as "labels.accuracy". Raises KeyError that lists the valid names."""
         value: Any = self
         for part in name.split("."):
             choices = value if isinstance(value, Mapping) else vars(value)

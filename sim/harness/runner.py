@@ -1,4 +1,4 @@
-"""One run: a SLAM gets the observations of a scenario, and its claims are kept beside the truth."""
+"""`run`: gives the observations of a scenario to a SLAM, and returns the SLAM's claims together with the truth."""
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 
 
 class Given(NamedTuple):
-    """The input of the SLAM at a frame, without the image."""
+    """What the SLAM was given at a frame, without the image."""
 
     stamp: float
     """Time stamp [s]."""
@@ -50,14 +50,15 @@ class Run:
     walkable: Walkable
     session: Session
     slam: object
-    """The SLAM after its `finish`, or the `CommandSlam` of the program that was run. Some SLAMs plan paths or save files."""
+    """The SLAM after its `finish`, or the `CommandSlam` of an external program. Some SLAMs also implement `PlansPaths` or
+    `SavesFiles`."""
     estimate: Estimate
     given: Mapping[int, Given]
     """Input of the SLAM at every frame that it accepted; the key is `Observation.index`."""
     seconds: dict[str, float]
     """Wall times by part of the run [s]: making house and tour, building the scene, rendering, and the SLAM."""
     delivered: tuple[Truth, ...]
-    """The truths of all observations, in the order in which the SLAM was given the observations."""
+    """The truth of every observation that the SLAM was given, including refused ones, in the order of delivery."""
     refused: tuple[str, ...] = ()
     """Error messages with which the SLAM refused observations; always empty without faults."""
 
@@ -109,7 +110,7 @@ class Run:
         return np.array([self.session.truths[frame].storey for frame in self.estimate.frames.tolist()], int)
 
     def most_similar(self, row: int, count: int) -> tuple[tuple[str, float], ...]:
-        """Return the `count` room names most similar to a frame, with their claimed similarities, best first.
+        """Return the `count` room names most similar to the frame in a row of the estimate, with similarities, best first.
 
         The result is empty if the SLAM claims no similarities.
         """
@@ -133,8 +134,8 @@ class Run:
 def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progress | None = None) -> Run:
     """Give the observations of a scenario to a SLAM; by default to LEXIS with the encoder that the scenario names.
 
-    Under faults, observations that the SLAM refuses (`ObservationError`) are left out, as by a driver that logs the error
-    and goes on. In a test that pytest runs with `--lexis-replay`, the stored scenario is run in place of `scenario`; see
+    In a scenario with faults, observations that the SLAM refuses by an `ObservationError` are skipped, as in a real robot's
+    driver. In a test that pytest runs with `--lexis-replay`, the stored scenario is run in place of `scenario`; see
     `last_run`. Raises `WorldsError`, `SimError` or `LexisError` if the scenario is impossible or the estimate is not valid,
     and whatever the SLAM raises.
     """
@@ -181,22 +182,22 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
 
 
 def scene_of(scenario: Scenario) -> Session:
-    """The house, tour, odometry and camera of a scenario, without a sensor, for a look at single frames.
+    """Return a session with the house, tour, odometry and camera of a scenario, to render single frames.
 
-    Raises `WorldsError` or `SimError` if the scenario is impossible.
+    The session has no feature sensor. Raises `WorldsError` or `SimError` if the scenario is impossible.
     """
     return _session(scenario, walk(scenario), None)
 
 
 def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None) -> Session:
-    """The observations of a scenario; with a feature model, percepts take the place of images."""
+    """The session that yields a scenario's observations; with a feature model, they contain percepts instead of images."""
     camera = build_rig(scenario.rig).front
     sensor = None if model is None else FeatureSensor(model, camera, scenario.seed, scenario.encoder == ORACLE)
     return Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
 
 
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
-    """The model of the feature sensor; None if the SLAM gets images."""
+    """The model by which the feature sensor draws embeddings; None if the SLAM gets images."""
     return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
 
 
@@ -211,7 +212,7 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: Fea
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise SimError for claims about a frame that the SLAM was not given, or about room names that do not exist."""
+    """Raise SimError for claims about frames that the SLAM was not given, or about room names that do not exist."""
     unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
     if unknown:
         raise SimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")

@@ -35,11 +35,12 @@ _FILE = FileKind("a scenario, such as scenario.json in the folder of a run", 16_
 class Scenario(Settings, place="scenario", error=SimError):
     """All settings of a run except the SLAM under test: a house, a tour through it, odometry, faults, cameras and seeds.
 
-    The same scenario gives the same observations. This class holds settings only; `sim.harness.parts` builds from them.
+    The same scenario gives the same observations. This class holds settings only; `sim.harness.walk` builds house, tour and
+    odometry from them.
     """
 
     preset: str = "home"
-    """Family of houses; ignored if `house` is given."""
+    """Family of houses from which the house is sampled; ignored if `house` is given."""
     seed: Annotated[int, Interval(ge=0, lt=2**63)] = 7
     """Seed of the house (if `house` is None), the tour, the odometry and the faults, each with its own random stream."""
     house: HouseSpec | None = None
@@ -51,7 +52,7 @@ class Scenario(Settings, place="scenario", error=SimError):
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Observations per second [Hz]. With fewer than two observations per keyframe, LEXIS triangulates no landmarks."""
     sway: SwayName = "none"
-    """The gait that is added to the motion; see `sim.tours.sway`."""
+    """Gait whose sway is added to the motion of the camera; see `sim.tours.sway`."""
     start_manoeuvre: bool = False
     """Whether the body swings on the spot for five seconds before the tour."""
     odometry: str = "multicam"
@@ -61,17 +62,18 @@ class Scenario(Settings, place="scenario", error=SimError):
     fidelity: Fidelity = "render"
     """Input of the SLAM. render: rendered images. features: embeddings that the feature sensor predicts from true views."""
     encoder: str = "mini"
-    """Name of the vision-language model: LEXIS uses it unless it is given another one, and the feature sensor imitates it.
-    With fidelity "features" it may be `ORACLE`, too."""
+    """Name of the vision-language model that LEXIS uses, unless LEXIS is given another one, and that the feature sensor
+    imitates. With fidelity "features", `ORACLE` is valid too: an encoder that is told the truth."""
     feature_model: Path | None = None
-    """Feature model that `lexis-sim fit-features` has fitted to the encoder. None: the shipped one for `mini`."""
+    """File with the feature model that `lexis-sim fit-features` has fitted to the encoder. None: the included model of
+    `mini`."""
     faults: tuple[Fault, ...] = ()
     """Faults in the order in which they act; see `sim.faults`."""
     rig: RigConfig = field(default_factory=RigConfig)
     """Cameras on the body. The SLAM gets the images of the first pinhole camera; recordings contain all pinhole cameras."""
 
     def __post_init__(self) -> None:
-        """Raise SimError for a value that is not valid, or for values that do not go together."""
+        """Raise SimError for a value that is not valid, or for values that contradict each other."""
         super().__post_init__()
         if self.odometry not in ODOMETRY_PRESETS:
             guess = did_you_mean(self.odometry, ODOMETRY_PRESETS)
@@ -118,7 +120,7 @@ class Scenario(Settings, place="scenario", error=SimError):
 
 
 def scenario_of(data: object) -> Scenario:
-    """Build a scenario from plain data; absent fields get defaults. Raises `SimError` and `worlds.WorldsError`."""
+    """Build a scenario from plain data; absent fields get defaults. Raises `SimError` or `worlds.WorldsError` if invalid."""
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise SimError(f"is no scenario; valid: a JSON object with format {FORMAT!r}")
     if data.get("version") != VERSION:
@@ -134,7 +136,7 @@ def scenario_of(data: object) -> Scenario:
 
 
 def _with_whole_numbers(data: Any) -> Any:
-    """The data with 4 in the place of 4.0: both are equal, and a scenario may hold either until it is read from a file."""
+    """Replace numbers such as 4.0 by 4 in JSON data: a setting may hold either, and both have to give the same hash."""
     if isinstance(data, dict):
         return {key: _with_whole_numbers(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
@@ -143,7 +145,7 @@ def _with_whole_numbers(data: Any) -> Any:
 
 
 def _fault_data(fault: Fault) -> dict[str, Any]:
-    """A fault as name and non-default fields: default values are left out, because some are infinite."""
+    """A fault's name and the fields that differ from their defaults. Some defaults are infinite, which JSON cannot hold."""
     return {"name": fault.name} | {
         each.name: getattr(fault, each.name) for each in fields(fault) if getattr(fault, each.name) != each.default
     }

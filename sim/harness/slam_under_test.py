@@ -17,7 +17,7 @@ from sim.harness.estimate import Estimate
 
 @runtime_checkable
 class SlamUnderTest(Protocol):
-    """Any SLAM. The harness calls `start` once, `process` for every observation, and `finish` once."""
+    """Interface of any SLAM. The harness calls `start` once, `process` for every observation, and `finish` once."""
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
         """Begin a run with this camera. `room_names` are the labels that rooms may have."""
@@ -25,8 +25,8 @@ class SlamUnderTest(Protocol):
     def process(self, observation: Observation) -> None:
         """Take the next observation: an RGB image and a pose by drifting odometry.
 
-        Raise `lexis.errors.ObservationError` to refuse an observation, such as one with a stamp in the past; under faults
-        the run then goes on without it.
+        An implementation may raise `lexis.errors.ObservationError` to refuse an observation, such as one with a stamp in the
+        past. In a scenario with faults, the run then goes on without this observation.
         """
 
     def finish(self) -> Estimate:
@@ -45,18 +45,18 @@ def check_slam_methods(slam: object) -> None:
 
 @runtime_checkable
 class PlansPaths(Protocol):
-    """A SLAM that plans paths between rooms; the harness drives them with a simulated robot."""
+    """Interface of a SLAM that also plans paths between rooms. A simulated robot drives these paths."""
 
     def plan(self, start: str, goal: str) -> Sequence[int]:
-        """Return the rows of the estimate along a path from a room labelled `start` to a room labelled `goal`.
+        """Return a path from a room labelled `start` to a room labelled `goal`, as rows of the estimate in driving order.
 
-        The harness calls this method after `finish`. Raise `lexis.errors.PlanError` if there is no path.
+        The harness calls this method after `finish`. An implementation raises `lexis.errors.PlanError` if there is no path.
         """
 
 
 @runtime_checkable
 class SavesFiles(Protocol):
-    """A SLAM that adds files of its own to the folder of a run."""
+    """Interface of a SLAM that adds files of its own to the folder of a run."""
 
     def save(self, folder: Path) -> None:
         """Write files into `folder`. The harness calls this method after `finish`."""
@@ -64,13 +64,13 @@ class SavesFiles(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FeatureInput:
-    """Replaces images and geometric verification in runs of fidelity "features"."""
+    """What a SLAM needs in runs of fidelity "features", in which there are no images to encode or to verify loops with."""
 
     model: FeatureModel
     source: str
     """File or package that the model was read from, for error messages."""
     oracle: bool
-    """Whether embeddings hold the ground truth instead of simulated embeddings of the encoder."""
+    """Whether the embeddings are the oracle's, which contain the truth, instead of imitating the encoder of `model`."""
     verifier: Verifier
 
     def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
@@ -89,7 +89,7 @@ class FeatureInput:
 
 @runtime_checkable
 class AcceptsFeatures(Protocol):
-    """A SLAM that can work on percepts (`lexis.types.Percept`) instead of images."""
+    """Interface of a SLAM that can work on percepts (`lexis.types.Percept`: embeddings of views) instead of images."""
 
     def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
-        """Begin a run of fidelity "features", in place of `start`."""
+        """Begin a run of fidelity "features". The harness calls this method in place of `start`."""

@@ -17,7 +17,7 @@ from sim.report.frame_picture import camera_image, place_image
 from sim.session import Session
 
 _LISTED = 8
-"""Largest number of passing scenarios, one step smaller than the smallest failing one, that the page lists."""
+"""Largest number of listed scenarios that pass although they are only one step smaller than the smallest failing one."""
 _IMAGE, _PLAN = "first-wrong.png", "first-wrong-plan.png"
 _UNITS = {"length_m": "length of the tour [m]", "area_m2": "area of the rooms [m²]"}
 _HOW_TO_REPLAY = (
@@ -48,7 +48,7 @@ class Page:
 
 
 def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smallest: Observed | Crash) -> Page:
-    """The page about a failure of a SLAM; `smallest` is the outcome in the smallest scenario."""
+    """Make the page about a failure of a SLAM; `smallest` is the run or crash of the SLAM in the smallest scenario."""
     if isinstance(smallest, Crash):
         return crash_page(f"The SLAM {smallest.what}", smallest, reduction, blamed)
     assert test.claim is not None
@@ -58,19 +58,27 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
 
 
 def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: BlameTable | None) -> Page:
-    """The page about a test that fails; `reduction` and `blamed` are None if no smaller scenario was searched for."""
+    """Make the page about a test that fails.
+
+    `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
+    failure.
+    """
     return _page([f"# {name} fails"], wrong_frame_page(run), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
-    """The page about a crash of the SLAM; `reduction` and `blamed` are None if no smaller scenario was searched for."""
+    """Make the page about a crash of the SLAM.
+
+    `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
+    failure.
+    """
     more = f" More is in `{TRACEBACK}`." if crash.traceback else ""
     head = [f"# {title}", "", f"`{crash.message.replace('`', '')}`.{more}"]
     return _page(head, _crash_frame_page(crash), _search_sections(reduction, blamed))
 
 
 def _page(head: Sequence[str], place: Page, sections: Iterable[str], whole_run: str = "") -> Page:
-    """A page from its first lines, the section about one frame, the sections about a search, and the replay."""
+    """Join the parts of a page: first lines, a section about one frame, sections about a search, and how to replay."""
     middle = list(sections)
     files = [line for line in (whole_run, _ORIGINAL if middle else "") if line]
     lines = (*head, "", *place.lines, *([""] if place.lines else []), *middle, *_HOW_TO_REPLAY, *files)
@@ -85,7 +93,7 @@ def _failure(reduction: Reduction, test: FailureTest, smallest: Observed) -> Ite
 
 
 def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
-    """The section about the first wrong frame, with a picture from the camera if images can be rendered, and a plan."""
+    """Make the section about the first wrong frame, with its place on a plan and, if images can be rendered, its image."""
     frame = first_wrong(run, figure)
     title = "## Where it first went wrong"
     if frame is None:
@@ -94,7 +102,7 @@ def wrong_frame_page(run: Run, figure: str | None = None) -> Page:
 
 
 def _crash_frame_page(crash: Crash) -> Page:
-    """The section about the frame that the SLAM was given when it raised; empty if the frame is not known."""
+    """Make the section about the frame at which the SLAM raised an exception; it is empty if this frame is not known."""
     if crash.done is None:
         return Page((), {})
     session = scene_of(crash.scenario)
@@ -119,9 +127,9 @@ def _frame_page(title: str, session: Session, frame: WrongFrame, fidelity: Fidel
 
 
 def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, figure: str = "") -> Iterator[str]:
-    """What mends the failure, if that was tried, what the failure needs, and how small it is; a blank line ends each.
+    """Yield the lines on what mends the failure, what the failure needs, and how small the scenario has become.
 
-    Without a search, `reduction` is None and there is nothing to say.
+    Without `blamed`, the first part is left out. Without a `reduction`, there was no search, and there are no lines.
     """
     if reduction is None:
         return
@@ -135,7 +143,7 @@ def _search_sections(reduction: Reduction | None, blamed: BlameTable | None, fig
 
 
 def _mends(blamed: BlameTable, figure: str) -> Iterator[str]:
-    """List the substitutions with what became of the failure and, if a figure is given, its value in each run."""
+    """Yield a table: for each substitution whether the failure is gone and, if a figure is given, the figure's value."""
     yield "## What mends it"
     yield ""
     yield f"{str(blamed)[0].upper()}{str(blamed)[1:]}"
@@ -185,7 +193,7 @@ def _sizes(reduction: Reduction, figure: str) -> Iterator[str]:
 
 
 def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:
-    """The sizes of the original and of the smallest scenario; what is zero in both is left out."""
+    """Yield a table with the sizes of the original and the smallest scenario. Entries that are zero in both are left out."""
     yield "| | original | smallest |"
     yield "|---|---|---|"
     for name, old, new in zip(ScenarioSize._fields, before, after, strict=True):

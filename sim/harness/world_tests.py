@@ -21,15 +21,16 @@ if TYPE_CHECKING:
     from sim.harness.scenario import Scenario
 
 Tier = Literal["layout", "features", "render"]
-"""Kind of test. layout: it checks houses only. features, render: it checks runs of this fidelity."""
+"""Kind of test. layout: the test checks houses only. features, render: the test checks runs of this fidelity."""
 TIERS: tuple[Tier, ...] = get_args(Tier)
 ATTRIBUTE = "lexis_worlds"
 """Attribute of a decorated test that holds its `WorldFamily`."""
 HOUSE_SEEDS = 1_000_000
-"""Fresh houses have seeds below this number; those from here up are reserved for acceptance."""
+"""Fresh houses have seeds below this number. Seeds from this number upwards are reserved for acceptance tests."""
 MOST_WORLDS = 10_000
 FEATURES_FRAME_RATE_HZ, RENDER_FRAME_RATE_HZ = 2.0, 10.0
-"""Usual frame rates by fidelity [Hz]. Only landmarks need a high rate, and LEXIS triangulates none on features."""
+"""Default frame rates of runs with fidelity "features" and "render" [Hz]. Only landmarks need a high rate, and LEXIS
+triangulates no landmarks on features."""
 SCENARIO = "scenario.json"
 """File that identifies a folder as the output of a failed test."""
 _NOT_IN_NAMES = re.compile(r"[^\w.]+")
@@ -67,9 +68,10 @@ class WorldFamily:
     faults: tuple["Fault", ...]
 
     def draw(self, seed: int, index: int) -> "FreshWorld":
-        """Draw the world number `index`; tests with equal requirements get equal worlds.
+        """Draw the world with number `index` for a seed. Tests with equal requirements get equal worlds.
 
-        The draws are hashes of seed and index instead of a numpy Generator's, because collecting tests loads no numpy.
+        The random numbers are hashes of seed and index instead of a numpy Generator's, because collecting tests loads no
+        numpy.
         """
 
         def share(what: str) -> float:
@@ -89,7 +91,7 @@ class WorldFamily:
 
 @dataclass(frozen=True)
 class FreshWorld:
-    """A drawn house and the run that a test asks for in it."""
+    """Preset, seed and properties of a house that was drawn for a test, with the run that the test requires in it."""
 
     family: WorldFamily
     index: int
@@ -104,7 +106,10 @@ class FreshWorld:
         return f"{self.preset}-{self.seed}"
 
     def scenario(self) -> "Scenario":
-        """Generate the house; the scenario contains it, so that a stored failure outlives changes to the generator."""
+        """Generate the house, and return the scenario.
+
+        The scenario contains the house, so that a stored failure stays the same when the generator of houses changes.
+        """
         from sim.harness.parts import TOUR_LENGTH_M
         from sim.harness.scenario import Scenario
         from sim.harness.walk import shortest_walk_m
@@ -143,12 +148,12 @@ class StoredWorld:
 
 
 def slug_of(name: str) -> str:
-    """Return the part of a failure folder's name that identifies the test by its file and function."""
+    """Convert a test's name for use in a folder's name: "tests/test_a.py::test_b" becomes "tests-test_a-test_b"."""
     return _NOT_IN_NAMES.sub("-", name.replace(".py::", "-"))[-_LONGEST_NAME:].strip("-.")
 
 
 def stored_failures(out: Path, name: str) -> list[StoredWorld]:
-    """Return the scenarios in the folders of earlier failures of a test, with any parameters, sorted by folder name."""
+    """Return the scenarios of a test's earlier failures, whatever its parameters, sorted by the failure folders' names."""
     pattern = re.compile(re.escape(slug_of(name)) + "(?:-.+)?-([0-9a-f]{16})")
     folders = sorted(out.iterdir()) if out.is_dir() else []
     matches = [(folder / SCENARIO, pattern.fullmatch(folder.name)) for folder in folders]

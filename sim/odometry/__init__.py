@@ -1,6 +1,6 @@
-"""Odometry that drifts as visual-inertial odometry does, and the inertial sensor behind it.
+"""Simulated odometry, which drifts as visual-inertial odometry does, and a simulated inertial sensor.
 
-`config` holds the error law's parameters and the presets, `simulation` draws an estimate of a tour's poses, and `imu`
+`config` holds the parameters of the drift and presets of them, `simulation` draws an estimate of a tour's poses, and `imu`
 simulates accelerometer and gyroscope for recordings.
 """
 

@@ -1,4 +1,4 @@
-"""Settings of simulated odometry, and presets; the drift that each preset leads to has been measured."""
+"""Settings of simulated odometry, and presets with the drift that was measured for each of them."""
 
 import math
 from dataclasses import dataclass
@@ -12,29 +12,29 @@ from sim.errors import SimError
 
 @dataclass(frozen=True)
 class OdometryConfig(Settings, place="odometry", error=SimError):
-    """Parameters by which the error of simulated odometry grows with the path's length; see `sim.odometry.simulation`."""
+    """Parameters of the error of simulated odometry, which grows with the path's length; see `sim.odometry.simulation`."""
 
     position_walk_m: Annotated[float, Ge(0)] = 0.0
     """White noise of the increments: standard deviation of the position's random walk after 1 m, per axis [m/√m]."""
     yaw_walk_rad: Annotated[float, Ge(0)] = 0.0
     """White noise of the yaw increments: standard deviation of yaw's random walk after 1 m [rad/√m]."""
     scale_error: Annotated[float, Ge(0)] = 0.0
-    """Standard deviation of the relative error in length, which is constant through a run and differs between runs."""
+    """Standard deviation of the relative error of scale. The error is constant in a run and differs between runs."""
     velocity_bias: Annotated[float, Ge(0)] = 0.0
-    """Standard deviation of the drifting bias of the translation, per body axis, as a share of the path's length."""
+    """Standard deviation, per body axis, of the slowly varying bias of the translation, as a share of the path's length."""
     yaw_bias_rad_m: Annotated[float, Ge(0)] = 0.0
-    """Standard deviation of the drifting bias of yaw [rad/m]."""
+    """Standard deviation of the slowly varying bias of yaw, per metre of path [rad/m]."""
     bias_correlation_m: Annotated[float, Gt(0)] = 60.0
-    """Length of path after which a bias has decorrelated to 1/e: first-order Gauss-Markov [m]."""
+    """Length of path over which the correlation of a bias, a first-order Gauss-Markov process, falls to 1/e [m]."""
     tilt_rad: Annotated[float, Ge(0)] = 0.0
-    """Standard deviation of roll and of pitch, which gravity keeps bounded [rad]."""
+    """Standard deviation of the errors of roll and of pitch, which gravity keeps bounded [rad]."""
     tilt_correlation_m: Annotated[float, Gt(0)] = 2.0
-    """Length of path after which errors of roll and pitch have decorrelated to 1/e [m]."""
+    """Length of path over which the correlation of the errors of roll and pitch falls to 1/e [m]."""
     overconfidence: Annotated[float, Ge(1)] = 1.0
-    """Factor by which the reported covariance is too small, which is the NEES per degree of freedom of an increment. At 1,
-    covariances match the errors; published filters reach 200 in orientation."""
+    """Factor by which the reported covariance is too small. It equals the NEES (normalised estimation error squared) per
+    degree of freedom of an increment. At 1, covariances match the errors; published filters reach 200 in orientation."""
     rate_hz: Annotated[float, Ge(100)] = 100.0
-    """Rate at which increments are integrated along a tour [Hz]."""
+    """Least rate of the increments of motion from which poses are integrated along a tour [Hz]."""
 
 
 def _preset(
@@ -57,8 +57,8 @@ ODOMETRY_PRESETS = {
     "degraded": _preset(0.043, 0.75, 0.010, 0.005, 0.12, 0.50),
     "openvins": _preset(0.012, 0.17, 0.001, 0.001, 0.007, 0.38),
 }
-"""Presets of the odometry by name. On tours of 100 m they have these mean relative pose errors over 8, 24 and 48 m, and this
-ATE (averages over runs, which a test checks):
+"""Presets of the odometry by name. The table shows, for tours of 100 m, the mean relative pose errors over 8, 24 and 48 m of
+path and the ATE (absolute trajectory error). All values are averages over runs, which a test checks:
 
 ============  =================  =================  =================  ========
 preset        8 m                24 m               48 m               ATE
@@ -77,6 +77,6 @@ openvins      0.07 m  0.85 deg   0.13 m  1.06 deg   0.19 m  1.26 deg   0.11 m
   between a good and a bad back end, so the other presets do not follow this curve.
 
 `overconfidence` is the NEES per degree of freedom of single increments. If increments are composed over 8 to 96 m as though
-they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8): tilt errors cancel each other,
-which lowers the NEES, and biases add up, which raises it less.
+they were independent, the NEES is 0.8 to 1.0 times `overconfidence` (`openvins`: 0.5 to 0.8). The reason is that tilt errors
+cancel each other, which lowers the NEES. Biases add up and raise the NEES, but less.
 """

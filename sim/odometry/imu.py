@@ -1,6 +1,6 @@
-"""A simulated inertial sensor in the body frame: `ideal_imu` measures along a motion, `corrupted` adds bias and noise.
+"""A simulated inertial sensor: `ideal_imu` computes error-free measurements, and `corrupted` adds bias and noise.
 
-The default noise parameters are taken from the calibration files of EuRoC, for its sensor ADIS16448.
+The default noise parameters are those of the sensor ADIS16448 in the calibration files of EuRoC.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ TURN_ON = (np.radians(0.5), 20e-3 * GRAVITY_M_S2)
 
 @dataclass(frozen=True)
 class ImuConfig(Settings, place="imu", error=SimError):
-    """Rate and continuous-time noise of an inertial sensor."""
+    """Rate of an inertial sensor, and densities of its noise in continuous time."""
 
     rate_hz: Annotated[float, Gt(0)] = 200.0
     """Measurements per second [Hz]."""
@@ -48,7 +48,7 @@ class Imu:
     angular_velocity: Float64[np.ndarray, "n 3"]
     """Angular velocity of B relative to W, expressed in B [rad/s]."""
     specific_force: Float64[np.ndarray, "n 3"]
-    """Acceleration less gravity: +9.81 along z at rest [m/s²]."""
+    """Acceleration minus gravity, expressed in B: +9.81 along z when B is level and at rest [m/s²]."""
     gyroscope_bias: Float64[np.ndarray, "n 3"]
     """Bias that `angular_velocity` contains [rad/s]."""
     accelerometer_bias: Float64[np.ndarray, "n 3"]
@@ -56,10 +56,11 @@ class Imu:
 
 
 def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
-    """Compute error-free measurements from start to end of a motion, by its exact derivatives.
+    """Compute error-free measurements from the start to the end of a motion, from the motion's exact derivatives.
 
-    Integrated at 200 Hz to fourth order (cubics through four samples, two terms of Magnus's series for the rotation), the
-    measurements reproduce a minute of the trajectory to 0.2 mm, with or without sway; the trapezoidal rule, to 2-7 cm.
+    Fourth-order integration of measurements at 200 Hz (cubics through four samples, two terms of Magnus's series for the
+    rotation) reproduces a minute of the trajectory to 0.2 mm, with or without sway. The trapezoidal rule reproduces it to
+    2 to 7 cm.
     """
     t = np.arange(round(motion.duration_s * rate_hz) + 1) / rate_hz
     force = motion.acceleration(t) + [0.0, 0.0, GRAVITY_M_S2]
@@ -68,9 +69,10 @@ def ideal_imu(motion: Motion, rate_hz: float = 200.0) -> Imu:
 
 
 def corrupted(imu: Imu, config: ImuConfig, rng: np.random.Generator) -> Imu:
-    """Add white noise and biases to measurements. Initial biases are drawn with the turn-on deviations; then they drift.
+    """Add white noise and biases to measurements.
 
-    Raises `SimError` where the measurements are not at the config's rate.
+    Each bias starts with a random value, drawn with the turn-on deviation of `config`, and then drifts as a random walk.
+    Raises `SimError` if the measurements are not at the config's rate.
     """
     step = 1.0 / config.rate_hz
     if not np.allclose(np.diff(imu.stamps), step, rtol=0.0, atol=1e-9):

@@ -25,7 +25,7 @@ from sim.tours.tour import Tour
 __all__ = ["ODOMETRY_PRESETS", "Odometry", "OdometryConfig", "simulate_odometry", "tour_odometry"]
 
 METRES_PER_RADIAN = 0.3
-"""Distance that a rotation by one radian counts as."""
+"""Distance that a rotation by one radian counts as, where errors grow with distance [m/rad]."""
 _VARIANCE_FLOOR = 1e-10
 """Added variance that keeps covariances invertible if the body stands or does not drift [rad², m²]."""
 
@@ -37,11 +37,14 @@ class Odometry:
     T_O_B: Float64[np.ndarray, "n 4 4"]
     """Estimated poses in the odometry frame O, which coincides with W at the first pose."""
     increment_covariance: Float64[np.ndarray, "n 6 6"]
-    """Covariance of the error since the previous pose: `T = T_true @ Exp(xi)`, rotation first [rad², m²]."""
+    """Covariance of the error `xi` of the motion since the previous pose, rotation first [rad², m²].
+
+    The error is on the right: `T = T_true @ Exp(xi)`.
+    """
 
 
 def tour_odometry(tour: Tour, config: OdometryConfig, rng: np.random.Generator) -> Odometry:
-    """Simulate odometry along a tour, integrated at `config.rate_hz` or more and reported at the tour's frames."""
+    """Simulate odometry along a tour. It integrates `config.rate_hz` or more increments a second and reports each frame."""
     pieces = np.ceil(np.diff(tour.stamps) * config.rate_hz - 1e-6).astype(int)
     frames = np.append(0, np.cumsum(pieces))
     stamps = np.interp(np.arange(frames[-1] + 1), frames, tour.stamps)
@@ -57,8 +60,8 @@ def simulate_odometry(
 ) -> Odometry:
     """Simulate odometry along true poses, with one increment between consecutive poses.
 
-    `reported` holds the indices of the poses to report, ascending from 0 (None: all). Raises `SimError` if poses are not
-    rigid, or if stamps or indices do not ascend.
+    `reported` holds the indices of the poses to report, in ascending order from 0 (None: all). Raises `SimError` if poses
+    are not rigid, or if stamps or indices do not ascend.
     """
     reported = np.arange(len(T_W_B)) if reported is None else reported
     _check(T_W_B, stamps, reported)
@@ -84,7 +87,7 @@ def simulate_odometry(
 def _drift(
     R_W_B: Float64[np.ndarray, "m 3 3"], moved: Float64[np.ndarray, "m"], config: OdometryConfig, rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, "m_plus_1"], Float64[np.ndarray, "m 3"]]:
-    """Return each pose's yaw error [rad], and each step's translation error in W [m] except for errors of scale and yaw."""
+    """Return each pose's yaw error [rad], and each step's translation error in W [m] apart from effects of scale and yaw."""
     bias = _gauss_markov(rng.standard_normal(4), moved, config.bias_correlation_m, rng)[:-1]
     root = np.sqrt(moved)
     yaw = config.yaw_walk_rad * root * rng.standard_normal(len(moved)) + config.yaw_bias_rad_m * bias[:, 0] * moved

@@ -1,4 +1,4 @@
-"""A program in any language as the SLAM under test: it reads a recording, and writes its claims to files."""
+"""`run_command`: a program in any language as the SLAM. The program reads a recording, and writes its claims to files."""
 
 import os
 import resource
@@ -34,7 +34,7 @@ _KEPT_BYTES = 1_000_000
 
 @dataclass(frozen=True)
 class CommandSlam:
-    """A program that has run, with its standard output and standard error."""
+    """A program that has run. It takes the place of a SLAM object in `Run.slam`, and saves what the program printed."""
 
     command: str
     stdout: bytes
@@ -54,7 +54,7 @@ def run_command(
     memory_mb: float = MEMORY_MB,
     progress: Progress | None = None,
 ) -> Run:
-    """Record a scenario without its truth, run a program on the recording, and keep its claims beside the truth.
+    """Record a scenario without its truth, run a program on the recording, and return the program's claims with the truth.
 
     Args:
         scenario: the run; its fidelity is "render", since a program needs images.
@@ -113,7 +113,7 @@ def run_command(
 
 
 def command_words(command: str) -> list[str]:
-    """The program and its arguments. Raises `SimError` for a command that names no program, dataset or output."""
+    """Split a command into words as a shell does. Raises `SimError` for open quotes, or if {dataset} or {out} is missing."""
     try:
         words = shlex.split(command)
     except ValueError as error:
@@ -147,7 +147,10 @@ def _times(take: Take, frames: Sequence[_Frame]) -> RecordedTimes:
 
 
 def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: float) -> tuple[bytes, bytes]:
-    """Run a program within its limits, and return the end of what it printed. Raises `ProgramError` if it fails."""
+    """Run a program within its limits; return the ends of its standard output and standard error, up to 1 MB each.
+
+    Raises `ProgramError` if the program fails or takes too long.
+    """
     paths = work / "stdout", work / "stderr"
     with paths[0].open("wb") as stdout, paths[1].open("wb") as stderr:
         status = _exit_status(words, timeout_s, memory_mb, stdout, stderr)
@@ -165,7 +168,10 @@ def _execute(words: Sequence[str], work: Path, timeout_s: float, memory_mb: floa
 
 
 def _exit_status(words: Sequence[str], timeout_s: float, memory_mb: float, stdout: BinaryIO, stderr: BinaryIO) -> int | None:
-    """Run a program in a process group of its own, of which nothing is left running. None: it took too long."""
+    """Run a program in a process group of its own; return its exit status, or None if it took too long.
+
+    A negative status is the signal that ended the program. At the end, all processes of the group are killed.
+    """
     memory = int(memory_mb * 1e6)
 
     def limit() -> None:

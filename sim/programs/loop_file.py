@@ -1,4 +1,4 @@
-"""The file `loops.json`, in which a program states its loop closures and, if it wants, the revisits that it proposed."""
+"""The file `loops.json`, in which a program states its loop closures and, optionally, the revisits that it proposed."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -35,13 +35,13 @@ class LoopClaim(_Strict):
     match: float
     """Stamp of the earlier frame [s]."""
     T_match_query: Annotated[list[float], Field(min_length=7, max_length=7)]
-    """Measured pose of the later body in the earlier body's frame: tx ty tz qx qy qz qw [m]."""
+    """Measured pose of the body at the later frame, in the body frame of the earlier frame: tx ty tz [m], qx qy qz qw."""
     weight: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
     """Final confidence of the program in the loop."""
 
 
 class RevisitClaim(_Strict):
-    """The earlier frames that one frame may revisit, as the program proposed them before verification."""
+    """Earlier frames that may show the same place as one later frame, as proposed by the program before verification."""
 
     query: float
     """Stamp of the later frame [s]."""

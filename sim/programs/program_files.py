@@ -1,4 +1,4 @@
-"""The files of a program's claims: `trajectory.tum`, `rooms.json` if it finds rooms, and `loops.json` if it closes loops."""
+"""The files of a program's claims: `trajectory.tum`, and optionally `rooms.json` and `loops.json`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,8 @@ from sim.programs.loop_file import LOOPS, read_loops
 from worlds.valid_names import did_you_mean, listed
 
 TRAJECTORY = "trajectory.tum"
-"""File with the poses of the body: "stamp tx ty tz qx qy qz qw", with the stamps of the recording [s, m]."""
+"""File with the poses of the body. Each line is "stamp tx ty tz qx qy qz qw" in seconds and metres, with a stamp of the
+recording."""
 ROOMS = "rooms.json"
 """File with labels, room instances and floors; see `RoomClaims`."""
 AT_REST = -1
@@ -42,7 +43,7 @@ class FrameClaim(BaseModel):
 
 
 class RoomClaims(BaseModel):
-    """The content of a program's rooms.json. If one frame has a label, all frames need one; likewise rooms and floors."""
+    """The content of a program's rooms.json. If one frame has a label, all frames need one; likewise room and floor."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -62,7 +63,7 @@ class RecordedTimes:
     """Time between frames [s]."""
 
     def nearest(self, stamps: Float64[np.ndarray, "k"]) -> tuple[Int[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
-        """Return the index of the observation nearest in time to each stamp, and the time between the two [s]."""
+        """Return the entry of `indices` for the frame nearest in time to each stamp, and the time between the two [s]."""
         order = np.argsort(self.stamps, kind="stable")
         ordered = self.stamps[order]
         right = np.searchsorted(ordered, stamps).clip(1, len(ordered) - 1)
@@ -92,7 +93,7 @@ def read_estimate(folder: Path, times: RecordedTimes, room_names: Sequence[str])
 
 
 def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequence[int]) -> Int[np.ndarray, "k"]:
-    """The rows of an estimate of these frames at stamps that loops.json names. Raises `SimError` for other stamps."""
+    """Return the rows of the estimate for stamps in loops.json. Raises `SimError` for a stamp of none of the `frames`."""
     if not len(stamps):
         return np.zeros(0, int)
     found, away_s = times.nearest(stamps)
@@ -107,7 +108,7 @@ def _rows(stamps: Float64[np.ndarray, "k"], times: RecordedTimes, frames: Sequen
 
 
 def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
-    """The pose of each frame, by its index: the nearest one in time, if it is at most half a frame period away."""
+    """Return the claimed pose of each frame, by its index: the nearest in time that is at most half a frame period away."""
     if not path.exists():
         raise SimError(f"command: the program wrote no {{out}}/{TRAJECTORY}; valid: poses at stamps of frames")
     stamps, poses = read_tum(path)
@@ -128,7 +129,10 @@ def _poses(path: Path, times: RecordedTimes) -> dict[int, Pose]:
 
 
 def _claims(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[int, FrameClaim]:
-    """The claims about every frame; each frame is claimed once and has a pose."""
+    """Return the claims of rooms.json, by the index of the frame; claims about the rest before the walk are left out.
+
+    Raises `SimError` if a stamp matches no frame, or if a frame is claimed twice or has no pose.
+    """
     listed_frames = read_model(path, _ROOMS_FILE, RoomClaims).frames
     frames, away_s = times.nearest(np.array([claim.stamp for claim in listed_frames], float))
     claims: dict[int, FrameClaim] = {}
@@ -148,7 +152,7 @@ def _claims(path: Path, times: RecordedTimes, poses: dict[int, Pose]) -> dict[in
 
 
 def _columns(path: Path, claims: Sequence[FrameClaim], room_names: Sequence[str]) -> dict[str, Any]:
-    """The claims as the fields of `Estimate` that are claimed."""
+    """Convert claims to the fields of `Estimate` that are claimed. Raises `SimError` if only some frames claim a field."""
     columns = {}
     for name, field in (("label", "labels"), ("room", "rooms"), ("floor", "floors")):
         values = [getattr(claim, name) for claim in claims]

@@ -2,12 +2,13 @@
 
 A user decorates a test with `sim.harness.worlds` and overrides the fixture `slam`; the fixture `run` is the `RunResult` of
 the SLAM in one house. A test without the decorator may call `sim.harness.run` by itself. pytest loads this package at every
-start, so it loads nothing heavy until a test needs it. pytest finds the hooks and fixtures here; they live in:
+start, so the package loads nothing heavy until a test needs it. pytest finds the hooks and fixtures here. They are defined
+in these modules:
 
 - `options`: the command line options, the seed and the markers.
-- `collection`: which tests run in which houses.
+- `collection`: decides which tests run in which houses.
 - `fixtures`: what tests take as arguments: `scenario`, `house`, `slam` and `run`.
-- `execution`: one execution of a test, with the runs in it, and why it failed.
+- `execution`: executes a test once, and records its runs and why it failed.
 - `drawn_tests`: replays of tests whose houses Hypothesis draws.
 - `protocol`: executes a decorated test, also in further houses within the budget, and reports its outcome.
 - `shrinking`: executes a failing test in smaller and smaller scenarios.

@@ -1,4 +1,4 @@
-"""Collects the tests in houses: pytest runs a decorated test once for each of its worlds."""
+"""Collection of decorated tests: each runs once for every one of its worlds (scenarios in fresh or stored houses)."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ SHARE_S = pytest.StashKey[float]()
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Turn a decorated test into one test for each of its worlds."""
+    """Turn a test that is decorated with `worlds` into one test for each of its worlds."""
     family, name = _family(metafunc.function), metafunc.definition.nodeid
     if family is None:
         return
@@ -35,7 +35,10 @@ def _worlds_of(family: WorldFamily, config: pytest.Config, name: str) -> Sequenc
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Divide the time budget among the decorated tests; with workers of xdist, which run in parallel, each gets more."""
+    """Divide the time budget `--lexis-budget` equally among the decorated tests.
+
+    The workers of xdist run in parallel, so each test's share is multiplied by their number.
+    """
     budget_s = session.config.option.lexis_budget
     items = sum(family_of(item) is not None for item in session.items)
     if budget_s is not None and items:
@@ -44,7 +47,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 
 def family_of(item: pytest.Item) -> WorldFamily | None:
-    """What a decorated test asks of its houses; None for any other test."""
+    """What a test that is decorated with `worlds` requires of its houses and runs; None for any other test."""
     return _family(getattr(item, "function", None))
 
 
@@ -60,7 +63,7 @@ def name_of(item: pytest.Item) -> str:
 
 
 def parameters_of(item: pytest.Item) -> str:
-    """The pytest id of a test's parameters without its world; empty if it has no others, or no decorator `worlds`."""
+    """The pytest id of the parameters that a decorated test has besides its world; empty if there are none."""
     if family_of(item) is None:
         return ""
     ids: str = item.callspec.id  # type: ignore[attr-defined]

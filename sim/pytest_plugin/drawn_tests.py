@@ -35,7 +35,10 @@ def replay_of_draws(item: pytest.Item, scenario: "Scenario | None") -> Iterator[
 
 
 def _once(test: Callable[..., Any], scenario: "Scenario", outcomes: list[BaseException | None]) -> Callable[..., None]:
-    """The test as Hypothesis calls it: the first call runs it and appends what it raises, or None; others do nothing."""
+    """Wrap a test that Hypothesis calls: the first call runs the test, and later calls do nothing.
+
+    The first call appends the exception of the test, or None, to `outcomes`.
+    """
 
     @wraps(test)
     def once(*args: Any, **kwargs: Any) -> None:
@@ -55,7 +58,7 @@ def _once(test: Callable[..., Any], scenario: "Scenario", outcomes: list[BaseExc
 
 
 def _stored(value: object, scenario: "Scenario") -> object:
-    """The stored scenario or house in place of another one."""
+    """Return the stored scenario or house in place of a scenario or house; return any other value unchanged."""
     from sim.harness.scenario import Scenario
     from worlds.spec import HouseSpec
 

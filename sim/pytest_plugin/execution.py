@@ -1,4 +1,4 @@
-"""One execution of a test: its runs and the reason of its failure are noted."""
+"""Executes a test once, and records its runs and the reason of its failure."""
 
 from collections.abc import Generator
 from dataclasses import dataclass, field
@@ -76,7 +76,7 @@ EXECUTION = pytest.StashKey[Execution]()
 
 
 def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tuple[list[pytest.TestReport], Execution]:
-    """Set up, run and tear down a decorated test with all its fixtures in one world."""
+    """Set up, run and tear down a decorated test in one world; return pytest's reports and the record of the execution."""
     item._report_sections.clear()  # otherwise what every execution prints piles up
     execution = item.stash[EXECUTION] = Execution(world)
     try:
@@ -90,7 +90,11 @@ def execute(item: pytest.Item, nextitem: pytest.Item | None, world: World) -> tu
 
 @pytest.hookimpl(wrapper=True, trylast=True)
 def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
-    """Note the runs in fixtures. An exception of the SLAM in the fixture `run` is kept, and the test fails with it."""
+    """Record the runs that fixtures start.
+
+    An exception of the SLAM in the fixture `run` is kept. `pytest_runtest_call` then raises it, so that the test fails and
+    not its setup.
+    """
     if EXECUTION not in item.stash:
         item.stash[EXECUTION] = Execution()
     execution = item.stash[EXECUTION]
@@ -113,7 +117,10 @@ def _scenario_in(file: Path) -> "Scenario":
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """Note the runs in a test. If the SLAM raised an exception in the fixture `run`, raise it and skip the body."""
+    """Record the runs that a test starts.
+
+    If the SLAM raised an exception in the fixture `run`, this exception is raised, and the test's body is skipped.
+    """
     __tracebackhide__ = True
     execution = item.stash[EXECUTION]
     if execution.raised is not None:
@@ -123,7 +130,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 def reason_of(item: pytest.Item, error: pytest.ExceptionInfo[BaseException]) -> Reason:
-    """Describe the failure, with the last line of the user's own code in the traceback."""
+    """Describe a failure by its exception and the last line of the user's own code in the traceback."""
     own = [entry for entry in error.traceback if _is_own(Path(entry.path), item.config.rootpath)]
     entry = own[-1] if own else error.traceback[-1]
     where = f"{relpath(entry.path, item.config.invocation_params.dir)}:{entry.lineno + 1}"

@@ -39,7 +39,7 @@ def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport,
 
 
 def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search: "Search | None") -> list[str]:
-    """The first wrong place, the folder and the command that replays the failure."""
+    """Write the folder of a failure; return lines with the first wrong frame, the folder and the command for a replay."""
     lines = []
     error = _error(execution)
     if execution.run is not None and isinstance(error, TypeError) and "NoneType" in str(error):
@@ -70,7 +70,10 @@ def _first_wrong(outcome: "FinishedRun | Crash") -> str:
 
 
 def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Crash", search: "Search | None") -> Path:
-    """Write the folder of a failure, unless it is the folder that is being replayed, or the folder of the test itself."""
+    """Write the folder of a failure, and return its path.
+
+    Nothing is written if this folder is being replayed, or if the test itself is in it.
+    """
     from sim.harness.failed_test import folder_of, write_failed_test
 
     if _is_in_its_folder(item, outcome.scenario):
@@ -101,14 +104,14 @@ def _error(execution: Execution) -> BaseException:
 
 
 def _replayed(item: pytest.Item, execution: Execution) -> Path | None:
-    """The scenario file that this execution replays, if it does."""
+    """The scenario file that this execution replays; None if it is no replay."""
     if execution.world is None:
         return replayed_file(item.config)
     return execution.world.file if isinstance(execution.world, StoredWorld) else None
 
 
 def _outcome(execution: Execution, scenario: "Scenario") -> "FinishedRun | Crash":
-    """The run with its figures, which a test need not have computed; if it was not completed, the exception."""
+    """Return the finished run with its figures, which are computed if need be, or the crash if no run was finished."""
     from sim.harness.crash import Crash
     from sim.harness.failed_test import FinishedRun
     from sim.harness.figures import evaluate

@@ -87,13 +87,13 @@ def pytest_configure_node(node: Any) -> None:
 
 
 def pytest_report_header(config: pytest.Config) -> str:
-    """Say how the houses of this session are drawn."""
+    """Return a line for pytest's header that says how the houses of this session are drawn."""
     seed, profile = config.stash[SEED], config.option.lexis_profile
     return f"lexis: --lexis-seed {seed} ({profile}), failures go to {config.option.lexis_out}"
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leave out the folders of failures. Their tests run only if they are named on the command line."""
+    """Collect no tests from the folders of failures, unless they are named on the command line."""
     return True if collection_path == out_folder(config) else None
 
 

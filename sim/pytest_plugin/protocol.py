@@ -1,6 +1,6 @@
-"""How tests are run and reported.
+"""Decides how pytest runs and reports tests.
 
-A decorated test runs in its own house, in further ones within the budget, and in smaller ones if it fails.
+A decorated test runs in its own house and in further houses within the time budget; if it fails, also in smaller ones.
 """
 
 import time
@@ -40,7 +40,10 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 def _within_budget(
     item: pytest.Item, nextitem: pytest.Item | None, family: WorldFamily
 ) -> tuple[list[pytest.TestReport], Execution]:
-    """Reports of the first execution that does not pass, or of the last one within the budget."""
+    """Execute a decorated test in its house, and then in further houses while it passes and its time budget lasts.
+
+    Returns the reports and the record of the last execution, which is the first that did not pass, if there is one.
+    """
     config = item.config
     ends_s = time.monotonic() + config.stash.get(SHARE_S, 0.0)
     first = world_of(item)
@@ -59,7 +62,10 @@ def _within_budget(
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Note why a test itself failed, not a fixture. For a test that is not decorated, explain the failure at once."""
+    """Record why a test failed, unless one of its fixtures failed.
+
+    For a test that is not decorated, the explanation is added to the report at once.
+    """
     report = yield
     execution = item.stash.get(EXECUTION, None)
     if execution is not None and call.when == "teardown" and execution.world is None:

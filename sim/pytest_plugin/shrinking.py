@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Chosen:
-    """A scenario that is at hand, as a `World`."""
+    """A `World` that returns an existing scenario."""
 
     chosen: "Scenario"
     name: str = "chosen"
@@ -31,10 +31,11 @@ class _Chosen:
 def shrunk(
     item: pytest.Item, nextitem: pytest.Item | None, found: Execution, scenario: "Scenario"
 ) -> "tuple[Execution, Search | None]":
-    """Search for the smallest scenario in which the test fails in the same way; return the execution there, and the search.
+    """Search for the smallest scenario in which the test fails in the same way.
 
-    If the failure does not recur, the execution is `found`, and the search is None. After Ctrl-C, the smallest failure so
-    far is returned, and pytest is told to stop after this test.
+    Returns the execution of the test in this scenario, and the search. If the failure does not recur, the execution is
+    `found`, and the search is None. After Ctrl-C, the smallest failure so far is returned, and pytest is told to stop after
+    this test.
     """
     from sim.harness.failed_test import Search
     from sim.harness.reducer import reduce

@@ -1,8 +1,8 @@
-"""Runs as datasets for other programs: EuRoC ASL, TUM RGB-D and ROS 2 bags. The truth is in separate files.
+"""Writes runs as datasets for other programs: EuRoC ASL, TUM RGB-D and ROS 2 bags. Ground truth is in separate files.
 
-`recording` writes a dataset, for which `take` collects the data of all sensors on one tour; `euroc`, `tum_rgbd` and `ros2`
-(with `messages`) write it in one form each; `settings` writes the calibration files of other SLAM systems, and `rooms` the
-true rooms. `lexis run` makes the same map from a recording as LEXIS makes in the live run.
+`recording` writes a dataset. `take` collects the data that all sensors measure on one tour. `euroc`, `tum_rgbd` and `ros2`
+(with `messages`) each write these data in one format. `settings` writes the calibration files of other SLAM systems, and
+`rooms` writes the true rooms. From a recording, `lexis run` makes the same map as LEXIS makes in the live run.
 """
 
 import lazy_loader

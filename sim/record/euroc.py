@@ -1,6 +1,6 @@
-"""Runs in the ASL folder layout of the EuRoC datasets: stereo images, 200 Hz IMU, true states, and odometry as a sensor.
+"""Writes runs in the ASL folder layout of EuRoC: stereo images, 200 Hz IMU, true states, and odometry as a sensor.
 
-Body and IMU share one frame, so the `T_BS` of every camera is its `T_B_C`.
+Body and IMU share one frame, so the `T_BS` of every camera equals `T_B_C`.
 """
 
 import csv
@@ -36,7 +36,11 @@ ODOMETRY_COLUMNS = ("#timestamp [ns]", *POSE_COLUMNS, *(f"cov_{row}{column}" for
 
 
 def write_euroc(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
-    """Write a take: `mav0`, a list of image stamps for ORB-SLAM3, and settings files for other systems. Raises OSError."""
+    """Write a take (the sensor data of one walk) to `folder`. Raises OSError.
+
+    The folder gets the data in `mav0`, a list of image stamps for ORB-SLAM3, and settings files for other systems. `images`
+    is png or jpg.
+    """
     sensors = folder / SENSORS
     sensors.mkdir()
     (sensors / "body.yaml").write_text("comment: simulated by LEXIS-sim; the body frame is that of imu0\n")
@@ -90,12 +94,12 @@ def _stamped(take: Take, rows: Float64[np.ndarray, "n k"]) -> Iterable[list[floa
 
 
 def _state_rows(poses: Float64[np.ndarray, "n 4 4"]) -> Float64[np.ndarray, "n 7"]:
-    """Rows of position and quaternion w x y z."""
+    """Return a row of position and quaternion (w, x, y, z) for each pose."""
     return pose_rows(poses)[:, [0, 1, 2, 6, 3, 4, 5]]
 
 
 def _write_csv(path: Path, columns: Iterable[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write rows as CSV. Floats are written with enough digits to be read back bit by bit."""
+    """Write rows as CSV. Floats have enough digits, so that reading gives the same values bit by bit."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         file.write(",".join(columns) + "\n")
         csv.writer(file, lineterminator="\n").writerows(rows)

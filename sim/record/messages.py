@@ -1,4 +1,4 @@
-"""ROS 2 messages of standard types from the data of a take. Package `rosbags` provides the classes at run time."""
+"""Makes ROS 2 messages of standard types from recorded data. Package `rosbags` provides the classes at run time."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -43,12 +43,12 @@ _TYPES = (
 
 
 class Messages:
-    """Factory of ROS 2 messages. Stamps are in [ns]; poses are `T_parent_child`."""
+    """Factory of ROS 2 messages. Stamps are in nanoseconds; transforms between frames are `T_parent_child`."""
 
     def __init__(self, types: Any, latched: Any) -> None:
         self.types = types
         self.latched = latched
-        """Quality-of-service profile of latched topics: late subscribers receive earlier messages, too."""
+        """Quality-of-service profile of latched topics, whose last message late subscribers receive, too."""
         self._of = {name.rsplit("/", 1)[1]: types.types[name] for name in _TYPES}
 
     @staticmethod
@@ -74,12 +74,12 @@ class Messages:
         return Messages(get_typestore(Stores.ROS2_HUMBLE), (latched,))
 
     def static_transforms(self, stamp_ns: int, cameras: Mapping[str, Camera]) -> Any:
-        """The message with the poses of the sensors on the body."""
+        """Return the TFMessage with the poses of the IMU and the cameras in the body frame."""
         places = {IMU: np.eye(4), **{name: camera.T_B_C for name, camera in cameras.items()}}
         return self._of["TFMessage"]([self._transform(stamp_ns, name, T) for name, T in places.items()])
 
     def camera_info(self, stamp_ns: int, name: str, camera: Camera, first: Camera, distortion: Distortion) -> Any:
-        """The calibration of a camera.
+        """Return the CameraInfo message with the calibration of a camera.
 
         Entry (0, 3) of P is -fx times the distance by which the camera is to the right of the camera `first` [px m].
         """
@@ -102,13 +102,13 @@ class Messages:
         )
 
     def image(self, stamp_ns: int, name: str, image: Image) -> Any:
-        """An uncompressed image."""
+        """Return the message of an uncompressed RGB image."""
         height, width = image.shape[:2]
         pixels = np.ascontiguousarray(image).ravel()
         return self._of["Image"](self._header(stamp_ns, name), height, width, "rgb8", 0, 3 * width, pixels)
 
     def compressed_image(self, stamp_ns: int, name: str, kind: str, content: bytes) -> Any:
-        """An image whose `content` is encoded as `kind`, png or jpg."""
+        """Return the message of an image whose `content` is encoded as `kind`, png or jpg."""
         form = {"png": "rgb8; png compressed bgr8", "jpg": "rgb8; jpeg compressed bgr8"}[kind]
         return self._of["CompressedImage"](self._header(stamp_ns, name), form, np.frombuffer(content, np.uint8))
 
@@ -119,7 +119,7 @@ class Messages:
         specific_force: Float64[np.ndarray, "3"],
         config: ImuConfig,
     ) -> Any:
-        """A measurement of the IMU, without orientation. Covariances follow from the noise densities and the rate."""
+        """Return the message of an IMU measurement, without orientation. Its covariances follow from `config`."""
         unknown = np.zeros(9)
         unknown[0] = -1.0  # how sensor_msgs/Imu marks an orientation that is not measured
         gyroscope, accelerometer = (
@@ -137,7 +137,7 @@ class Messages:
         )
 
     def pose(self, stamp_ns: int, row: Float64[np.ndarray, "7"]) -> Any:
-        """A pose message in the world frame, from a row of position and quaternion x y z w."""
+        """Return the message of a pose in the world frame. `row` holds the position and the quaternion (x, y, z, w)."""
         return self._of["PoseStamped"](self._header(stamp_ns, WORLD), self._pose(row))
 
     def odometry(
@@ -149,10 +149,10 @@ class Messages:
         increment_covariance: Float64[np.ndarray, "6 6"],
         seconds: float,
     ) -> Any:
-        """The odometry: pose and twist with covariances.
+        """Return the Odometry message: pose and twist with covariances.
 
-        ROS orders covariances translation first and expects the covariance of the pose in the axes of the odometry frame. So
-        both covariances are reordered, and the covariance of the pose is rotated.
+        In ROS, covariances have the translation first, and the covariance of the pose is in the axes of the odometry frame.
+        Both covariances are therefore reordered, and the covariance of the pose is rotated.
 
         Args:
             stamp_ns: time stamp [ns].
@@ -177,7 +177,7 @@ class Messages:
         )
 
     def matrix(self, values: Float64[np.ndarray, "rows columns"]) -> Any:
-        """The message of a matrix, in row-major order."""
+        """Return the Float64MultiArray message of a matrix, in row-major order."""
         sizes = (("rows", values.shape[0], values.size), ("columns", values.shape[1], values.shape[1]))
         layout = self._of["MultiArrayLayout"]([self._of["MultiArrayDimension"](*size) for size in sizes], 0)
         return self._of["Float64MultiArray"](layout, values.ravel())

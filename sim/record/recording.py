@@ -1,4 +1,4 @@
-"""`record`: write a run as a dataset. The folder appears complete or not at all."""
+"""`record`: writes a run as a dataset. The folder appears complete or not at all."""
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -25,14 +25,14 @@ Write: TypeAlias = Callable[[Path, Take, Iterable[RecordedFrame], str], None]
 
 @dataclass(frozen=True)
 class Format:
-    """A dataset format: its writer, and what the format supports."""
+    """A dataset format: the function that writes it, and the kinds of images that it supports."""
 
     write: Write
-    """Function that writes a take's frames to a folder; its last argument is the kind of images, such as png."""
+    """Function that writes the sensor data of one walk to a folder; the last argument is the kind of images, such as png."""
     images: tuple[str, ...]
     """Kinds of images that the format supports."""
     depth: bool = False
-    """Whether the format contains the depth of cam0 instead of further cameras."""
+    """Whether recordings contain only cam0, with image and depth, instead of the images of several cameras."""
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
@@ -58,7 +58,7 @@ def record(
     imu_config: ImuConfig | None = None,
     distortion: Distortion | None = None,
 ) -> int:
-    """Record the run that `config` describes in the folder `out`; an earlier recording there is replaced.
+    """Record the run that `config` describes to the folder `out`. An earlier recording there is replaced.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
 
@@ -89,10 +89,10 @@ def write_take(
     progress: Callable[[float], None] | None = None,
     note: Callable[[RecordedFrame], None] | None = None,
 ) -> None:
-    """Write a take to an empty folder; `note` is called with every written frame.
+    """Write a take (the sensor data of one walk) to an empty folder. `note` is called with every written frame.
 
-    Without truth, `rooms.json` lists the labels that rooms may have, and the house is left out. Raises `SimError` as
-    `record` does.
+    If the take is without truth, `rooms.json` only lists the labels that rooms may have, and the house is left out. Raises
+    `SimError` as `record` does.
     """
     form = check_format(format, images)
     _check_space(folder, take, form, images)
@@ -108,7 +108,7 @@ def write_take(
 
 
 def check_format(name: str, images: str = "png") -> Format:
-    """Look up a format by name. Raises `SimError` for an unknown one, and for images that it cannot hold."""
+    """Look up a format by name. Raises `SimError` for an unknown name, or if it does not support that kind of images."""
     if name not in FORMATS:
         raise SimError(f"unknown format {name!r}; valid: {', '.join(FORMATS)}")
     if images not in FORMATS[name].images:

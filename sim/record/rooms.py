@@ -28,7 +28,7 @@ class FrameRooms:
         self._faults: dict[int, list[str]] = {}
 
     def note(self, frames: Iterable[RecordedFrame]) -> Iterable[RecordedFrame]:
-        """Yield the frames unchanged, and note the truth of each."""
+        """Yield the frames unchanged, and collect the ground truth of each."""
         for frame in frames:
             if frame.truth.faults:
                 self._faults[len(self._stamps)] = list(frame.truth.faults)
@@ -38,7 +38,7 @@ class FrameRooms:
             yield frame
 
     def write(self, path: Path) -> None:
-        """Write the rooms of the house and the notes on all frames as JSON."""
+        """Write, as JSON, the rooms of the house and the ground truth collected from all frames."""
         labels = self._house.spec.room_labels
         data = {
             "schema": 1,
@@ -56,7 +56,7 @@ class FrameRooms:
 
 
 def write_labels(path: Path, house: House) -> None:
-    """Write only the labels that rooms may have, which a SLAM is told, and nothing about the house."""
+    """Write a `rooms.json` with only the labels that rooms may have. It reveals nothing about the house to a SLAM."""
     path.write_text(json.dumps({"schema": 1, "labels": house.spec.room_labels}) + "\n", encoding="utf-8")
 
 

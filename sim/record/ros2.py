@@ -1,7 +1,7 @@
-"""Runs as ROS 2 bags of standard messages. Package `rosbags` writes them, without ROS; topics are named as in EuRoC's bags.
+"""Writes runs as ROS 2 bags of standard messages. Package `rosbags` is used for this; ROS is not needed.
 
-`lexis.datasets.ros2` lists the topics that LEXIS reads. The others are `/cam1/...`, `/imu0` and the true poses in
-`/ground_truth/pose`.
+Topics are named as in EuRoC's bags. `lexis.datasets.ros2` lists the topics that LEXIS reads. The other topics are
+`/cam1/...`, `/imu0` and `/ground_truth/pose`, which holds the true poses.
 """
 
 import sqlite3
@@ -30,7 +30,7 @@ _VERSION: Literal[8] = 8
 
 
 def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str, storage: str = "sqlite3") -> None:
-    """Write a take as the bag `bag`, stored as sqlite3 or mcap.
+    """Write a take (the sensor data of one walk) as a bag in `folder / "bag"`. `storage` is sqlite3 or mcap.
 
     Raises `SimError` if `rosbags` is not installed or the disk is full.
     """
@@ -79,7 +79,7 @@ class _Bag:
 
 
 class _Inertial:
-    """Writes IMU measurements and true poses between the frames, so that the bag is in the order of time."""
+    """Writes IMU measurements and true poses between the frames, so that messages are in the order of time."""
 
     def __init__(self, take: Take, bag: _Bag) -> None:
         self._take, self._bag = take, bag
@@ -87,7 +87,7 @@ class _Inertial:
         self._next = 0
 
     def until(self, stamp_ns: int) -> None:
-        """Write all measurements not written yet, up to and including the stamp [ns]."""
+        """Write the IMU measurements and true poses that are not written yet, up to and including `stamp_ns`."""
         imu, config = self._take.imu, self._take.imu_config
         end = int(np.searchsorted(self._take.imu_ns, stamp_ns, side="right"))
         for k in range(self._next, end):
@@ -102,8 +102,8 @@ class _Inertial:
 class _Odometry:
     """Writes the odometry twice: as a standard message with the covariance of its pose, and as the input of LEXIS.
 
-    The input of LEXIS is the covariance of the increment since the last message. It goes to a topic of its own, since the
-    standard message contains it only scaled and reordered, which would not replay bit by bit.
+    The input of LEXIS is the covariance of the increment since the last message. The standard message contains this
+    covariance only scaled and reordered, from which LEXIS could not restore it bit by bit. It therefore has its own topic.
     """
 
     def __init__(self, bag: _Bag) -> None:
@@ -112,7 +112,7 @@ class _Odometry:
         self._covariance = np.zeros((6, 6))
 
     def write(self, stamp_ns: int, seen: Observation) -> None:
-        """Write the odometry of one observation. The pose's covariance accumulates from the increments."""
+        """Write the odometry of one observation. The covariance of the pose accumulates over the increments."""
         increment, seconds = np.eye(4), 0.0
         if self._last is not None:
             increment, seconds = between(self._last.T_O_B, seen.T_O_B), seen.stamp - self._last.stamp

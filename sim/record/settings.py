@@ -1,4 +1,4 @@
-"""Settings files with which other systems run on a recording: ORB-SLAM3, VINS-Fusion and OpenVINS (with Kalibr's files).
+"""Writes settings files with which other SLAM systems run on a recording: ORB-SLAM3, VINS-Fusion and OpenVINS.
 
 Calibrations and the IMU's noise are the true ones of the recording. Tuning parameters have the values that the systems ship
 for EuRoC.
@@ -19,14 +19,17 @@ from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"
 _OPENVINS_JERK_M_S2 = 0.2
-"""Standard deviation of the accelerometer above which OpenVINS takes the rest at the start to be over [m/s^2].
+"""Standard deviation of the accelerometer above which OpenVINS assumes that the rest at the start has ended [m/s^2].
 
-The value is lower than OpenVINS's value for EuRoC, since a walker starts more gently than a drone.
+It is lower than in OpenVINS's settings for EuRoC, since a walker starts more gently than a drone.
 """
 
 
 def write_settings(folder: Path, take: Take) -> None:
-    """Write the settings of all systems if cam0 and cam1 are parallel, as in a stereo pair, else nothing. Raises OSError."""
+    """Write the settings of all systems to a new folder. Raises OSError.
+
+    Nothing is written unless cam0 and cam1 are parallel, as in a stereo pair.
+    """
     left, right = take.cameras["cam0"], take.cameras["cam1"]
     if not np.allclose(left.T_B_C[:3, :3], right.T_B_C[:3, :3]):
         return
@@ -45,7 +48,7 @@ def write_settings(folder: Path, take: Take) -> None:
 
 
 def write_rgbd_settings(folder: Path, take: Take) -> None:
-    """Write the settings of ORB-SLAM3 for the colour and depth of cam0. Raises OSError."""
+    """Write the settings of ORB-SLAM3 for colour and depth images of cam0 to a new folder. Raises OSError."""
     folder.mkdir()
     (folder / "orb_slam3_rgbd.yaml").write_text(_orb_slam3_rgbd(take), encoding="utf-8")
 
@@ -145,7 +148,10 @@ def _kalibr_imu(imu: ImuConfig) -> str:
 
 
 def _openvins(rate_hz: float) -> str:
-    """The settings that OpenVINS ships for EuRoC, without those for other data. They refer to the two files of Kalibr."""
+    """Return OpenVINS's settings for EuRoC, with the rest at the start and the frame rate of recordings.
+
+    Settings that EuRoC does not need are left out. The settings refer to the two files in Kalibr's format.
+    """
     return (
         f'{_YAML}verbosity: "INFO"\nuse_fej: true\nuse_imuavg: true\nuse_rk4int: true\n'
         "use_stereo: true\nmax_cameras: 2\n"
@@ -175,9 +181,9 @@ def _openvins(rate_hz: float) -> str:
 
 
 def _discrete(density: float, imu: ImuConfig) -> float:
-    """Convert a noise density to noise per sample, which VINS-Fusion expects for the random walk of the biases too.
+    """Convert a noise density to noise per sample at the IMU's rate.
 
-    It multiplies all of them by the time step.
+    VINS-Fusion expects noise per sample even for the random walks of the biases: it multiplies all noise by the time step.
     """
     return float(density * np.sqrt(imu.rate_hz))
 

@@ -1,7 +1,7 @@
-"""The sensor data of one walk: images of several cameras, depth, IMU and odometry, together with the truth.
+"""`Take`: the sensor data of one walk. It has images of several cameras, depth, IMU and odometry, with ground truth.
 
-A take begins with two seconds at rest, during which visual-inertial systems estimate the direction of gravity. The rest does
-not change LEXIS's map, since LEXIS adds no keyframe while the odometry does not move.
+A take begins with two seconds at rest, during which visual-inertial systems estimate the direction of gravity. This does not
+change LEXIS's map, since LEXIS adds no keyframe while the odometry does not move.
 """
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ from sim.truth import Truth
 from sim.world_states import FrameRenderer, WorldStates
 
 EPOCH_NS = 10**18
-"""Stamp of the first frame [ns], in 2001. Tools that split stamps into seconds and nanoseconds expect 19 digits."""
+"""Stamp of the first frame [ns], a time in 2001. Tools that split stamps into s and ns expect stamps of 19 digits."""
 REST_S = 2.0
 """Duration of the rest at the start [s]."""
 _MARGIN_S = 0.1
@@ -40,17 +40,17 @@ class RecordedFrame:
 
     stamp_ns: int
     observation: Observation
-    """Input of LEXIS, with the image of the first camera."""
+    """Input of LEXIS, with the image of cam0."""
     truth: Truth
     images: Mapping[str, Image]
-    """Images of all cameras, the first camera included, by camera name."""
+    """Images of cam0 and the other recorded cameras, by camera name."""
     depth: Float32[np.ndarray, "h w"] | None
-    """Depth of the first camera along its optical axis [m]; None if it was not requested."""
+    """Depth along the optical axis of cam0 [m]; None if it was not requested."""
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """One walk with its sensors and their data. Images are rendered only when `frames` is read."""
+    """One walk with its sensors and their data. Images are rendered only when `frames` is iterated."""
 
     config: Scenario
     walk: Walk
@@ -62,11 +62,11 @@ class Take:
     imu: Imu
     """IMU data. Stamps count from the start of the walk [s]; they are negative during the rest before the walk."""
     with_truth: bool = True
-    """Whether recordings contain the true poses, for programs that evaluate themselves."""
+    """Whether recordings contain the ground truth: true poses, rooms and the house."""
 
     @cached_property
     def session(self) -> Session:
-        """The walk as a session: the images of cam0 with the odometry, and the truth of every frame."""
+        """The walk as a session, which yields the images of cam0 with the odometry, and the truth of every frame."""
         walked, config = self.walk, self.config
         camera, bent = self.cameras["cam0"], self.distortion
         return Session(walked.house, walked.tour, walked.odometry, camera, config.faults, config.seed, distortion=bent)
@@ -91,7 +91,7 @@ class Take:
 
     @property
     def T_W_B(self) -> Float64[np.ndarray, "n 4 4"]:
-        """True poses at the stamps of the IMU."""
+        """True body poses at the stamps of the IMU."""
         return self.walk.tour.motion.poses_at(self.imu.stamps, self.walk.tour.eye_height_m)
 
     @property
@@ -101,9 +101,10 @@ class Take:
         return np.where(moving[:, None], self.walk.tour.motion.velocity(self.imu.stamps), 0.0)
 
     def frames(self, cameras: tuple[str, ...] = (), depth: bool = False) -> Generator[RecordedFrame, None, None]:
-        """Render the frames one by one: images of cam0 and of the further `cameras`; with `depth` also the depth of cam0.
+        """Render and yield the frames in order, beginning with the frames at rest before the walk.
 
-        Image faults affect only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
+        A frame has the images of cam0 and of the further `cameras`, and with `depth` the depth of cam0. Image faults affect
+        only cam0, the camera that LEXIS uses. Faults of the world are visible to all cameras.
 
         Raises `GraphicsError` if off-screen OpenGL is not available.
         """
@@ -131,7 +132,7 @@ class Take:
                 yield from self._at_rest(frame) if k == 0 else [frame]
 
     def _at_rest(self, first: RecordedFrame) -> Iterator[RecordedFrame]:
-        """Repeat the first frame during the rest, then yield it itself. Without motion the odometry's covariance is zero."""
+        """Yield copies of the first frame during the rest, then the frame itself. All have zero covariance of odometry."""
         still = replace(first.observation, increment_covariance=np.zeros((6, 6)))
         for k in range(-self.rest_frames, 1):
             stamp = first.observation.stamp + k * self.frame_s
@@ -141,10 +142,10 @@ class Take:
 def prepare(
     config: Scenario, imu_config: ImuConfig | None = None, distortion: Distortion | None = None, with_truth: bool = True
 ) -> Take:
-    """Plan the walk and simulate odometry and IMU for `config`; nothing is rendered yet.
+    """Plan the walk of the run `config`, and simulate odometry and IMU. Nothing is rendered yet.
 
     The cameras are the pinhole cameras of the config's rig. If there is only one, a second camera is added on its right.
-    All have the same `distortion`, by default none.
+    All cameras have the same `distortion`, by default none.
 
     Raises the errors of `sim.harness.run` and `Lens`, and `SimError` for a camera too far from the IMU.
     """
@@ -175,7 +176,7 @@ def _check_places(cameras: Sequence[Camera]) -> None:
 
 
 def stereo_partner(camera: Camera) -> Camera:
-    """The right camera of a stereo pair whose left one is `camera`: parallel, `STEREO_BASELINE_M` to the right."""
+    """Return the right camera of a stereo pair: parallel to the left one, `camera`, and `STEREO_BASELINE_M` to its right."""
     step = np.eye(4)
     step[0, 3] = STEREO_BASELINE_M
     return Camera(camera.intrinsics, camera.T_B_C @ step)

@@ -1,4 +1,4 @@
-"""Runs in the layout of the TUM RGB-D benchmark: colour, depth, true trajectory, accelerometer, and also the odometry.
+"""Writes runs in the layout of the TUM RGB-D benchmark: colour, depth, true trajectory, accelerometer, and odometry.
 
 `groundtruth.txt` contains poses of the camera's optical frame, as in the benchmark. `odometry.tum` contains poses of the
 body (see `lexis.datasets.tum_rgbd`).
@@ -18,9 +18,9 @@ from sim.record.take import RecordedFrame, Take
 from sim.render.image_files import SUFFIXES, encoded, encoded_depth
 
 ASSOCIATIONS = "associations.txt"
-"""List of images with their depth maps, as the benchmark's `associate.py` writes it for ORB-SLAM3.
+"""File that lists each image with its depth map, as the benchmark's `associate.py` writes it for ORB-SLAM3.
 
-It has no header, since ORB-SLAM3 cannot read comments in it.
+The file has no header, since ORB-SLAM3 cannot read comments in it.
 """
 _HEADERS = {
     IMAGE_LIST: "# color images\n# timestamp filename\n",
@@ -32,7 +32,7 @@ _HEADERS = {
 
 
 def write_tum_rgbd(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str) -> None:
-    """Write a take (the sensor data of one walk) in this layout. `images` is png or jpg. Raises OSError."""
+    """Write a take (the sensor data of one walk) in the layout of TUM RGB-D. `images` is png or jpg. Raises OSError."""
     camera, suffix = take.cameras["cam0"], SUFFIXES[images]
     write_camera(folder / CAMERA, camera, take.distortion.coefficients)
     write_rgbd_settings(folder / "settings", take)
@@ -68,6 +68,6 @@ def _write_rows(path: Path, header: str, take: Take, rows: Float64[np.ndarray, "
 
 
 def _seconds(stamp_ns: int) -> str:
-    """Format a stamp in seconds with microseconds, as in the benchmark."""
+    """Format a stamp as seconds with six decimals, as in the benchmark."""
     micro = round(stamp_ns / 1000)
     return f"{micro // 10**6}.{micro % 10**6:06d}"

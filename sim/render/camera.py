@@ -1,4 +1,4 @@
-"""The simulated pinhole camera: its intrinsics and mounting, and a renderer of its images, depth and geom ids."""
+"""The simulated pinhole camera: its intrinsics and pose on the body, and a renderer of images, depth and geom ids."""
 
 from collections.abc import Sequence
 from types import TracebackType
@@ -15,7 +15,7 @@ _BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0
 
 
 def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Camera:
-    """A pinhole at the body's origin that looks forward, with square pixels and a horizontal field of view of `hfov_deg`."""
+    """Make a pinhole camera at the body's origin that looks forward. Its pixels are square."""
     f = float(width / 2 / np.tan(np.radians(hfov_deg) / 2))
     T_B_C = np.eye(4)
     T_B_C[:3, :3] = _BODY_FROM_CAMERA
@@ -24,14 +24,14 @@ def wide_camera(width: int = 480, height: int = 360, hfov_deg: float = 100.0) ->
 
 
 def fovy_deg(intrinsics: Intrinsics) -> float:
-    """Return the vertical field of view, from which MuJoCo builds its camera [deg]."""
+    """Return a camera's vertical field of view [deg], which defines a camera in MuJoCo."""
     return float(np.degrees(2 * np.arctan(intrinsics.height / 2 / intrinsics.fy)))
 
 
 class CameraRenderer:
-    """Renders a scene from body poses. It holds a GL context: use it as a context manager or call `close`.
+    """Renders a scene with one camera from poses of the body. Use it as a context manager, or call `close` at the end.
 
-    Raises `GraphicsError` if there is no off-screen OpenGL.
+    It holds a GL context. Raises `GraphicsError` if there is no off-screen OpenGL.
     """
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
@@ -39,7 +39,7 @@ class CameraRenderer:
         self._raster = Raster(scene)
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw `solids` in all further images, in place of the previous solids. Pixels of solids have the geom id -1."""
+        """Draw `solids` (moving things) in all further images, in place of the previous solids. Their geom id is -1."""
         self._raster.place(solids)
 
     def rgb(self, T_W_B: Pose) -> UInt8[np.ndarray, "h w 3"]:
@@ -51,11 +51,14 @@ class CameraRenderer:
         return self._raster.depth(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def geom_ids(self, T_W_B: Pose) -> Int32[np.ndarray, "h w"]:
-        """Render indices into `Scene.object_of_geom`, -1 for sky, for tests and training. LEXIS is never given them."""
+        """Render, for each pixel, the index of its geom in `Scene.object_of_geom`; -1 for sky and moving things.
+
+        Geom ids are for tests and training. They are never given to LEXIS.
+        """
         return self._raster.geom_ids(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Render image, depth and geom ids of one pose, faster than in separate calls."""
+        """Render image, depth and geom ids from a body pose, faster than in separate calls."""
         return self._raster.frame(T_W_B @ self._camera.T_B_C, self._camera.intrinsics)
 
     def close(self) -> None:

@@ -32,7 +32,7 @@ def add_collisions(spec: "mujoco.MjSpec", house: House) -> None:
 
 
 def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add the surfaces that a robot stands on, floors and stairs, to `spec` as static geoms named "<id>#<number>"."""
+    """Add the surfaces that a robot stands on (floors and stairs) to `spec`, as static geoms named "<id>#<number>"."""
     geoms = []
     for room in house.rooms:
         for i, (x0, y0, x1, y1) in enumerate(rectangles(room.polygon)):
@@ -43,7 +43,7 @@ def add_ground(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
 
 
 def add_obstacles(spec: "mujoco.MjSpec", house: House) -> list["mujoco.MjsGeom"]:
-    """Add walls, railings, door leaves at their present angle and solid furniture, as static geoms named "<id>#<number>"."""
+    """Add walls, railings, doors at their opening angle and solid furniture, as static geoms named "<id>#<number>"."""
     geoms = []
     for i, wall in enumerate(house.walls):
         x0, y0, x1, y1 = wall.bounds

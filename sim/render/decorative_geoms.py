@@ -1,4 +1,4 @@
-"""Draws plain shapes, such as moving actors, into a scene just before it is rendered, beside the compiled model's geoms."""
+"""Draws plain shapes, such as people who move, into a scene just before it is rendered. The model stays unchanged."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -22,7 +22,8 @@ _SHAPES: Mapping[str, "mujoco.mjtGeom"] = MappingProxyType(
 def draw(scene: "mujoco.MjvScene", solids: Sequence[Solid]) -> None:
     """Append solids in plain colours to a scene that is about to be rendered. Their parts are boxes, cylinders and balls.
 
-    In segmentation their pixels have the id -1, because they are no geoms of the model. They occlude what is behind them.
+    In segmentation images, pixels of these parts have the id -1, because the parts are no geoms of the model. The parts
+    occlude what is behind them.
     """
     for solid in solids:
         turn, position = _about_z(solid.yaw), np.array(solid.position)

@@ -1,8 +1,8 @@
 """A fisheye camera, composed of several pinhole images.
 
-MuJoCo renders pinhole images only, whose field of view has to be well below 180 degrees. A frame is made in two steps:
+MuJoCo renders pinhole images only, and their field of view has to be well below 180 degrees. A frame is made in two steps:
 
-1. Imagine a cube around the camera. Render each face of it that the field of view reaches, as a pinhole image.
+1. Imagine a cube around the camera. Render a pinhole image of each face of the cube that is in the field of view.
 2. Look up each fisheye pixel's ray in the face that the ray passes through.
 """
 
@@ -17,7 +17,7 @@ from sim.errors import SimError
 from sim.render.raster import NO_GEOM, Raster, RenderedFrame
 
 _RIM_PX = 2
-"""Border of each face beyond 90 degrees [px], so that all pixels of a bilinear interpolation lie in one face."""
+"""Width of a border around the 90 degrees of each face [px], so that a bilinear interpolation needs one face only."""
 _FACES = np.array(
     [
         [[1, 0, 0], [0, 1, 0], [0, 0, 1]],  # ahead
@@ -33,9 +33,9 @@ _FACES = np.array(
 
 @dataclass(frozen=True, eq=False)
 class Fisheye:
-    """An equidistant projection: a ray at angle θ to the axis is imaged at distance f θ from the centre of a square image.
+    """A fisheye camera with equidistant projection: a ray at angle θ to the axis is imaged at distance f θ from the centre.
 
-    Raises `SimError` if the field of view is not in (0, 250] degrees or the image is smaller than 8 px.
+    Its image is square. Raises `SimError` if the field of view is not in (0, 250] degrees or the image is smaller than 8 px.
     """
 
     size_px: int
@@ -57,7 +57,7 @@ class Fisheye:
 
     @property
     def face(self) -> Intrinsics:
-        """The pinhole of each face, with the fisheye's resolution at its centre."""
+        """Intrinsics of the pinhole image of each cube face. At its centre it has the resolution of the fisheye's centre."""
         focal = self.focal_px
         size = 2 * int(np.ceil(focal) + _RIM_PX)
         return Intrinsics(size, size, focal, focal, size / 2 - 0.5, size / 2 - 0.5)
@@ -72,7 +72,7 @@ class Fisheye:
 
 
 class FisheyeRenderer:
-    """Renders a fisheye with a `Raster`, one pinhole image for each cube face that is in view."""
+    """Renders the images of a fisheye camera, from one pinhole image for each cube face that is in view."""
 
     def __init__(self, raster: Raster, fisheye: Fisheye) -> None:
         self._raster, self._fisheye, self._face = raster, fisheye, fisheye.face
@@ -83,11 +83,11 @@ class FisheyeRenderer:
         self._turns = [_FACES[i] for i in range(len(_FACES)) if (face == i).any()]
 
     def frame(self, T_W_B: Pose) -> RenderedFrame:
-        """Render the image, the distance along each pixel's ray [m], and geom ids.
+        """Render from a body pose: the image, the distance along each pixel's ray [m] as `depth`, and geom ids.
 
-        Pixels outside of the field of view are black and have distance 0 and id `NO_GEOM`. Distances are interpolated as
-        inverse depth, which is linear in a pinhole image of a plane, so that they are exact on planes. Where a pixel's
-        four neighbours belong to several geoms, the nearest geom gives the pixel's distance and id.
+        Pixels outside of the field of view are black and have distance 0 and id `NO_GEOM`. Inverse depth is interpolated,
+        which is linear in a pinhole image of a plane; distances are therefore exact on planes. Where the four interpolated
+        pixels belong to several geoms, the pixel that is closest in the image gives distance and id.
         """
         n, T_W_C = self._fisheye.size_px, T_W_B @ self._fisheye.T_B_C
         rgb, depth, ids = np.zeros((n, n, 3), np.uint8), np.zeros((n, n), np.float32), np.full((n, n), NO_GEOM, np.int32)
@@ -102,7 +102,7 @@ class FisheyeRenderer:
 
 @dataclass(frozen=True, eq=False)
 class _Map:
-    """For the fisheye pixels that one face covers (`mask`), their coordinates in that face's image."""
+    """Coordinates of fisheye pixels in the image of one cube face. `mask` marks the pixels that this face covers."""
 
     mask: Bool[np.ndarray, "n n"]
     u: Float32[np.ndarray, "n n"]

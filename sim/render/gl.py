@@ -17,7 +17,7 @@ from sim.render.gl_probe import PROBES
 from sim.render.llvm_order import load_triton_library
 
 PROBE_TIMEOUT_S = 20.0
-"""Longest time to wait for a back end that is tried in a child process [s]."""
+"""Longest time to wait for the child process that tries a back end [s]."""
 
 DISABLED = "disabled"
 """Value of ``MUJOCO_GL`` where no back end works. Physics and geometry still work then."""
@@ -32,10 +32,10 @@ _SYNONYMS = (*_OFF, "enable", "enabled", "on", "true", "1", "glx", "")
 
 
 def choose_backend() -> str:
-    """Set ``MUJOCO_GL`` to the first back end that works, unless it is set already; return it.
+    """Set ``MUJOCO_GL`` to the first back end that works, unless the variable is set already; return the back end.
 
-    EGL is tried before OSMesa, which new Mesa releases no longer have. On systems other than Linux, MuJoCo chooses. Raises
-    `GraphicsError` if the variable has a value that MuJoCo does not know.
+    EGL is tried before OSMesa, which new Mesa releases no longer have. If neither works, the result is `DISABLED`. On
+    systems other than Linux, MuJoCo chooses. Raises `GraphicsError` if the variable has a value that MuJoCo does not know.
     """
     if sys.platform != "linux":
         return os.environ.get("MUJOCO_GL", "")
@@ -55,7 +55,10 @@ def require_rendering() -> None:
 
 @contextmanager
 def graphics_errors(task: str) -> Iterator[None]:
-    """Turn exceptions of MuJoCo and OpenGL during `task` into a `GraphicsError` of one line that says what to change."""
+    """Context manager that turns exceptions of MuJoCo and OpenGL into a `GraphicsError` that says what to change.
+
+    `task` names, for the message, what is done inside the `with` block.
+    """
     try:
         yield
     except MemoryError as error:
@@ -69,7 +72,7 @@ def graphics_errors(task: str) -> Iterator[None]:
 
 
 def _works(backend: str) -> bool:
-    """Try a back end in a child process, because a broken driver may crash or hang it."""
+    """Try a back end in a child process, because a broken driver may crash or hang the process."""
     command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("gl_probe.py")), backend]
     try:
         return subprocess.run(command, capture_output=True, timeout=PROBE_TIMEOUT_S).returncode == 0
@@ -98,7 +101,7 @@ _LOST = "OpenGL failed or its context is lost; create a new renderer in the thre
 
 
 def device_name() -> str:
-    """Name the device or software that renders in the current context, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"."""
+    """Return the device or software that renders in the current GL context, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"."""
     from OpenGL.GL import GL_RENDERER, glGetString
 
     return str((glGetString(GL_RENDERER) or b"an unknown device").decode())

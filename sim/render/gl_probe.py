@@ -1,7 +1,7 @@
 """Tests one off-screen OpenGL back end: `python gl_probe.py egl` (or `osmesa`) exits with 0 if a context can be created.
 
-It uses the standard library only, because of its two callers: `sim.render.gl` runs it in a child process, as a broken driver
-may crash it, and the noxfile runs it before any package is installed.
+It uses the standard library only, because the noxfile runs it before any package is installed. `sim.render.gl` runs it in a
+child process, because a broken driver may crash the process.
 """
 
 import ctypes
@@ -51,11 +51,11 @@ def _osmesa_works() -> bool:
 
 
 PROBES: dict[str, Callable[[], bool]] = {"egl": _egl_works, "osmesa": _osmesa_works}
-"""Tests by back end, in order of preference. OSMesa comes last, because Mesa 25.1 dropped it."""
+"""Functions that test each back end, in order of preference. OSMesa comes last, because Mesa 25.1 dropped it."""
 
 
 def works(backend: str) -> bool:
-    """Whether a context of that back end can be created in this process."""
+    """Return whether this process can create a GL context with `backend`."""
     try:
         return PROBES[backend]()
     except (OSError, AttributeError, ValueError):  # no library, no entry point, a null extension pointer

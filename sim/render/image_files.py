@@ -15,16 +15,16 @@ _PARAMETERS = {
 }
 
 DEPTH_FACTOR = 5000.0
-"""Depth units per metre, as in the TUM RGB-D benchmark."""
+"""Units of a depth image per metre, as in the TUM RGB-D benchmark."""
 
 
 def encoded(image: Image, suffix: str) -> bytes:
-    """Encode an RGB image as PNG or as JPEG of quality 95, by the suffix `.png` or `.jpg`."""
+    """Encode an RGB image as PNG (`suffix` is `.png`) or as JPEG of quality 95 (`.jpg`)."""
     return _encoded(image[..., ::-1], suffix)
 
 
 def encoded_depth(depth: Float32[np.ndarray, "h w"]) -> bytes:
-    """Encode depth [m] as a 16-bit PNG. Depth beyond its range of 13.1 m is written as 0, which means unknown."""
+    """Encode depth [m] as a 16-bit PNG in units of 1/5000 m. Depth beyond 13.1 m is written as 0, which means unknown."""
     units = np.round(depth * DEPTH_FACTOR)
     return _encoded(np.where(units <= np.iinfo(np.uint16).max, units, 0).astype(np.uint16), ".png")
 

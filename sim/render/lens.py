@@ -1,7 +1,7 @@
 """`Distortion` and `Lens`: a pinhole image, distorted as by a radial-tangential lens.
 
-MuJoCo renders pinhole images only. `Lens` therefore has a wider pinhole image rendered and resamples it: each pixel of the
-distorted image is undistorted, by Newton's method, to find its place in the pinhole image.
+MuJoCo renders pinhole images only. The caller therefore renders a wider pinhole image, and `Lens` resamples it: each pixel
+of the distorted image is undistorted, by Newton's method, to find its place in the pinhole image.
 """
 
 from dataclasses import astuple, dataclass
@@ -22,14 +22,14 @@ _MARGIN_PX = 2
 _WIDEST = 4
 """Largest width and height of the rendered pinhole image, as multiples of the distorted image's width and height."""
 _STEPS = 50
-"""Number of points between the centre and the border at which the distortion is tested for folds."""
+"""Number of points between centre and border at which the distortion is tested for folds (parts that are seen twice)."""
 
 
 @dataclass(frozen=True)
 class Distortion:
     """Coefficients of the radial-tangential model of OpenCV and EuRoC. Raises `SimError` unless they are finite.
 
-    In a condition, a distortion is false if all its coefficients are zero.
+    As a truth value, a distortion is false if all its coefficients are zero.
     """
 
     k1: float = 0.0
@@ -56,14 +56,14 @@ class Distortion:
         return any(self.coefficients)
 
     def distort(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Distort points of the image plane at distance 1."""
+        """Return the distorted positions of points on the image plane at distance 1."""
         square = (points**2).sum(axis=1, keepdims=True)
         twice = 2.0 * points.prod(axis=1, keepdims=True)
         tangential = twice * [self.p1, self.p2] + (square + 2.0 * points**2) * [self.p2, self.p1]
         return np.asarray(points * (1.0 + square * (self.k1 + square * self.k2)) + tangential)
 
     def undistort(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Undistort points: the inverse of `distort`, by Newton's method. Raises `SimError` if it does not converge."""
+        """Return the inverse of `distort`, computed by Newton's method. Raises `SimError` if that does not converge."""
         straight = points
         with np.errstate(all="ignore"):
             for _ in range(_ITERATIONS):
@@ -76,7 +76,7 @@ class Distortion:
     def check_no_fold(self, straight: Float64[np.ndarray, "n 2"]) -> None:
         """Raise `SimError` if the distorted image folds over between its centre and any of the undistorted points.
 
-        It folds where the Jacobian of the distortion is no longer positive definite.
+        The image folds over, and shows parts of the view twice, where the distortion's Jacobian is not positive definite.
         """
         for share in np.linspace(0.0, 1.0, _STEPS).tolist():
             along_x, mixed, along_y = self._slopes(share * straight)
@@ -109,9 +109,9 @@ class Distortion:
 
 
 class Lens:
-    """Distorts images of the wider camera `pinhole`, as if taken by a camera with the given intrinsics and distortion.
+    """Distorts images of a wider camera, `pinhole`, as if a camera with these intrinsics and this distortion took them.
 
-    Raises `SimError` if the distortion cannot be inverted in the image, or if it needs too wide a pinhole.
+    Raises `SimError` if the distortion cannot be inverted in the image, or if `pinhole` would be too wide.
     """
 
     def __init__(self, intrinsics: Intrinsics, distortion: Distortion) -> None:
@@ -126,7 +126,7 @@ class Lens:
                 f"distortion: {distortion.coefficients} needs a pinhole of {width} x {height} px; valid: weaker coefficients"
             )
         self.pinhole = Intrinsics(width, height, k.fx, k.fy, float(k.cx - left), float(k.cy - top))
-        """The pinhole to render. It has the focal lengths of the camera, but another image size and principal point."""
+        """Intrinsics of the image to render: the camera's focal lengths, but another image size and principal point."""
         v, u = np.mgrid[: k.height, : k.width]
         pixels = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
         straight = distortion.undistort((pixels - [k.cx, k.cy]) / [k.fx, k.fy])
@@ -134,17 +134,17 @@ class Lens:
         self._at = at.astype(np.float32).reshape(k.height, k.width, 2)
 
     def image(self, image: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "i j 3"]:
-        """Distort an image of the pinhole, with bicubic interpolation."""
+        """Distort an image that was rendered with `pinhole`, by bicubic interpolation."""
         return np.asarray(cv2.remap(image, self._at[..., 0], self._at[..., 1], cv2.INTER_CUBIC), np.uint8)
 
     def nearest(self, values: Shaped[np.ndarray, "h w"]) -> Shaped[np.ndarray, "i j"]:
-        """Distort a depth image or an image of ids. Pixels take the nearest value, as mixtures of values would be wrong."""
+        """Distort a depth image or an image of ids. Pixels take the nearest value, because mixed values would be wrong."""
         u, v = np.moveaxis(np.rint(self._at).astype(int), -1, 0)
         return np.asarray(values[v, u])
 
 
 def rendered_camera(camera: Camera, distortion: Distortion) -> Camera:
-    """Return the wider pinhole to render for a camera with a distortion. Raises `SimError` as `Lens` does."""
+    """Return the wider pinhole camera to render for a camera with a distortion. Raises `SimError` as `Lens` does."""
     return Camera(Lens(camera.intrinsics, distortion).pinhole, camera.T_B_C)
 
 

@@ -1,4 +1,7 @@
-"""Merges meshes for faster rendering: surfaces with the same texture image and the same visibility cells become one mesh."""
+"""Merges meshes for faster rendering: surfaces with the same texture image and the same visibility cells become one mesh.
+
+Each indoor room is a visibility cell, and everything outdoors is one cell; see `visibility`.
+"""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -13,14 +16,14 @@ from worlds.visuals.surfaces import OUTSIDE
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """A merged mesh. The mesh is drawn if the camera may see at least one of its visibility cells."""
+    """A merged mesh. It is drawn if the camera may see one of its visibility cells (rooms, or everything outdoors)."""
 
     visual: Visual
     cells: Cells
 
 
 def cells_of(part: Visual, visibility: Visibility) -> Cells:
-    """Return the visibility cells that contain a part of the scene.
+    """Return the visibility cells (rooms, or everything outdoors) that contain a part of the scene.
 
     A wall, floor or ceiling is in the cell of its room. An object is in every cell that it reaches into.
     """
@@ -31,7 +34,10 @@ def cells_of(part: Visual, visibility: Visibility) -> Cells:
 
 
 def merge(parts: Sequence[Visual], visibility: Visibility) -> tuple[Merged, ...]:
-    """Merge `parts` in their order, so that of coplanar faces the same one is drawn on top as without merging."""
+    """Merge the parts that have equal texture images and visibility cells.
+
+    The order of `parts` is preserved, so that of two coplanar faces the same one is on top as without merging.
+    """
     groups: dict[tuple[str, Cells], list[Visual]] = defaultdict(list)
     for part in parts:
         groups[part.image, cells_of(part, visibility)].append(part)

@@ -1,4 +1,4 @@
-"""Writes a house as MJCF: an XML file beside a folder of textures, for MuJoCo and other software that reads its models."""
+"""Writes a house as MJCF: an XML file and a folder of textures, for MuJoCo and other software that reads its models."""
 
 from pathlib import Path
 

@@ -1,7 +1,8 @@
-"""`Raster`: renders a scene from any pose with any pinhole, in one GL context.
+"""`Raster`: renders a scene from any pose with any pinhole camera, in one GL context.
 
-For images and depth it draws the merged meshes whose cells the camera may see. For ids it draws the separate geoms. The
-house is static, so MuJoCo's abstract scenes (lists of geoms to draw) are filled once, and only their cameras move.
+Images and depth are drawn from merged meshes; meshes of rooms that the camera cannot see are left out. Geom ids are drawn
+from the separate geoms. The house is static, so MuJoCo's abstract scenes (lists of geoms to draw) are filled once, and only
+their cameras move.
 """
 
 from collections.abc import Sequence
@@ -21,9 +22,9 @@ from sim.render.visibility import Cells
 from worlds.visuals.meshes import Solid
 
 _HIDDEN = -1
-"""Mesh id of a geom that MuJoCo shall not draw."""
+"""Mesh id of a geom that MuJoCo does not draw."""
 _SPARE = 1024
-"""Number of geoms for which a scene (`mujoco.MjvScene`) has spare room: the parts of moving actors."""
+"""Number of further geoms for which a scene (`mujoco.MjvScene`) has memory: the parts of moving things."""
 NO_GEOM = -1
 
 
@@ -33,15 +34,16 @@ class RenderedFrame:
 
     rgb: UInt8[np.ndarray, "h w 3"]
     depth: Float32[np.ndarray, "h w"]
-    """Depth along the optical axis; for a fisheye, distance along each pixel's ray [m]."""
+    """Depth along the optical axis [m]; for a fisheye camera, the distance along each pixel's ray [m]."""
     geom_ids: Int32[np.ndarray, "h w"]
-    """Index into `Scene.object_of_geom`, `NO_GEOM` for sky."""
+    """Index of each pixel's geom in `Scene.object_of_geom`; `NO_GEOM` for sky and moving things."""
 
 
 class Raster:
-    """Renders a scene. It holds a GL context: use it as a context manager or call `close`, in the thread that created it.
+    """Renders a scene with any pinhole camera. Use it as a context manager, or call `close`, in the thread that created it.
 
-    Raises `GraphicsError` if off-screen OpenGL is missing or fails, and for images larger than the scene was built for.
+    It holds a GL context. Raises `GraphicsError` if off-screen OpenGL is missing or fails, and for images that are larger
+    than the scene was built for.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -64,7 +66,7 @@ class Raster:
         self._open = True
 
     def place(self, solids: Sequence[Solid]) -> None:
-        """Draw `solids` in all further images, in place of the previous solids. Pixels of solids have the id `NO_GEOM`."""
+        """Draw `solids` (moving things) in all further images, in place of the previous solids. Their id is `NO_GEOM`."""
         for abstract, standing in ((self._merged, len(self._scene.merged)), (self._objects, self._scene.model.ngeom)):
             abstract.ngeom = standing
             draw(abstract, solids)
@@ -82,7 +84,7 @@ class Raster:
         return self._metres(buffer)
 
     def geom_ids(self, T_W_C: Pose, intrinsics: Intrinsics) -> Int32[np.ndarray, "h w"]:
-        """Render per pixel the index into `Scene.object_of_geom`, `NO_GEOM` for sky."""
+        """Render, for each pixel, the index of its geom in `Scene.object_of_geom`; `NO_GEOM` for sky and moving things."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         self._draw(self._objects, T_W_C, intrinsics, image, None)
         red, green, blue = np.moveaxis(image[::-1].astype(np.int32), -1, 0)
@@ -90,14 +92,14 @@ class Raster:
         return np.asarray(red + (green << 8) + (blue << 16) - 1)
 
     def frame(self, T_W_C: Pose, intrinsics: Intrinsics) -> RenderedFrame:
-        """Render image and depth in one pass, and ids in another."""
+        """Render image and depth in one rendering pass, and geom ids in another."""
         image = np.empty((intrinsics.height, intrinsics.width, 3), np.uint8)
         buffer = np.empty((intrinsics.height, intrinsics.width), np.float32)
         self._draw_merged(T_W_C, intrinsics, image, buffer)
         return RenderedFrame(np.ascontiguousarray(image[::-1]), self._metres(buffer), self.geom_ids(T_W_C, intrinsics))
 
     def close(self) -> None:
-        """Release the GL context. It may be called more than once, and other rasters are unaffected."""
+        """Release the GL context. Further calls have no effect. Other rasters stay usable."""
         if self._open:
             self._open = False
             with self._gl.as_current() if hasattr(self._gl, "as_current") else nullcontext():
@@ -132,7 +134,7 @@ class Raster:
         image: UInt8[np.ndarray, "h w 3"] | None,
         buffer: Float32[np.ndarray, "h w"] | None,
     ) -> None:
-        """Draw into the frame buffer and read it into `image` and `buffer`, whose first row is the bottom row."""
+        """Render the scene, and write colours to `image` and depths to `buffer`, whose first row is the bottom row."""
         if not self._open:
             raise GraphicsError("renderer: it is closed; valid: rendering before close()")
         if intrinsics.width > self._size[0] or intrinsics.height > self._size[1]:
@@ -164,7 +166,7 @@ def _abstract_scene(scene: Scene) -> "mujoco.MjvScene":
 
 
 def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
-    """Build the abstract scene of the merged meshes, with the same lights and sky."""
+    """Build the abstract scene of the merged meshes, with lights and sky."""
     abstract, model = _abstract_scene(scene), scene.model
     textures = {geom.matid: geom.texid for geom in abstract.geoms[: abstract.ngeom]}
     abstract.ngeom = len(scene.merged)
@@ -180,7 +182,7 @@ def _merged_scene(scene: Scene) -> "mujoco.MjvScene":
 
 
 def _aim(scene: "mujoco.MjvScene", T_W_C: Pose, intrinsics: Intrinsics) -> None:
-    """Set pose and pinhole of the scene's cameras. Only this function handles MuJoCo's camera conventions."""
+    """Set pose and intrinsics of the scene's cameras. Only this function handles MuJoCo's camera conventions."""
     k = intrinsics
     for camera in scene.camera:  # MuJoCo renders from the mean of a left and a right camera
         near = camera.frustum_near

@@ -23,18 +23,18 @@ from worlds.parts import Vector
 from worlds.valid_names import did_you_mean
 
 STEREO_BASELINE_M = 0.11
-"""Baseline of the paper's Alphasense and of EuRoC's stereo camera [m]."""
+"""Baseline of EuRoC's stereo camera, and of the Alphasense camera in the LEXIS paper [m]."""
 LEVER_ARM_M = 0.15
 """Largest distance between the IMU and the cameras that `displaced` accepts [m]."""
 FREE_M = 0.24
-"""Distance from the IMU within which no camera gets into an obstacle [m]: the body keeps 0.25 m away from obstacles."""
+"""Horizontal distance from the IMU within which no camera gets into an obstacle [m], as the body keeps 0.25 m away."""
 _FISHEYE_PX = 480
 _FISHEYE_DEG = 180.0
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """Cameras mounted on one body. LEXIS receives the images of the first pinhole."""
+    """Cameras mounted on one body: pinhole cameras and fisheyes. LEXIS receives the images of the first pinhole camera."""
 
     name: str
     cameras: Mapping[str, Camera]
@@ -47,13 +47,13 @@ class Rig:
 
     @property
     def size_px(self) -> tuple[int, int]:
-        """Width and height into which every image fits [px]."""
+        """Largest width and largest height of the images that are rendered for the rig [px]."""
         images = [*(camera.intrinsics for camera in self.cameras.values()), *(eye.face for eye in self.fisheyes.values())]
         return max(image.width for image in images), max(image.height for image in images)
 
 
 def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> Rig:
-    """Move and rotate the whole rig on the body, whose frame is the IMU's, to simulate a lever arm from IMU to cameras.
+    """Return the rig, moved and rotated on the body, to simulate a lever arm from the IMU (the origin of B) to the cameras.
 
     The offset is in B [m]; the rotation is `Rz(yaw) Ry(pitch) Rx(roll)` [deg]. Raises `SimError` for values that are not
     finite, and for an offset longer than `LEVER_ARM_M`.
@@ -71,13 +71,13 @@ def displaced(rig: Rig, offset_m: Vector, rpy_deg: Vector = (0.0, 0.0, 0.0)) -> 
 
 
 def build_rig_scene(house: House, rig: Rig) -> Scene:
-    """Build a scene in which every camera of `rig` can be rendered."""
+    """Compile a house into a scene that every camera of `rig` can render."""
     return build_scene(house, rig.size_px, fovy_deg(rig.front.intrinsics))
 
 
 @dataclass(frozen=True)
 class RigConfig(Settings, place="rig", error=SimError):
-    """A rig as plain data: a preset of `RIGS`, the size of its images, and its mounting on the body."""
+    """Settings of a camera rig: a preset of `RIGS`, the size of its images, and its mounting on the body."""
 
     name: str = "wide"
     width: Annotated[int, Ge(16)] = 480
@@ -111,7 +111,7 @@ def build_rig(config: RigConfig) -> Rig:
 
 
 def make_rig(name: str, width: int = 480, height: int = 360, hfov_deg: float = 100.0) -> Rig:
-    """Build a preset of `RIGS` with pinholes of this size [px] and field of view. Raises `SimError` for an unknown name."""
+    """Build a preset of `RIGS` with pinhole cameras of this image size and view. Raises `SimError` for an unknown name."""
     if name not in RIGS:
         raise SimError(f"unknown rig {name!r}{did_you_mean(name, RIGS)}; valid: {', '.join(RIGS)}")
     return RIGS[name](wide_camera(width, height, hfov_deg))
@@ -145,13 +145,13 @@ def _fisheye(camera: Camera) -> Rig:
 RIGS: Mapping[str, Callable[[Camera], Rig]] = MappingProxyType(
     {"wide": _wide, "stereo": _stereo, "front-rear": _front_rear, "four": _four, "fisheye": _fisheye}
 )
-"""Presets. `four` is the paper's rig: two cameras look ahead and one to either side. `front-rear` recognises revisits in the
-opposite direction. `fisheye` has a fisheye of 180 degrees beside the front pinhole, for tests of other software: LEXIS and
-the recording formats support pinholes only, so LEXIS receives the pinhole's images."""
+"""Functions that build each preset from one pinhole camera. `four` is the rig of the LEXIS paper: two cameras look ahead and
+one to either side. `front-rear` recognises revisits in the opposite direction. `fisheye` adds a fisheye camera of 180
+degrees to the front pinhole camera, for tests of other software. LEXIS receives only the images of the front camera."""
 
 
 def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.0) -> Camera:
-    """Return the camera at another place of the body, rotated about the body's z axis."""
+    """Return the camera moved on the body, and rotated about the body's z axis by `yaw` [rad]."""
     T_B_B = np.eye(4)
     T_B_B[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
     T_B_B[:2, 3] = x_m, y_m
@@ -159,9 +159,9 @@ def _mounted(camera: Camera, x_m: float = 0.0, y_m: float = 0.0, yaw: float = 0.
 
 
 class RigRenderer:
-    """Renders all cameras of a rig from poses of the body, with one GL context. Use it as a context manager or call `close`.
+    """Renders all cameras of a rig from poses of the body. Use it as a context manager, or call `close` at the end.
 
-    Raises `GraphicsError` if off-screen OpenGL is missing, or if the scene was built for smaller images.
+    It holds one GL context. Raises `GraphicsError` if off-screen OpenGL is missing, or if the scene is for smaller images.
     """
 
     def __init__(self, scene: Scene, rig: Rig) -> None:
@@ -175,7 +175,7 @@ class RigRenderer:
         return images | {name: eye.frame(T_W_B).rgb for name, eye in self._fisheyes.items()}
 
     def frames(self, T_W_B: Pose) -> dict[str, RenderedFrame]:
-        """Render images, depth and ids of all cameras, by name. A fisheye's depth is measured along each pixel's ray."""
+        """Render image, depth and geom ids of each camera, by name. A fisheye's depth is measured along each pixel's ray."""
         frames = {name: self._raster.frame(T_W_B @ eye.T_B_C, eye.intrinsics) for name, eye in self._rig.cameras.items()}
         return frames | {name: eye.frame(T_W_B) for name, eye in self._fisheyes.items()}
 

@@ -1,8 +1,8 @@
 """Builds the MuJoCo model of a house: a textured mesh for each surface of a room and for each object, and the lighting.
 
-Each of these meshes has a geom, for ray casts and segmentation. The model also holds the faces of all of them, merged into a
-few meshes without geoms. `sim.render.raster` draws the merged meshes, because the time to render an image grows with the
-number of meshes.
+Each of these meshes has a geom, for ray casts and segmentation. The model also holds the faces of all these meshes a second
+time, merged into a few meshes without geoms. `sim.render.raster` draws the merged meshes, because the time to render an
+image grows with the number of meshes.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from worlds.visuals.house_visuals import Visual, Visuals, visuals
 from worlds.visuals.meshes import triangles
 
 CAMERA = "camera"
-"""Name of the free camera and of its body."""
+"""Name of the model's camera, which can be placed freely, and of the body that carries it."""
 
 
 @dataclass(frozen=True)
@@ -64,24 +64,25 @@ LIGHTS: Mapping[str, Light] = MappingProxyType(
         ),
     }
 )
-"""Lighting conditions by `AppearanceSpec.light`. Day is bright, because image features are lost in the dark."""
+"""Lighting conditions by name, the values of `AppearanceSpec.light`. In brighter light, more image features are found."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A compiled house, ready to render."""
+    """A house, compiled as a MuJoCo model and ready to render."""
 
     model: "mujoco.MjModel"
     data: "mujoco.MjData"
     object_of_geom: tuple[str, ...]
-    """Owner of each geom: a furniture id, `STAIRS_OBJECT`, or "<room id>/<wall|floor|ceiling>"."""
+    """What each geom belongs to, by geom id: the id of a piece of furniture, a door or a window; `STAIRS_OBJECT`; or
+    "<room id>/<wall|floor|ceiling>"."""
     merged: tuple[Merged, ...]
     """Meshes to draw in place of the geoms. In the model, these meshes come after the meshes of the geoms."""
     visibility: Visibility
 
 
 def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scene:
-    """Compile `house` with one free camera of `size_px` (width, height) and a vertical field of view [deg].
+    """Compile `house` with one camera, of the image size `size_px` (width, height) and a vertical field of view [deg].
 
     Shadows and multi-sampling are off, because they make a software renderer ten times slower.
     """
@@ -101,10 +102,9 @@ def build_scene(house: House, size_px: tuple[int, int], fovy_deg: float) -> Scen
 
 
 def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
-    """Return each geom's index into `house.rooms`, `NO_ROOM` for doors, windows and flights of stairs.
+    """Return the room of each geom as an index into `house.rooms`; `NO_ROOM` for doors, windows and flights of stairs.
 
-    With geom ids per pixel this gives a segmentation of rooms, `room_of_geom(house, scene)[frame.geom_ids]`. Mask the sky
-    (-1) first.
+    `room_of_geom(house, scene)[frame.geom_ids]` is an image's segmentation by rooms. Mask pixels of the sky (id -1) first.
     """
     place = {room.id: i for i, room in enumerate(house.rooms)}
     of = {piece.id: place[piece.room] for piece in house.furniture}
@@ -113,9 +113,9 @@ def room_of_geom(house: House, scene: Scene) -> Int32[np.ndarray, "geoms"]:
 
 
 def house_mjspec(house: House, seen: Visuals, texture_files: Mapping[str, str] | None = None) -> "mujoco.MjSpec":
-    """Build the model of a house, ready to compile, with lighting and without a camera. Geoms are in the order of `seen`.
+    """Build the MuJoCo model of a house, ready to compile, with lighting but no camera. Geoms are in the order of `seen`.
 
-    A model that is saved as XML needs its textures in files: `texture_files` maps each image's name to its file.
+    For a model that is saved as XML, textures have to be in files: `texture_files` maps the name of each image to its file.
     """
     spec = mujoco.MjSpec()
     bounds = np.array([room.polygon.bounds for room in house.rooms])

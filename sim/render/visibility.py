@@ -1,10 +1,10 @@
 """Determines which parts of a house a camera may see, by the method of cells and portals.
 
-Cells are the rooms, and one cell for everything outdoors. Portals are the openings between cells.
+Cells are the indoor rooms, and one cell for everything outdoors. Portals are the openings between cells.
 
 1. Start in each cell that holds the camera, with the camera's view as a range of azimuths and slopes.
-2. Clip the view by each opening of the cell. If some of it remains, enter the cell behind the opening with that part.
-3. Repeat until no opening leaves any of the view.
+2. Clip the view by each opening of the cell. If part of the view remains, enter the cell behind the opening with this part.
+3. Repeat until no part of the view remains at any opening.
 
 The result never misses a visible cell: door leaves and furniture are ignored, and openings count as boxes slightly larger
 than they are.
@@ -24,7 +24,7 @@ from worlds.visuals.surfaces import rectangles
 from worlds.walls import WALL_THICKNESS_M
 
 Cells = frozenset[int]
-"""Indices into `House.rooms`. The index `len(House.rooms)` is the cell of everything outdoors."""
+"""A set of visibility cells, as indices into `House.rooms`. The index `len(House.rooms)` is the cell of the outdoors."""
 _MARGIN_M = 0.1
 """Margin by which openings are enlarged [m]."""
 _TOLERANCE_M = 0.01
@@ -54,7 +54,7 @@ class _View:
     up: float
 
     def through(self, box: _Box, x: float, y: float, z: float) -> "_View | None":
-        """Clip the view from the point (x, y, z) to the opening `box`. Return None if the opening is out of view."""
+        """Return the part of the view from the point (x, y, z) through the opening `box`; None if the box is out of view."""
         across, along = max(box.x0 - x, x - box.x1, 0.0), max(box.y0 - y, y - box.y1, 0.0)
         nearest = math.hypot(across, along)
         if nearest == 0.0:
@@ -75,7 +75,7 @@ _ALL_AROUND = _View(-10.0, 10.0, -math.inf, math.inf)
 
 
 class Visibility:
-    """The cells of a house and the openings between them; finds the cells that a camera may see."""
+    """Finds the cells of a house that a camera may see. Cells are the indoor rooms, and one cell for everything outdoors."""
 
     def __init__(self, house: House) -> None:
         self.outdoors = len(house.rooms)
@@ -93,11 +93,11 @@ class Visibility:
             self._openings[b].append((box, a))
 
     def cell_of_room(self, room: str) -> int:
-        """Return the cell of a room by its id in `House.rooms`. Any other id counts as outdoors."""
+        """Return the index of the cell for a room id in `House.rooms`. Outdoor rooms and other ids give the outdoor cell."""
         return self._names.get(room, self.outdoors)
 
     def cells_of(self, points: Float64[np.ndarray, "*n 3"]) -> Cells:
-        """Return the cells that the bounding box of points in W [m] reaches into; outdoors if it reaches into none."""
+        """Return the cells into which the bounding box of points in W [m] reaches; if there are none, the outdoor cell."""
         x0, y0, z0 = (points.reshape(-1, 3).min(axis=0) + _TOLERANCE_M).tolist()
         x1, y1, z1 = (points.reshape(-1, 3).max(axis=0) - _TOLERANCE_M).tolist()
         reached = (
@@ -106,7 +106,7 @@ class Visibility:
         return frozenset(reached) or frozenset([self.outdoors])
 
     def seen(self, T_W_C: Pose, intrinsics: Intrinsics) -> Cells:
-        """Return all cells that a camera may see, possibly with some that it cannot; all cells if it is in no room."""
+        """Return all cells that a camera sees, and possibly further ones; all cells if the camera is in no room."""
         x, y, z = T_W_C[:3, 3].tolist()
         own = {cell for cell, box in self._boxes if box.holds(x, y, z)}
         if not own:
@@ -139,7 +139,7 @@ class Visibility:
 
 
 def _horizontal(T_W_C: Pose, intrinsics: Intrinsics) -> _View:
-    """Return the azimuths between the image's corners; all azimuths if the image contains the vertical, up or down."""
+    """Return the azimuths that the image covers; all azimuths if the vertical direction (up or down) is in the image."""
     k = intrinsics
     x0, x1 = (-0.5 - k.cx) / k.fx, (k.width - 0.5 - k.cx) / k.fx
     y0, y1 = (-0.5 - k.cy) / k.fy, (k.height - 0.5 - k.cy) / k.fy

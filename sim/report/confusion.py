@@ -22,14 +22,14 @@ class Confusion:
 
     @property
     def recalls(self) -> list[float]:
-        """Recall of every row: the share of its keyframes that were labelled correctly."""
+        """Recall of each row's label: the share of keyframes with this true label that were labelled correctly."""
         return [float(share) for share in np.diagonal(self.counts) / self.counts.sum(axis=1)]
 
 
 def confusion(table: KeyframeTable, label_names: Sequence[str]) -> Confusion:
-    """Count keyframes by label: a row for every true label, a column for every label that is true or predicted.
+    """Count keyframes by label. Each label that is true has a row, and each label that is true or predicted has a column.
 
-    `label_names` are `ReportData.shown_labels`, whose last name is for keyframes without a label.
+    `label_names` are `ReportData.shown_labels`, whose last name stands for keyframes without a label.
     """
     n = len(label_names)
     counts = np.zeros((n, n), dtype=np.int64)

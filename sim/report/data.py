@@ -1,4 +1,4 @@
-"""The input of a report, as plain data: it uses no types of LEXIS, so that the run of any SLAM system can be reported."""
+"""The input of a report, as plain data. It needs no types of LEXIS, so that runs of any SLAM system can be reported."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from sim.errors import SimError
 from worlds.spec import OpeningKind
 
 UNKNOWN = -1
-"""Index that stands in place of a label for frames without a label from the SLAM."""
+"""Label index of frames to which the SLAM gave no label."""
 NO_LABEL = "no label"
-"""Name that the report shows for `UNKNOWN`."""
+"""Text that the report shows in place of a label for the index `UNKNOWN`."""
 Outline = Float64[np.ndarray, "corners 2"]
-"""A polygon of the floor plan, in W [m]."""
+"""Vertices of a polygon of the floor plan, in W [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +39,11 @@ class PlannedOpening:
 
 @dataclass(frozen=True, eq=False)
 class PlannedLeaf:
-    """A door leaf at its opening angle."""
+    """A door leaf (the moving panel of a door) at its opening angle."""
 
     outline: Outline
     arc: Float64[np.ndarray, "k 2"]
-    """Path of the leaf's free end from the closed position to the present one [m]."""
+    """Path of the door leaf's free end from the closed to the present position, in W [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class FloorPlan:
     treads: tuple[Outline, ...] = ()
     leaves: tuple[PlannedLeaf, ...] = ()
     windows: tuple[Float64[np.ndarray, "2 2"], ...] = ()
-    """Both ends of each window, in W [m]."""
+    """Each window as the two ends of a line, in W [m]."""
     house: str | None = None
     """Name of the house."""
 
@@ -73,20 +73,20 @@ class KeyframeTable:
     """Time stamps [s]."""
     true_poses: Float64[np.ndarray, "n 4 4"]
     odometry_poses: Float64[np.ndarray, "n 4 4"]
-    """Poses of the odometry, aligned to the truth as for the ATE. The optimised poses are aligned in the same way."""
+    """Poses of the odometry, aligned to the truth as for the ATE. `optimised_poses` are aligned in the same way."""
     optimised_poses: Float64[np.ndarray, "n 4 4"]
     storeys: Int[np.ndarray, "n"]
-    """Level of the storey that truly contains the keyframe."""
+    """Level of the storey that truly contains each keyframe, 0 for the lowest."""
     true_labels: Int[np.ndarray, "n"]
-    """True label of the room, as an index into `ReportData.label_names`."""
+    """Label of the room that truly contains each keyframe, as an index into `ReportData.label_names`."""
     baseline_labels: Int[np.ndarray, "n"]
-    """Label predicted from the keyframe's image alone, as an index into `ReportData.label_names`, or `UNKNOWN`."""
+    """Label predicted from each keyframe's image alone, as an index into `ReportData.label_names`, or `UNKNOWN`."""
     predicted_labels: Int[np.ndarray, "n"]
-    """Label predicted after refinement, as an index into `ReportData.label_names`, or `UNKNOWN`."""
+    """Label predicted for each keyframe after refinement, as an index into `ReportData.label_names`, or `UNKNOWN`."""
     true_rooms: tuple[str, ...]
-    """Name of the room instance that contains the camera."""
+    """Name of the room instance that truly contains each keyframe."""
     predicted_rooms: tuple[str, ...]
-    """Name of the room instance that the SLAM assigned the keyframe to; "" for none."""
+    """Name of the room instance to which the SLAM assigned each keyframe; "" for none."""
 
     @property
     def wrong(self) -> Bool[np.ndarray, "n"]:
@@ -95,7 +95,7 @@ class KeyframeTable:
 
     @property
     def odometry_errors(self) -> Float64[np.ndarray, "n"]:
-        """For each keyframe, the distance between the position by odometry and the true position [m]."""
+        """For each keyframe, the distance between the odometry's position and the true position [m]."""
         return np.asarray(np.linalg.norm(self.odometry_poses[:, :3, 3] - self.true_poses[:, :3, 3], axis=1))
 
     @property
@@ -106,7 +106,7 @@ class KeyframeTable:
 
 @dataclass(frozen=True)
 class LoopMark:
-    """A loop edge between two keyframes, and whether its relative pose is true."""
+    """A loop edge between the keyframes `query` and `match` (row numbers), and whether its relative pose is right."""
 
     query: int
     match: int
@@ -122,17 +122,17 @@ class SampleFrame:
     keyframe: int
     image: UInt8[np.ndarray, "h w 3"]
     scores: tuple[tuple[str, float], ...]
-    """Labels with the largest similarity to the image and their similarities, best first."""
+    """The labels that are most similar to the image, each with its similarity, best first."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlanPath:
-    """A path in W that the SLAM planned and a robot drove."""
+    """A plan of the SLAM from room to room, and the path in W that a robot drove along the plan."""
 
     start: str
     goal: str
     points: Float[np.ndarray, "k 3"]
-    """Positions of the robot on the floor [m]; empty if no plan was found."""
+    """Positions of the robot on the floor, in W [m]; empty if no plan was found."""
     success: bool | None = None
     """Whether the robot reached the goal; None if the plan was not driven."""
     reason: str = ""
@@ -140,7 +140,7 @@ class PlanPath:
     ended: str | None = None
     """Name of the room that the robot ended in; None if it ended outside of all rooms or the plan was not driven."""
     shortest_m: float | None = None
-    """Length of the shortest path to the goal [m]."""
+    """Length of the shortest possible path from the start to the goal [m]; None if it is unknown."""
 
     @property
     def driven_m(self) -> float:
@@ -150,7 +150,7 @@ class PlanPath:
 
 @dataclass(frozen=True, eq=False)
 class ReportData:
-    """Everything that `write_report` needs. Raises `SimError` for no keyframes, or for indices out of range."""
+    """Everything that `write_report` needs. Raises `SimError` if there are no keyframes, or for indices out of range."""
 
     result: Mapping[str, Any]
     """The contents of result.json."""
@@ -165,12 +165,12 @@ class ReportData:
 
     @property
     def shown_labels(self) -> tuple[str, ...]:
-        """The names of all labels by index, `UNKNOWN` (-1) included."""
+        """The names of all labels by index. The last one, `NO_LABEL`, is at the index -1 (`UNKNOWN`)."""
         return (*self.label_names, NO_LABEL)
 
     @property
     def failed(self) -> tuple[PlanPath, ...]:
-        """The plans whose goal was not reached. The report numbers them from 1 in this order."""
+        """The driven plans whose goal was not reached. The report numbers them from 1 in this order."""
         return tuple(path for path in self.paths if path.success is False)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The drawing model of floor plans: marks with coordinates in metres, and the styles that SVG and PNG output share."""
+"""Marks (polygons, lines, dots, texts) from which floor plans are drawn, and styles that SVG and PNG output share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,13 +18,13 @@ class Mark:
     points: Float[np.ndarray, "k 2"]
     """Vertices in metres. Dots and texts have a single point; a text starts at its point."""
     colour: str | None = None
-    """Overrides the style: the fill of polygons, dots and texts, or the stroke of lines; `#rrggbb`."""
+    """Colour `#rrggbb` in place of the style's: the fill of polygons, dots and texts, or the stroke of lines."""
     text: str = ""
     """Content of a text mark; tooltip of any other mark."""
     size: float = 0.3
     """Height of the letters of a text [m]."""
     keyframe: int | None = None
-    """Index of the keyframe that the mark represents."""
+    """Index of the keyframe that the mark represents; None for other marks."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Style:
     width: float = 1.0
     """Width of the stroke [cm]."""
     dash: tuple[float, float] | None = None
-    """Lengths of a dash and of the gap after it [cm]; lines only."""
+    """Lengths of a dash and of the gap after a dash [cm], for lines; None: a solid line."""
     radius: float = 0.0
     """Radius of a dot [m]."""
     opacity: float = 1.0
@@ -73,13 +73,13 @@ STYLES: dict[str, Style] = {
     "plan-number": Style(fill="#d5202a"),
     "wrong": Style(fill="#ffffff", stroke="#d5202a", width=4.0, radius=0.115),
 }
-"""Styles by name, in painting order. Errors are not marked by red alone but are also larger, dashed or ringed, for
-readers who cannot tell green from red."""
+"""Styles by name, in painting order. For readers who cannot tell green from red, marks of errors are not only red, but also
+larger, dashed or with a thick outline."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Marks, and the rectangle of the plan to show. Marks are painted by style, in the order of `STYLES`."""
+    """Marks, and the rectangle of the floor plan to show. Marks are painted in the order of their styles in `STYLES`."""
 
     marks: Sequence[Mark]
     low: Float[np.ndarray, "2"]
@@ -95,7 +95,7 @@ class Drawing:
         return sorted(self.marks, key=lambda mark: order[mark.style])
 
     def with_marks(self, more: Sequence[Mark], reach_m: float = 1.5) -> "Drawing":
-        """Return the drawing with more marks; its rectangle is extended to show them, by at most `reach_m` on each side.
+        """Return the drawing with more marks. The rectangle is extended to show them, by at most `reach_m` on each side.
 
         The limit keeps the plan large when a trajectory has drifted far away.
         """

@@ -1,4 +1,4 @@
-"""A picture of one drive on the floor plans: the planned path, the driven path, and where the drive ended."""
+"""Draws one drive of the robot on the floor plans: the planned path, the driven path, and the end of the drive."""
 
 import cv2
 import numpy as np
@@ -22,8 +22,8 @@ def drive_png(
 ) -> bytes:
     """Draw a drive on the plans of all storeys, as a PNG file.
 
-    The planned path is dashed and the driven path is solid; both are in W [m]. A ring marks the end of the drive, and beside
-    it stands the name of the first object that the robot touched.
+    The path `planned` is dashed and the driven path `path` is solid; both are in W [m]. A circle marks the end of the drive.
+    The name of the first object in `touched`, with which the robot collided, stands beside the circle.
     """
     plans = floor_plans(house)
     floors = [plan.floor_m for plan in plans]

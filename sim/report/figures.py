@@ -1,4 +1,4 @@
-"""The figures of result.json: the name, number format and meaning that reports show for each of them."""
+"""The figures (measured numbers) of result.json, with the name, format and meaning that reports show for each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ class Definition:
 
     name: str
     form: str
-    """Format string for `str.format`."""
+    """Format string of the value, for `str.format`."""
     meaning: str = ""
 
 
@@ -29,7 +29,7 @@ class Figure:
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
 _SIGNED = "{:+d}"
 PLACES = "place_recognition"
-"""Section of result.json whose keys are numbers of matches per query (N) instead of names of figures."""
+"""Section of result.json on place recognition. Its keys are not names of figures, but numbers N of matches per query."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {
@@ -181,7 +181,7 @@ SECTIONS: dict[str, dict[str, Definition]] = {
 
 
 def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
-    """Format the numbers of a section. A number without a definition is shown under its key; an absent one is left out."""
+    """Format the figures of a section of result.json. A figure without a definition is shown under its key."""
     if section == PLACES:
         return _places(result)
     known, values = SECTIONS[section], result.get(section) or {}
@@ -195,7 +195,7 @@ def figures(result: Mapping[str, Any], section: str) -> list[Figure]:
 
 
 def _places(result: Mapping[str, Any]) -> list[Figure]:
-    """One row for each N: how many queries succeeded, of those that could have succeeded."""
+    """Return a figure for each N, a number of matches per query: how many queries found N of those that could have."""
     return [
         Figure(
             f"found, N = {n}",
@@ -207,12 +207,12 @@ def _places(result: Mapping[str, Any]) -> list[Figure]:
 
 
 def figure(result: Mapping[str, Any], section: str, key: str) -> str:
-    """Format one figure of result.json."""
+    """Format the value of one figure of result.json; a dash if the run does not have this figure."""
     return shown((result.get(section) or {}).get(key), SECTIONS[section][key].form)
 
 
 def shown(value: object, form: str) -> str:
-    """Format a value. None, for a figure that the run cannot have, becomes a dash."""
+    """Format a value by the format string `form`. None, for a figure that the run cannot have, becomes a dash."""
     if value is None:
         return MISSING
     if value == 0 and form == _SIGNED:

@@ -13,14 +13,14 @@ from sim.report.data import UNKNOWN, KeyframeTable, PlanPath, ReportData
 from sim.report.room_errors import SUBSTANTIAL, Groups, room_errors, surplus
 
 WELL_COVERED = 0.95
-"""Least covered share of the walk at which the map counts as complete; the report then mentions no uncovered parts."""
+"""Share of the walk that the map has to cover to count as complete. The report then mentions no uncovered parts."""
 _STRETCHES_M = (8.0, 24.0)
 """Lengths of path over which the relative pose error is reported, as in result.json [m]."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One sentence about a run, whether it is good news, and the keyframe that shows it best."""
+    """A sentence about a run, whether it reports good news, and a keyframe that illustrates it (None: none)."""
 
     good: bool
     text: str
@@ -28,13 +28,13 @@ class Finding:
 
 
 def findings(data: ReportData) -> list[Finding]:
-    """List the findings about a run in the order of the pipeline's stages, but all bad ones before all good ones."""
+    """List the findings about a run: bad ones first, then good ones, each in the order of the SLAM's stages."""
     stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 
 
 def coverage_gap(result: Mapping[str, Any], rooms: Sequence[str]) -> str | None:
-    """Say which part of the walk the map does not cover. None if no room and at most 5 % of the walk are missing.
+    """Return sentences on what the map does not cover. None if no room and at most 5 % of the walk are missing.
 
     Args:
         result: the contents of result.json.
@@ -57,7 +57,7 @@ def _extent(result: Mapping[str, Any]) -> str | None:
 
 
 def rooms_without_keyframe(rooms: Sequence[str]) -> str | None:
-    """Name, in one sentence, the rooms on the walk without a keyframe: figures do not cover them. None if there are none."""
+    """Return a sentence that names the rooms without a keyframe, which no figure covers; None if `rooms` is empty."""
     if not rooms:
         return None
     names = f"{', '.join(rooms[:-1])} and {rooms[-1]}" if len(rooms) > 1 else rooms[0]
@@ -159,7 +159,7 @@ def _trajectory(data: ReportData) -> Iterator[Finding]:
 
 
 def _drift(table: KeyframeTable) -> Iterator[Finding]:
-    """Compare the errors before and after loop closing, over the whole trajectory and over stretches of it."""
+    """Compare the errors before and after loop closing, over the whole trajectory and over parts of fixed length."""
     truth, odometry, optimised = table.true_poses, table.odometry_poses, table.optimised_poses
     ate = [ate_rmse(poses[:, :3, 3], truth[:, :3, 3]) for poses in (odometry, optimised)]
     yield from _compared("Loop closing changed the ATE", *ate)

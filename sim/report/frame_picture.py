@@ -15,12 +15,12 @@ _RED = "#d5202a"
 
 
 def camera_image(session: Session, frame: int) -> Image:
-    """The image of the camera at a frame of the tour, rendered anew. Raises `GraphicsError` without off-screen OpenGL."""
+    """Render the image of the camera at a frame of the tour again. Raises `GraphicsError` without off-screen OpenGL."""
     return session.picture(frame)
 
 
 def place_image(session: Session, frame: int) -> Image:
-    """The plan of the frame's storey: the walk so far in grey, and in red the place and the field of view of the camera."""
+    """Draw the plan of the frame's storey, with the walk so far in grey, and the camera's place and field of view in red."""
     storeys = np.array([truth.storey for truth in session.truths[: frame + 1]])
     walked = session.tour.T_W_B[: frame + 1, :2, 3]
     here = np.flatnonzero(storeys == storeys[frame])

@@ -1,4 +1,4 @@
-"""The floor plans of a house, as data for reports and as a picture."""
+"""Makes the floor plans of a house, as data for reports and as pictures."""
 
 from collections.abc import Sequence
 
@@ -22,23 +22,23 @@ _MOST_PIXELS = 12e6
 
 
 def floor_plans(house: House) -> tuple[FloorPlan, ...]:
-    """The floor plan of every storey, lowest first."""
+    """Return the floor plan of each storey, lowest first."""
     return tuple(_plan(house, level) for level in range(len(house.storeys)))
 
 
 def plan_png(house: House) -> bytes:
-    """A picture of the plans of all storeys, side by side from the lowest up, as a PNG file."""
+    """Draw the plans of all storeys side by side, the lowest on the left, and return the bytes of a PNG file."""
     _, png = cv2.imencode(".png", plan_image(house)[..., ::-1])
     return png.tobytes()
 
 
 def plan_svg(house: House) -> str:
-    """The plans of all storeys, side by side from the lowest up, as an SVG file."""
+    """Draw the plans of all storeys side by side, the lowest on the left, and return the text of an SVG file."""
     return side_by_side(_drawings(house))
 
 
 def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8[np.ndarray, "h w 3"]:
-    """A picture of the plans of all storeys, side by side from the lowest up; large houses are drawn at a smaller scale."""
+    """Draw the plans of all storeys side by side, the lowest on the left. Large houses are drawn at a smaller scale."""
     drawings = _drawings(house)
     scale = min(_scale(drawing, pixels_per_metre) for drawing in drawings)
     pictures = [to_image(drawing, pixels_per_metre=scale) for drawing in drawings]
@@ -47,13 +47,13 @@ def plan_image(house: House, pixels_per_metre: int = _PIXELS_PER_METRE) -> UInt8
 
 
 def marked_plan_image(house: House, level: int, marks: Sequence[Mark], width_px: int = 480) -> UInt8[np.ndarray, "h w 3"]:
-    """A picture of the plan of one storey with further marks, about `width_px` pixels wide."""
+    """Draw the plan of one storey with further marks. The picture is about `width_px` pixels wide."""
     drawing = _drawings(house)[level].with_marks(marks)
     return to_image(drawing, pixels_per_metre=_scale(drawing, round(width_px / float(drawing.high[0] - drawing.low[0]))))
 
 
 def _scale(drawing: Drawing, pixels_per_metre: int) -> int:
-    """A scale, or the largest at which a drawing has no more than `_MOST_PIXELS`."""
+    """Return `pixels_per_metre`, or less if the picture would otherwise have more than `_MOST_PIXELS`."""
     area = float(np.prod(drawing.high - drawing.low))
     return int(min(pixels_per_metre, np.sqrt(_MOST_PIXELS / area)))
 

@@ -1,4 +1,4 @@
-"""Pictures as `data:` addresses, so that the report is a single file."""
+"""Encodes pictures as `data:` addresses (URIs), so that the report is a single file."""
 
 import base64
 
@@ -11,7 +11,7 @@ _JPEG_QUALITY = 82
 
 
 def data_uri(image: UInt8[np.ndarray, "h w 3"]) -> str:
-    """Encode an RGB image as a `data:` address of a JPEG, scaled down to at most 320 px in width."""
+    """Encode an RGB image as a JPEG in a `data:` address (URI), scaled down to at most 320 px in width."""
     height, width = image.shape[:2]
     if width > _WIDTH_PX:
         size = _WIDTH_PX, round(height * _WIDTH_PX / width)

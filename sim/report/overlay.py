@@ -1,4 +1,4 @@
-"""The marks that a run adds to the plan of a storey: trajectories, loop edges, planned paths and labelled keyframes."""
+"""Makes the marks of a run on the plan of a storey: trajectories, loop edges, planned paths and labelled keyframes."""
 
 from collections.abc import Iterator, Mapping
 from itertools import count
@@ -19,7 +19,7 @@ _NUMBER_M = 0.3
 
 
 def run_marks(data: ReportData, level: int, colours: Mapping[str, str]) -> list[Mark]:
-    """All marks of the run on one storey; `colours` maps labels to colours."""
+    """Return all marks of a run on one storey. `colours` maps labels to colours."""
     table = data.keyframes
     return [
         *_trajectory(table.true_poses, table.storeys == level, "true"),
@@ -37,13 +37,13 @@ def _trajectory(poses: Float64[np.ndarray, "n 4 4"], here: Bool[np.ndarray, "n"]
 
 
 def _runs(here: Bool[np.ndarray, "n"]) -> list[Int[np.ndarray, "k"]]:
-    """Runs of two or more consecutive rows for which `here` is true, as row indices."""
+    """Return the row indices of each sequence of two or more consecutive rows for which `here` is true."""
     rows = np.flatnonzero(here)
     return [run for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(run) > 1]
 
 
 def _plans(data: ReportData, level: int) -> Iterator[Mark]:
-    """Paths of all plans. A failed one also gets a cross and its number at the point where the drive ended."""
+    """Yield the paths of all plans. Where the drive of a failed plan ended, a cross and the plan's number are added."""
     numbers, floors_m = count(1), [plan.floor_m for plan in data.plans]
     for path in data.paths:
         here, number = storey_of(path.points[:, 2], floors_m) == level, next(numbers) if path.success is False else None
@@ -77,7 +77,7 @@ def _loops(data: ReportData, level: int) -> Iterator[Mark]:
 
 
 def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iterator[Mark]:
-    """A dot for every keyframe at its optimised position, in the colour of its predicted label, with a tick for heading."""
+    """Yield a dot in the colour of the predicted label at each keyframe's optimised position, with a tick for heading."""
     table, wrong = data.keyframes, data.keyframes.wrong
     for k in np.flatnonzero(table.storeys == level):
         pose = table.optimised_poses[k]
@@ -88,7 +88,7 @@ def _keyframes(data: ReportData, level: int, colours: Mapping[str, str]) -> Iter
 
 
 def describe(data: ReportData, k: int) -> str:
-    """Describe a keyframe in one line: time, true and predicted room, and position errors."""
+    """Describe keyframe number `k` in one line: time, true and predicted room and label, and position errors."""
     table = data.keyframes
     rows = table.true_labels, table.baseline_labels, table.predicted_labels
     true, before, after = (data.shown_labels[labels[k]] for labels in rows)

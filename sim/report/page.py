@@ -30,7 +30,7 @@ _ENVIRONMENT = jinja2.Environment(
 )
 
 _LEAST_PAGE_M, _MOST_PAGE_M = 17.0, 36.0
-"""Least and largest width of plan across the page [m]: narrower plans look coarse, wider plans are too small to read."""
+"""Least and largest width of plan that fills the page's width [m]: less looks coarse, more is too small to read."""
 
 _HEADLINES = (
     ("walk covered", "coverage", "path_covered", "{rooms_with_keyframe} of {rooms_walked} rooms"),
@@ -45,7 +45,7 @@ _HEADLINES = (
 
 @dataclass(frozen=True)
 class Headline:
-    """A figure in the header of the page."""
+    """A figure (measured number) in the header of the page, with its name and a note."""
 
     name: str
     value: str
@@ -97,9 +97,9 @@ def _headlines(result: Mapping[str, Any]) -> list[Headline]:
 
 
 def _widths(drawings: Sequence[Drawing]) -> list[float]:
-    """Width of each plan as a share of the page's width [%].
+    """Return the width of each plan as a share of the page's width [%].
 
-    All plans have the same scale. They stand side by side if that leaves them large enough to read.
+    All plans have the same scale. They stand side by side if they are then large enough to read.
     """
     widths = [float(drawing.high[0] - drawing.low[0]) for drawing in drawings]
     metres = max(sum(widths), _LEAST_PAGE_M) if sum(widths) <= _MOST_PAGE_M else max(*widths, _LEAST_PAGE_M)
@@ -107,7 +107,7 @@ def _widths(drawings: Sequence[Drawing]) -> list[float]:
 
 
 def _present(data: ReportData) -> list[str]:
-    """Labels that occur in the floor plans or among the keyframes; the legend shows only these."""
+    """Return the labels that occur in the floor plans or among the keyframes. The legend shows only these labels."""
     table = data.keyframes
     used = {int(i) for rows in (table.true_labels, table.baseline_labels, table.predicted_labels) for i in rows}
     planned = {room.label for plan in data.plans for room in plan.rooms}
@@ -116,7 +116,7 @@ def _present(data: ReportData) -> list[str]:
 
 
 def _samples(data: ReportData) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Cards of the sample frames that the encoder labelled right before refinement, and of those that it labelled wrong."""
+    """Return the template's data on sample frames that were labelled right before refinement, and on the wrong ones."""
     cards = [_sample(data, sample) for sample in data.samples]
     return [card for card in cards if card["seen"] == card["true"]], [card for card in cards if card["seen"] != card["true"]]
 
@@ -134,7 +134,7 @@ def _sample(data: ReportData, sample: SampleFrame) -> dict[str, Any]:
 
 
 def _stages(result: Mapping[str, Any]) -> list[tuple[str, float, float]]:
-    """Name, seconds and seconds relative to the slowest stage, for every stage, slowest first."""
+    """Return name, time [s] and time relative to the slowest stage, for each stage, slowest first."""
     stages: Mapping[str, float] = (result.get("time") or {}).get("stages_s") or {}
     slowest = max([*stages.values(), 1e-9])
     return [(name, seconds, seconds / slowest) for name, seconds in sorted(stages.items(), key=lambda item: -item[1])]

@@ -27,7 +27,7 @@ _OTHERS = (
 
 
 def label_colours(labels: Iterable[str]) -> dict[str, str]:
-    """Choose a colour `#rrggbb` for every label: a fixed one for common labels, else the next one of a fixed list."""
+    """Map each label to a colour `#rrggbb`. Common labels have fixed colours; the others take colours from a list."""
     labels = tuple(dict.fromkeys(labels))
     unusual = [label for label in labels if label not in _USUAL]
     spare = {label: _OTHERS[i % len(_OTHERS)] for i, label in enumerate(unusual)}

@@ -1,4 +1,4 @@
-"""The drawing of a storey's floor plan: rooms in the colour of their label, walls, openings, furniture, names, scale."""
+"""Draws a storey's floor plan: rooms in the colour of their label, walls, openings, furniture, names and a scale bar."""
 
 from collections.abc import Iterator, Mapping
 
@@ -45,10 +45,10 @@ def plan_drawing(plan: FloorPlan, colours: Mapping[str, str]) -> Drawing:
 
 
 def _name(room: PlannedRoom) -> Iterator[Mark]:
-    """The room's name in an upper left corner of the room, where few paths run.
+    """Yield the room's name in an upper left corner of the room, where few paths run.
 
-    Of all such corners, and of one or two lines of text, the combination with the largest text is taken. A name that would
-    be too small to read is left out.
+    The name has one or two lines. The corner and the line break are chosen so that the text is as large as possible. A name
+    that would be too small to read is left out.
     """
     text = room.name if room.label in room.name else f"{room.name} ({room.label})"
     (size, _, lines), corner = max(
@@ -75,14 +75,14 @@ def _fitting_size(lines: tuple[str, ...], width: float) -> float:
 
 
 def _corners(outline: Float64[np.ndarray, "corners 2"]) -> Iterator[tuple[Float64[np.ndarray, "2"], float]]:
-    """For every upper edge of the room: its left end, moved inside the room, and the width available there [m]."""
+    """Yield, for each upper edge of the room, its left end, moved inside the room, and the width available there [m]."""
     for right, left in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         if left[0] < right[0]:  # counter-clockwise: upper edges run to the left
             yield left + [_INSET_M, -_INSET_M], float(right[0] - left[0]) - 2 * _INSET_M
 
 
 def _legend(plan: FloorPlan, start: Float64[np.ndarray, "2"], right: float) -> Iterator[Mark]:
-    """The legend: each symbol of the plan with its name, in rows as wide as the plan, between the plan and the scale bar."""
+    """Yield the legend: each symbol of the plan with its name, in rows as wide as the plan, above the scale bar."""
     kinds = {opening.kind for opening in plan.openings}
     names = [NAMES[kind] for kind in NAMES if kind in kinds] + ([WINDOW] if plan.windows else [])
     x, y = start

@@ -1,4 +1,4 @@
-"""Drawings as raster images, for viewers that cannot show SVG."""
+"""Converts drawings to raster images, for viewers that cannot show SVG."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ _OVERSAMPLING = 3
 
 
 def to_image(drawing: Drawing, *, pixels_per_metre: int = 60) -> UInt8[np.ndarray, "h w 3"]:
-    """Paint a drawing on a white background. It is painted at three times the size and scaled down, to smooth edges."""
+    """Paint a drawing on a white background, at three times the size, and scale it down, which smooths edges."""
     painter = _Painter(drawing, pixels_per_metre * _OVERSAMPLING)
     for mark in drawing.layers:
         painter.paint(mark)
@@ -54,7 +54,7 @@ def _colour(name: str | None, opacity: float) -> tuple[int, ...] | None:
 def _dashes(
     points: list[tuple[float, float]], dash: tuple[float, float], scale: float
 ) -> Iterator[list[tuple[float, float]]]:
-    """The dashes of a line, each as a list of points. `scale` is in pixels per unit of `dash`."""
+    """Yield the dashes of a line, each as a list of points. `scale` is in pixels per unit of `dash`."""
     line = np.array(points)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     drawn, left_out = (length * scale for length in dash)

@@ -1,7 +1,7 @@
-"""Errors of room segmentation by room name: the splits and merges that result.json counts, and partial losses.
+"""Finds errors of room segmentation: the splits and merges that result.json counts, and partial losses.
 
-A partial loss is a true room, not merged with another one, of which a substantial part was assigned to a predicted room that
-lies mostly elsewhere. result.json counts it as neither split nor merge.
+A partial loss is a true room of which a substantial part was assigned to a predicted room that lies mostly elsewhere.
+result.json counts it as neither split nor merge. A true room that is merged with another one is no partial loss.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,8 @@ from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import SHARE
 
 SUBSTANTIAL = 0.2
-"""A partial loss needs at least this share of a true room's keyframes in a predicted room that lies mostly elsewhere."""
+"""A true room counts as a partial loss if at least this share of its keyframes is in a predicted room that lies mostly in
+other true rooms."""
 
 Groups: TypeAlias = dict[str, tuple[str, ...]]
 """Maps the name of a true room to names of predicted rooms, or the name of a predicted room to names of true rooms."""
@@ -24,19 +25,19 @@ Groups: TypeAlias = dict[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class RoomErrors:
-    """Errors in a partition of keyframes into rooms."""
+    """Errors in the assignment of keyframes to rooms."""
 
     splits: Groups
-    """True rooms, each with two or more predicted rooms that have more than half of their keyframes in the true room."""
+    """Maps each split true room to the predicted rooms, two or more, that have more than half of their keyframes in it."""
     merges: Groups
-    """Predicted rooms, each with two or more true rooms that have more than half of their keyframes in it."""
+    """Maps each predicted room that merges true rooms to the two or more true rooms with most of their keyframes in it."""
     partial_losses: Groups
-    """True rooms that are part of no merge, each with those predicted rooms that hold at least the share `SUBSTANTIAL` of
-    its keyframes, but lie mostly in other true rooms."""
+    """Maps each true room that is a partial loss to the predicted rooms that hold at least the share `SUBSTANTIAL` of its
+    keyframes, but lie mostly in other true rooms. True rooms in `merges` are left out."""
 
 
 def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
-    """Compare the true and the predicted room of every keyframe, both given by name."""
+    """Find the errors from the names of the true and of the predicted room of each keyframe."""
     true_names, true_ids = _numbered(true)
     predicted_names, predicted_ids = _numbered(predicted)
     table = overlap(predicted_ids, true_ids)
@@ -53,7 +54,10 @@ def room_errors(true: Sequence[str], predicted: Sequence[str]) -> RoomErrors:
 
 
 def surplus(groups: Groups) -> int:
-    """Count the rooms in all groups, but not the first of each group. result.json counts splits and merges in this way."""
+    """Return the number of rooms that the groups list, not counting the first room of each group.
+
+    result.json counts splits and merges in this way.
+    """
     return sum(len(names) - 1 for names in groups.values())
 
 

@@ -1,4 +1,4 @@
-"""Drawings as SVG elements and files."""
+"""Converts drawings to SVG elements and files."""
 
 from collections.abc import Sequence
 from html import escape
@@ -10,7 +10,7 @@ from sim.report.drawing import STYLES, Drawing, Mark, Style
 
 
 def to_svg(drawing: Drawing) -> str:
-    """Write a drawing as an `<svg>` element. The page that contains it has to include the rules of `styles_css`."""
+    """Return a drawing as an `<svg>` element. The page around the element has to include the rules of `styles_css`."""
     width, height = drawing.high - drawing.low
     body = "\n".join(map(_element, drawing.layers))
     return (
@@ -20,7 +20,7 @@ def to_svg(drawing: Drawing) -> str:
 
 
 def side_by_side(drawings: Sequence[Drawing]) -> str:
-    """Write several drawings as one SVG file with its own styles: at one scale, left to right, aligned at the bottom."""
+    """Return drawings as the text of one SVG file: at one scale, from left to right, aligned at the bottom."""
     sizes = [drawing.high - drawing.low for drawing in drawings]
     total, height, x, elements = sum(size[0] for size in sizes), max(size[1] for size in sizes), 0.0, []
     for drawing, (w, h) in zip(drawings, sizes, strict=True):
@@ -35,7 +35,7 @@ def side_by_side(drawings: Sequence[Drawing]) -> str:
 
 
 def styles_css(scope: str) -> str:
-    """CSS rules of all styles, for elements inside the selector `scope`. Lengths are in user units, which are metres."""
+    """Return the CSS rules of all styles, for elements inside the selector `scope`. SVG user units are metres."""
     return "".join(f"{scope} .{name}{{{_declarations(style)}}}" for name, style in STYLES.items())
 
 

@@ -1,4 +1,4 @@
-"""The symbols of openings, door leaves and windows in a floor plan, as architects draw them."""
+"""Draws the symbols of openings, doors and windows in a floor plan, as architects draw them."""
 
 from collections.abc import Iterator
 
@@ -25,7 +25,7 @@ _HALF = WALL_THICKNESS_M / 2
 
 
 def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
-    """The symbol of an opening between two rooms."""
+    """Yield the marks of an opening between two rooms."""
     ends, text = opening.ends, NAMES[opening.kind]
     match opening.kind:
         case "open":
@@ -47,13 +47,13 @@ def opening_marks(opening: PlannedOpening) -> Iterator[Mark]:
 
 
 def leaf_marks(leaf: PlannedLeaf) -> Iterator[Mark]:
-    """A door leaf at its opening angle, and the arc that its free end describes."""
+    """Yield the marks of a door leaf (the moving panel) at its opening angle, and of the arc on which its free end moves."""
     yield Mark("line", "swing", leaf.arc)
     yield Mark("polygon", "leaf", leaf.outline, text="door leaf")
 
 
 def window_marks(ends: Float64[np.ndarray, "2 2"]) -> Iterator[Mark]:
-    """The symbol of a window: both wall faces and the pane between them."""
+    """Yield the marks of a window: a rectangle as thick as the wall, and a line for the pane."""
     yield Mark("polygon", "window", _band(ends, _HALF), text=WINDOW)
     yield Mark("line", "pane", ends, text=WINDOW)
 
@@ -72,7 +72,7 @@ def _band(ends: Float64[np.ndarray, "2 2"], half: float) -> Float64[np.ndarray, 
 
 
 def _turned_down(ends: Float64[np.ndarray, "2 2"]) -> Float64[np.ndarray, "k 2"]:
-    """The curve of an arch, folded from its vertical plane into the floor plan."""
+    """Return the curve of an arch, folded from its vertical plane into the floor plan."""
     width = float(np.linalg.norm(ends[1] - ends[0]))
     shares = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2
     height = [arch_rise(width) - arch_drop(width, (share - 0.5) * width) for share in shares]

@@ -1,4 +1,4 @@
-"""The result of a run as a table for the terminal."""
+"""Shows the result of a run as a table for the terminal."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -18,7 +18,7 @@ def result_title(result: Mapping[str, Any], house: str | None = None) -> str:
 
 
 def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool = True) -> Table:
-    """A table of the figures of a result.json, for `rich.console.Console.print`.
+    """Make a table of the figures of a result.json, for `rich.console.Console.print`.
 
     `meanings` adds a column that explains the figures. Without `nulls`, figures that are null are left out.
     """
@@ -35,7 +35,7 @@ def result_table(result: Mapping[str, Any], meanings: bool = True, nulls: bool =
 
 
 class _Absent(dict[str, Any]):
-    """A dict that gives a question mark for a missing key."""
+    """A dict that returns a question mark for a missing key."""
 
     def __missing__(self, key: str) -> str:
         return "?"

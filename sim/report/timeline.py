@@ -1,4 +1,4 @@
-"""The run over time: strips of true, baseline and refined labels, then wrong labels, position errors and loop edges."""
+"""Draws a run over time: strips of true, baseline and refined labels, then wrong labels, position errors and loop edges."""
 
 from collections.abc import Iterator, Mapping
 from html import escape
@@ -17,7 +17,7 @@ _HEIGHT = _LOOPS_TOP + 52
 
 
 def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
-    """Draw the timeline as an `<svg>` element, which the report's style sheet styles."""
+    """Draw the timeline as an `<svg>` element. Its styles are in the report's page. `colours` maps labels to colours."""
     table = data.keyframes
     edges = _edges(table.stamps)
     rows = {"true room": table.true_labels, "image alone": table.baseline_labels, "refined": table.predicted_labels}
@@ -36,7 +36,7 @@ def timeline_svg(data: ReportData, colours: Mapping[str, str]) -> str:
 
 
 def positions(stamps: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-    """The x coordinates of the keyframes, in the units of the timeline's SVG."""
+    """Return the x coordinates of keyframes with these time stamps, in the units of the timeline's SVG."""
     span = max(float(stamps[-1] - stamps[0]), 1e-9)
     return np.asarray(LEFT + (stamps - stamps[0]) / span * (WIDTH - LEFT - 6))
 
@@ -80,7 +80,7 @@ def _error_chart(data: ReportData) -> Iterator[str]:
 
 
 def _loop_ticks(data: ReportData) -> Iterator[str]:
-    """A tick at the later keyframe of every loop edge: true edges in the upper row, false ones in the lower row."""
+    """Yield a tick at the later keyframe of each loop edge: true edges in the upper row, false edges in the lower row."""
     yield _row_name("loops", _LOOPS_TOP + 10)
     x = positions(data.keyframes.stamps)
     for loop in data.loops:
@@ -90,7 +90,7 @@ def _loop_ticks(data: ReportData) -> Iterator[str]:
 
 
 def _time_axis(data: ReportData) -> Iterator[str]:
-    """Tick labels with the time since the first keyframe."""
+    """Yield tick labels with the time since the first keyframe."""
     stamps, x = data.keyframes.stamps, positions(data.keyframes.stamps)
     step = _nice_ceiling((stamps[-1] - stamps[0]) / 8 + 1e-9)
     for seconds in np.arange(0, stamps[-1] - stamps[0], step):
@@ -107,6 +107,6 @@ def _points(x: Float[np.ndarray, "n"], y: Float[np.ndarray, "n"]) -> str:
 
 
 def _nice_ceiling(value: float) -> float:
-    """The smallest round number that is at least `value`."""
+    """Return the smallest round number that is at least `value`."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(next(power * step for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if power * step >= value - 1e-12))

@@ -1,8 +1,8 @@
-"""A robot in MuJoCo that follows the plans of a SLAM by pure pursuit, with range scans and its own drifting pose estimate.
+"""A simulated robot that drives the plans of a SLAM by pure pursuit, with range scans and its own drifting pose estimate.
 
-`drive` takes the body along the waypoints; `controller` steers it along the `route` and around the obstacles in the scans
-(`scan`, `local_map`); `dead_reckoning` estimates the robot's pose, and `body` (with `outlines`) finds contacts and missing
-ground with MuJoCo.
+`drive` moves the robot along the waypoints of a plan. `controller` steers the robot along the `route` and around the
+obstacles that the scans show (`scan`, `local_map`). `dead_reckoning` estimates the robot's pose. `body` (with `outlines`)
+finds collisions and missing ground with MuJoCo.
 """
 
 import lazy_loader

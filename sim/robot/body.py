@@ -1,4 +1,4 @@
-"""`Body`: an upright round robot in a house's collision geometry. MuJoCo finds its contacts and the ground below it."""
+"""`Body`: an upright round robot among a house's collision geoms. MuJoCo finds its contacts and the ground below it."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -12,7 +12,7 @@ from worlds.house import House
 RADIUS_M = 0.22
 HEIGHT_M = 1.5
 STEP_M = 0.25
-"""Largest height of a step that the legs can climb [m]."""
+"""Largest height of a step that the robot can climb [m]."""
 _CLEAR_OF_GROUND_M = 0.03
 """Height of the robot's underside above the ground [m], so that the robot never touches the floor that it stands on."""
 _ROBOT = "robot"
@@ -20,14 +20,15 @@ _OBSTACLE, _GROUND = 1, 2
 """Bits of MuJoCo's contact types. The legs collide with obstacles only, so that they can stand on steps. The body above them
 also collides with the ground, such as the side of a flight of stairs."""
 GROUND_GROUP, OUTLINE_GROUP = 4, 5
-"""Geom groups for ray casts: the ground, for the standing height, and the outlines, for the range scan."""
+"""Geom groups for ray casts: the ground, to find the height at which the robot stands, and the outlines of obstacles, for
+the range scan."""
 
 
 class Body:
     """A cylinder of `RADIUS_M` and `HEIGHT_M` on slide joints along x, y and z. It has a position but no dynamics.
 
-    The model has collision geoms only, so that it compiles in about 0.1 s. `place` sets the position even inside an obstacle
-    and reports the contacts.
+    The model has collision geoms only, so that it compiles in about 0.1 s. `place` moves the robot anywhere, even into an
+    obstacle, and reports the contacts.
     """
 
     def __init__(self, house: House) -> None:
@@ -51,11 +52,11 @@ class Body:
 
     @property
     def position(self) -> Float64[np.ndarray, "3"]:
-        """Centre of the robot's foot in W [m]."""
+        """Position of the robot in W [m]: the point on the ground below its centre."""
         return np.array(self.data.qpos)
 
     def place(self, x: float, y: float, z: float) -> tuple[str, ...]:
-        """Put the centre of the foot at a position in W [m] and return the names of the geoms that the body touches."""
+        """Put the robot on the point (x, y, z) in W [m] and return the names of the geoms that it touches."""
         self.data.qpos[:] = x, y, z
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
@@ -66,14 +67,17 @@ class Body:
         return tuple(self.model.geom(int(geom)).name for geom in others)
 
     def ground(self, x: float, y: float, z: float) -> float | None:
-        """Return the height of the ground at (x, y), at most a step above or below `z` [m]; None if there is a drop."""
+        """Return the height of the ground at (x, y) in W [m]; None if there is none within `STEP_M` above or below `z`."""
         hit = np.zeros(1, np.int32)
         start, down = np.array([x, y, z + STEP_M]), np.array([0.0, 0.0, -1.0])
         distance = mujoco.mj_ray(self.model, self.data, start, down, self._down, True, self.id, hit)
         return z + STEP_M - distance if 0.0 <= distance <= 2.0 * STEP_M else None
 
     def stand(self, point: Float64[np.ndarray, "3"]) -> tuple[str, ...]:
-        """Put the body on the ground near a point in W; return what it touches. Raises `SimError` if there is no ground."""
+        """Put the robot on the ground above or below a point in W [m] and return the names of the geoms that it touches.
+
+        Raises `SimError` if there is no ground within `STEP_M`.
+        """
         x, y, z = map(float, point)
         height = self.ground(x, y, z)
         if height is None:
@@ -89,7 +93,7 @@ def _add_cylinder(body: "mujoco.MjsBody", bottom_m: float, top_m: float, contact
 
 
 def group_mask(group: int) -> np.ndarray:
-    """Return a mask for ray casts that hit geoms of one group only."""
+    """Return MuJoCo's mask of geom groups for ray casts that hit geoms of `group` only."""
     mask = np.zeros(mujoco.mjNGROUP, np.uint8)
     mask[group] = 1
     return mask

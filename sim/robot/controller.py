@@ -1,11 +1,11 @@
-"""`Controller`: follows a route by pure pursuit, with local planning around obstacles that the scans show.
+"""`Controller`: steers a robot along a route by pure pursuit, and plans local paths around obstacles in the scans.
 
 At each step:
 
 1. Advance the progress along the route to the point nearest to the robot.
-2. If the straight line to the look-ahead point has enough clearance, steer to that point. Otherwise plan a local path in the
-   map of recent scans (`LocalMap`), and steer to the farthest of its next cells that can be reached in a straight line.
-3. Turn in proportion to the heading error, and drive slower the larger that error is. Stop in front of obstacles.
+2. If the straight line to the look-ahead point has enough clearance, steer to this point. Otherwise plan a local path in the
+   map of recent scans (`LocalMap`), and steer to the farthest of the path's next cells that a straight line reaches.
+3. Turn in proportion to the heading error. The larger this error, the slower the robot drives. Stop in front of obstacles.
 """
 
 import math
@@ -25,11 +25,11 @@ _TURN_RATE_RAD_S = 1.5
 _TURN_GAIN_HZ = 4.0
 _LOOKAHEAD_M = 0.7
 HORIZON_M = 1.7
-"""Length of the route that local planning considers [m]."""
+"""Length of the part of the route ahead of the robot that local planning considers [m]."""
 _KEEP_M = RADIUS_M + 0.05
 """Clearance of the straight line to the next target on a local path, if possible [m]."""
 LEAST_M = RADIUS_M + 0.03
-"""Clearance of local paths [m]. They are closer to obstacles only if no other path exists."""
+"""Distance that the robot's centre keeps from obstacles on local paths [m], except if no such path exists."""
 _REACH = 6
 """Number of cells of the local path by which the robot looks ahead."""
 _EASY_M = RADIUS_M + 0.15
@@ -46,7 +46,7 @@ _SKIP_M = 0.5
 
 
 class Controller:
-    """Computes the next step from the estimated pose and the scans: forward motion [m] and turn to the left [rad]."""
+    """Computes a robot's next step from its estimated pose and range scans, so that it follows the waypoints."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         self._route, self._map = Route(waypoints), LocalMap(LEAST_M)
@@ -56,12 +56,15 @@ class Controller:
         self._has_new_scan = False
 
     def see(self, hits: Float64[np.ndarray, "hits 2"], pose: DeadReckoning, climbed_m: float) -> None:
-        """Add a scan made at `pose`. `climbed_m` is the height above the start, which the legs measure."""
+        """Add a range scan that was made at the estimated `pose`.
+
+        `hits` are the scanned points in the body frame [m]. `climbed_m` is the robot's height above the start.
+        """
         self._map.add(hits, pose.x, pose.y, pose.yaw, climbed_m)
         self._has_new_scan = True
 
     def step(self, pose: DeadReckoning) -> tuple[float, float] | None:
-        """Return forward motion [m] and turn [rad] of the next `STEP_S`; None if the robot has arrived or given up."""
+        """Return forward motion [m] and left turn [rad] for the next `STEP_S`; None if the robot has arrived or given up."""
         here = np.array([pose.x, pose.y])
         self._route.follow(here)
         if self._has_arrived(here) or self._has_lost_patience():
@@ -89,7 +92,7 @@ class Controller:
         return self._since_s > _PATIENCE_S
 
     def _target(self, here: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"] | None:
-        """Return the point to steer to; None if no place is better than the present one."""
+        """Return the point to steer to; None if the local path ends at the robot, so that it stays where it is."""
         carrot = self._route.ahead(_LOOKAHEAD_M)[-1]
         if self._map.clearance(here, carrot) >= _EASY_M:
             self._planned_at = np.full(2, np.inf)

@@ -1,4 +1,4 @@
-"""`DeadReckoning`: the pose that a driving robot estimates, with the errors of `sim.odometry`, one step at a time."""
+"""`DeadReckoning`: a driving robot's estimate of its pose, which drifts like the odometry of `sim.odometry`."""
 
 import math
 
@@ -11,10 +11,10 @@ _BLOCK = 512
 
 
 class DeadReckoning:
-    """An estimated pose (x, y, yaw) in the plan, to which increments of the true motion are added with errors.
+    """An estimated pose (x, y, yaw) in the plane, to which increments of the true motion are added with errors.
 
-    Errors follow the model of `simulate_odometry`, limited to the plan; here the trajectory is not known in advance. The
-    errors of scale and the biases are drawn for each instance.
+    The errors follow the model of `simulate_odometry`, limited to the plane, for a trajectory that is not known in advance.
+    The error of scale and the biases are drawn at random for each object.
     """
 
     def __init__(self, x: float, y: float, yaw: float, config: OdometryConfig, rng: np.random.Generator) -> None:
@@ -25,7 +25,7 @@ class DeadReckoning:
         self._draws: list[float] = []
 
     def advance(self, forward: float, turn: float) -> None:
-        """Add a true step: `forward` [m], with half of `turn` [rad] before and half after it."""
+        """Add a step of the true motion, with errors: half of `turn` [rad], then `forward` [m], then the other half."""
         config, moved = self._config, abs(forward) + METRES_PER_RADIAN * abs(turn)
         if moved == 0.0:
             return

@@ -1,4 +1,4 @@
-"""`Robot.drive`: a robot drives through a plan's waypoints by its estimated pose, while MuJoCo checks for collisions."""
+"""`Robot.drive`: drives a robot through a plan's waypoints by its estimated pose, while MuJoCo checks for collisions."""
 
 import math
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ _TIME_FACTOR = 4.0
 _KNEE_M = 0.3
 """Height above the foot at which the room is looked up [m], so that a floor's thickness does not matter."""
 DROP = "drop"
-"""Name in `Drive.touched` for a place without ground."""
+"""Entry of `Drive.touched` if the robot came to a place without ground, such as the edge of stairs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,24 +32,24 @@ class Drive:
     """Result of a drive: the path, where it ended, and what the robot touched."""
 
     path: Float64[np.ndarray, "n 3"]
-    """True position of the foot's centre in W after every step [m]."""
+    """True positions of the robot on the ground in W [m]: at the start, and after each step."""
     room: str | None
     """Id of the room in which the robot ended; None if it ended in no room."""
     length_m: float
     """Length of the path driven, in 3-D [m]."""
     touched: tuple[str, ...]
-    """Names of the geoms that the robot touched, or `DROP`. The first contact ends the drive."""
+    """Names of the geoms that the robot touched, or `DROP`; empty if none. The first contact ends the drive."""
 
     @property
     def collisions(self) -> int:
-        """Number of collisions: 0, or 1 because the first one ends the drive."""
+        """Number of collisions: 0 or 1, because the first collision ends the drive."""
         return int(bool(self.touched))
 
 
 class Robot:
-    """A body with a range scanner in a house, which can drive any number of plans.
+    """A robot with a range scanner in a house, which can drive any number of plans.
 
-    With `blind` it ignores the scanner and follows the waypoints by its estimated pose alone.
+    If `blind`, the robot ignores the scanner and follows the waypoints by its estimated pose alone.
     """
 
     def __init__(self, house: House, blind: bool = False) -> None:
@@ -59,10 +59,10 @@ class Robot:
 
     def drive(self, start: Float64[np.ndarray, "3"], yaw: float, pose: DeadReckoning,
               waypoints: Float64[np.ndarray, "k 3"]) -> Drive:  # fmt: skip
-        """Drive through the waypoints from the true pose: `start` on the walked surface and `yaw`, both in W.
+        """Drive through the waypoints. The true pose at first is `start` on the ground and `yaw`, both in W.
 
-        The waypoints and the estimated `pose`, which this call advances, are in the robot's own frame. Raises `SimError` if
-        there is no waypoint, if one is not finite, or if `start` has no ground.
+        The waypoints and the estimated `pose` are in the robot's own (drifting) frame. The drive updates `pose`. Raises
+        `SimError` if there is no waypoint, if a waypoint is not finite, or if there is no ground at `start`.
         """
         if len(waypoints) == 0 or not np.isfinite(waypoints).all():
             raise SimError(f"drive: waypoints are {waypoints.tolist()}; valid: at least one, all finite")

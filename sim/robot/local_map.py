@@ -1,7 +1,7 @@
-"""`LocalMap`: the obstacle points of recent scans around the robot, and local paths between them.
+"""`LocalMap`: the obstacle points of recent scans around the robot, and local paths that avoid these points.
 
-A local path is the cheapest one on a grid around the robot (Dijkstra). Cells cost more close to obstacles and far from the
-route. The path may end before the route's end if the rest is not worth its cost.
+A local path is the cheapest path on a grid around the robot (Dijkstra). Cells cost more close to obstacles and far from the
+route. The path may end before the route does, if the rest would cost more than it is worth.
 """
 
 from collections import deque
@@ -46,9 +46,9 @@ the route because the route was walked before and is therefore free of obstacles
 
 
 class LocalMap:
-    """The hits of the last few scans, in the frame of the estimated pose.
+    """The obstacle points of the last few range scans, in the frame of the robot's estimated pose.
 
-    `least_m` is the least distance that the robot's centre keeps from every hit [m].
+    `least_m` is the least distance that the robot's centre keeps from each point [m].
     """
 
     def __init__(self, least_m: float) -> None:
@@ -57,13 +57,17 @@ class LocalMap:
         self._points = np.zeros((0, 2))
 
     def add(self, hits: Float64[np.ndarray, "hits 2"], x: float, y: float, yaw: float, climbed_m: float) -> None:
-        """Add a scan made at a pose and `climbed_m` above the start. Scans made at other heights are ignored from now on."""
+        """Add a scan that was made at the estimated pose (x, y, yaw) and at a height of `climbed_m` above the start.
+
+        `hits` are the scanned points in the body frame [m]. Earlier scans from other heights are ignored while the robot is
+        at this height.
+        """
         cos, sin = np.cos(yaw), np.sin(yaw)
         self._scans.append((climbed_m, hits @ np.array([[cos, sin], [-sin, cos]]) + (x, y)))
         self._points = np.concatenate([points for height, points in self._scans if abs(height - climbed_m) <= _SAME_M])
 
     def clearance(self, start: Float64[np.ndarray, "2"], end: Float64[np.ndarray, "2"]) -> float:
-        """Return the distance between a line segment and the nearest point [m]; infinite if there are no points."""
+        """Return the distance from a line segment to the nearest obstacle point [m]; infinite if there are no points."""
         if not len(self._points):
             return np.inf
         along, to = end - start, self._points - start
@@ -71,7 +75,10 @@ class LocalMap:
         return float(np.sqrt(((to - share[:, None] * along) ** 2).sum(axis=1).min()))
 
     def plan_path(self, start: Float64[np.ndarray, "2"], route: Float64[np.ndarray, "k 2"]) -> Float64[np.ndarray, "j 2"]:
-        """Plan the cheapest path: clear of obstacles, close to the route, and as close to the route's end as is worth it."""
+        """Plan the cheapest path from `start` along `route`, and return its points.
+
+        A path is cheap if it is clear of obstacles, close to the route, and ends close to the end of the route.
+        """
         cells = start + _cells() * CELL_M
         strayed = cdist(cells, route).min(axis=1)
         distance = self._distances(start)
@@ -87,7 +94,7 @@ class LocalMap:
         return cells[path[::-1]]
 
     def _distances(self, centre: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "n n"]:
-        """Return the distance between every cell and the nearest point [m], infinite if there are no points.
+        """Return the distance from each cell to the nearest obstacle point [m]; infinite if there are no points.
 
         Points are rounded to a grid finer than the cells, so that equal distances are equal to the last bit.
         """

@@ -1,6 +1,6 @@
-"""Geometry for the range scan: each obstacle within the body's height, as an upright box over its footprint.
+"""Adds the outlines of obstacles for the range scan: an upright box for each obstacle within the height of the body.
 
-A real robot makes such a scan by projecting a depth sensor's points onto the plan. There a table appears as its outline, not
+A real robot makes such a scan by projecting a depth sensor's points onto the plan. A table then appears as its outline, not
 as four legs.
 """
 
@@ -14,9 +14,9 @@ Interval = tuple[float, float]
 
 
 def add_outlines(spec: "mujoco.MjSpec", house: House, height_m: float) -> list["mujoco.MjsGeom"]:
-    """Add upright boxes from the floor to at least `height_m` for walls, railings, door leaves and solid furniture.
+    """Add upright boxes for walls, railings, doors and solid furniture to `spec`, and return their geoms.
 
-    Obstacles that begin above `height_m` are left out.
+    Boxes reach from the floor to `height_m` above the floor or higher. Obstacles that begin above `height_m` are left out.
     """
     floors = [storey.floor_m for storey in house.storeys]
     # Walls extend through the slab above, so that beams cannot pass between two storeys on the stairs.

@@ -11,7 +11,7 @@ _WINDOW_M = 0.8
 
 
 class Route:
-    """A polyline that is sampled evenly. Progress along it never decreases."""
+    """The polyline through the waypoints, and the robot's progress along the polyline, which never decreases."""
 
     def __init__(self, waypoints: Float64[np.ndarray, "k 3"]) -> None:
         along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1)))
@@ -28,16 +28,16 @@ class Route:
 
     @property
     def progress_m(self) -> float:
-        """Progress along the route [m]."""
+        """Length of the route that the robot has passed or skipped [m]."""
         return min(self._at * _SAMPLE_M, self.length_m)
 
     def follow(self, position: Float64[np.ndarray, "2"]) -> None:
-        """Advance the progress to the point ahead that is nearest to `position`."""
+        """Advance the progress to the point of the next part of the route that is nearest to the robot's `position`."""
         window = self.points[self._at : self._at + round(_WINDOW_M / _SAMPLE_M) + 1]
         self._at += int(np.argmin(((window - position) ** 2).sum(axis=1)))
 
     def skip(self, metres: float) -> None:
-        """Skip a stretch of `metres` that cannot be followed, unless it is on stairs."""
+        """Advance the progress by `metres`, to skip a part that cannot be followed. Parts on stairs are not skipped."""
         later = min(self._at + round(metres / _SAMPLE_M), len(self.points) - 1)
         if np.ptp(self._heights[self._at : later + 1]) <= _LEVEL_M:
             self._at = later

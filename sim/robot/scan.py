@@ -1,4 +1,4 @@
-"""`RangeScanner`: detects obstacles around the body, and places where the ground drops or rises too steeply to climb."""
+"""`RangeScanner`: finds obstacles around the robot, and places where the ground drops or rises too steeply to climb."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -22,9 +22,9 @@ _TREAD_M = 0.18
 
 
 class RangeScanner:
-    """Casts level beams in all directions at obstacles' outlines (see `outlines`), and downward rays at the ground nearby.
+    """Casts level beams in all directions at the outlines of obstacles, and downward rays at the ground nearby.
 
-    All rays start at the head of the body. MuJoCo casts them.
+    `outlines` adds the outlines to the model. All rays start at a sensor 1.3 m above the ground. MuJoCo casts the rays.
     """
 
     def __init__(self, body: Body) -> None:
@@ -35,7 +35,10 @@ class RangeScanner:
         self._gazes = gazes / np.linalg.norm(gazes, axis=-1, keepdims=True)
 
     def scan(self, yaw: float) -> Float64[np.ndarray, "hits 2"]:
-        """Return the points that a body facing `yaw` in W cannot pass, in its frame (x forward, y left) [m]."""
+        """Return the points that the robot, facing `yaw` in W [rad], cannot pass: obstacles, drops and high steps.
+
+        The points are in the robot's frame: x forward, y left [m].
+        """
         cos, sin = np.cos(yaw), np.sin(yaw)
         turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # rotates row vectors from the body to W
         level = self._cast(self._beams @ turn, OUTLINE_GROUP, RANGE_M)

@@ -1,10 +1,10 @@
-"""Tours: the path of the camera through a house, and its motion along that path.
+"""Tours: the path of the camera through a house, and the motion of the camera along that path.
 
-`config` describes a tour, and `tour` plans it in steps: `stops` chooses places in every room, `order` their sequence, and
-`itinerary` the kind of tour (with `lanes` for the lawn-mower); `paths` finds walkable lines between them, `smooth` rounds
-these off at a distance from obstacles (`clearance`), `pace` assigns times within the limits of a walker, and `view` the
-direction of the camera. `motion` is the resulting curve with exact derivatives, `sway` the gait on top of it, and `start`
-an initial manoeuvre.
+`config` describes a tour, and `tour` plans it in steps. `stops` chooses places in every room, `order` puts them in sequence,
+and `itinerary` decides what each kind of tour visits (with `lanes` for the lawn-mower). `paths` finds walkable lines between
+the places, and `smooth` rounds them at a distance from obstacles (`clearance`). `pace` assigns times within the limits of a
+walker, and `view` chooses the direction of the camera. `motion` is the resulting curve with exact derivatives. `sway` adds
+the movements of a gait, and `start` adds a manoeuvre before the walk.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""`NearbyBoxes`: the boxes that are near the points of a path, for exact distances while the points move a little."""
+"""`NearbyBoxes`: the obstacles near each point of a path, for exact distances to them while the points move a little."""
 
 from dataclasses import dataclass
 
@@ -11,22 +11,22 @@ from worlds.free_space import BODY_HIGH_M, BODY_LOW_M, Obstacles
 
 @dataclass(frozen=True, eq=False)
 class NearbyBoxes:
-    """Pairs of a path point and an upright box near it. The points may move, so methods take the points' present places."""
+    """Pairs of a path point and an upright box (an obstacle) near it. Points may move: methods take their present places."""
 
     points: int
     """Number of path points."""
     point: Int[np.ndarray, "p"]
-    """Index of each pair's point."""
+    """Index of the path point of each pair."""
     centre: Float64[np.ndarray, "p 2"]
-    """Centre of each pair's box [m]."""
+    """Centre of each pair's box in W [m]."""
     half: Float64[np.ndarray, "p 2"]
-    """Half the size of each pair's box [m]."""
+    """Half the width and half the depth of each pair's box, along the box's axes [m]."""
     axes: Float64[np.ndarray, "p 2 2"]
-    """Axes of each pair's box in W, as rows."""
+    """Unit vectors in W along the two horizontal axes of each pair's box, as rows."""
 
     @staticmethod
     def of(places: Float64[np.ndarray, "n 3"], obstacles: Obstacles, within_m: float) -> "NearbyBoxes":
-        """Pair each place with the boxes within `within_m` that overlap in height with a body that stands there."""
+        """Pair each place (in W [m]) with the boxes within `within_m` that are at the height of a body standing there."""
         spots = np.asarray(shapely.points(places[:, :2]))
         point, box = obstacles.footprints.query(spots, predicate="dwithin", distance=within_m)
         height = places[point, 2]
@@ -37,12 +37,12 @@ class NearbyBoxes:
         return NearbyBoxes(len(places), point, obstacles.centre[box], obstacles.size[box] / 2, axes)
 
     def and_also(self, other: "NearbyBoxes") -> "NearbyBoxes":
-        """Return the pairs of this object and of `other`, which must be about the same path points."""
+        """Return the pairs of this object and of `other`. Both objects must refer to the same path points."""
         pairs = [(getattr(self, name), getattr(other, name)) for name in ("point", "centre", "half", "axes")]
         return NearbyBoxes(self.points, *(np.concatenate(pair) for pair in pairs))
 
     def without(self, points: Int[np.ndarray, "k"]) -> "NearbyBoxes":
-        """Return the pairs of all points except the given ones."""
+        """Return a copy without the pairs of the given path points (indices)."""
         keep = ~np.isin(self.point, points)
         return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
@@ -55,7 +55,7 @@ class NearbyBoxes:
     def pushed_out(
         self, places: Float64[np.ndarray, "n 2"], distance: Float64[np.ndarray, "n"]
     ) -> Float64[np.ndarray, "n 2"]:
-        """Move each place straight away from its nearest box until it keeps the distance [m] from that box."""
+        """Return the places, each moved straight away from its nearest box so that it keeps `distance` [m] from this box."""
         offset = self._offset(places)
         length = np.linalg.norm(offset, axis=1)
         lack = distance[self.point] - length
@@ -67,7 +67,7 @@ class NearbyBoxes:
         return moved
 
     def _offset(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "p 2"]:
-        """Return the vector from the box's nearest place to the point, in W."""
+        """Return, for each pair, the vector in W from the nearest place of the box to the path point."""
         x, y = (places[self.point] - self.centre).T
         (ux, uy), (vx, vy) = self.axes[:, 0].T, self.axes[:, 1].T
         along, across = ux * x + uy * y, vx * x + vy * y

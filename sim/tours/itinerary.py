@@ -1,7 +1,7 @@
 """`Planner`: plans the sequence of graph nodes that each kind of tour visits.
 
-A tour has a first part that it always visits, and a part that it repeats to reach a requested length. The path back to the
-start is always added. If the tour is then still shorter than requested, a detour is added.
+A tour has a first part, whose nodes are always visited, and a part that is repeated to reach a requested length. The path
+back to the start is always added. If the tour is then still shorter than requested, a detour is added.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable, polyline_length
 
 SMOOTHED = 0.95
-"""Typical length of a smooth path, divided by its length along the walkable graph."""
+"""Typical length of a smoothed path, divided by the length of the same path along the walkable graph."""
 _SCATTER_M = 0.25
 """Largest distance of a repeated visit from its stop [m]. It is above 0, so that revisits have other viewpoints."""
 _CIRCUIT_M = 40.0
@@ -43,21 +43,21 @@ _DRAWN = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Itinerary:
-    """Nodes of the walkable graph to visit. The return to the first node at the end is not included."""
+    """Nodes of the walkable graph to visit in order. The return to the first node at the end is not included."""
 
     first: Sequence[int]
     """Nodes that are always visited."""
     again: Sequence[int]
-    """Nodes that are visited next, repeatedly, until the requested length is used up."""
+    """Nodes that are visited after `first`, again and again, until the tour has the requested length."""
     default_repeats: int
-    """Number of repeated visits if no length is requested."""
+    """Number of nodes that are visited after `first` if no length is requested. They are taken from `again` in a cycle."""
     distance: Callable[[int, int], float]
-    """Walking distance between consecutive nodes [m]."""
+    """Function that returns the walking distance from one node to another [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Planner:
-    """Plans tours of one kind. Lengths are measured along the walkable graph, before the path is smoothed."""
+    """Plans tours of the kind in `config`. Lengths are measured along the walkable graph, before the path is smoothed."""
 
     house: House
     walkable: Walkable
@@ -65,7 +65,7 @@ class Planner:
     stops: Stops
     paths: KnownPaths
     seed: int
-    """Seed of all draws. Planning again for another length draws the same numbers."""
+    """Seed of the random numbers. Each call of `nodes` draws the same numbers, whatever the requested length."""
 
     @staticmethod
     def of(house: House, walkable: Walkable, config: TourConfig, rng: np.random.Generator) -> "Planner":
@@ -74,9 +74,10 @@ class Planner:
         return Planner(house, walkable, config, Stops.of(house, walkable), ways, int(rng.integers(2**63)))
 
     def nodes(self, length_m: float | None) -> list[int]:
-        """Return the nodes to visit in order, from home, the first node, back to home.
+        """Return the nodes to visit in order. The last node equals the first one.
 
-        The tour is about `length_m` long (None: the kind's own length), or longer if no tour of the kind is that short.
+        The tour is about `length_m` long, or longer if no tour of its kind is that short. If `length_m` is None, the tour
+        has the usual length of its kind in this house.
         """
         rng = np.random.default_rng(self.seed)
         kinds = {
@@ -102,9 +103,10 @@ class Planner:
         return _itinerary(stops, there_and_back, there_and_back[1:])
 
     def _lap(self, most_m: float, rng: np.random.Generator, there_and_back: bool) -> tuple[Stops, list[int], list[int]]:
-        """Return the stops, a lap through all rooms and the lap's stops on the lowest storey.
+        """Return the stops, a lap through all rooms, and the lap's stops on the lowest storey.
 
-        The lap is no longer than `most_m` if possible: it first leaves out stops, then moves the rest closer together.
+        The lap is no longer than `most_m` if possible. For this, stops are left out; if that is not enough, the remaining
+        stops are moved closer together.
         """
         stops = self.stops
         whole, base = first_lap(self.house, stops, rng)
@@ -116,7 +118,7 @@ class Planner:
         return stops, lap, [k for room, (k,) in stops.of_room.items() if self.house.room_by_id[room].storey == lowest]
 
     def _loop(self, _: float, rng: np.random.Generator) -> Itinerary:
-        """Plan a circuit through as many stops as its length allows, nearest first, and a detour for the rest."""
+        """Plan a circuit through as many stops as the length allows, nearest first. A detour fills the remaining length."""
         base = first_lap(self.house, self.stops, rng)[1]
         home, circuit = base[0], base[:1]
         length_m = (self.config.circuit_m or _CIRCUIT_M) / SMOOTHED
@@ -153,7 +155,10 @@ class Planner:
             lane_m *= _WIDER
 
     def _filled(self, plan: Itinerary, length_m: float, rng: np.random.Generator) -> list[int]:
-        """Visit the first part, then repeated stops while the way home still fits, then fill the rest with a detour home."""
+        """Return the nodes of a tour of the length `length_m`.
+
+        It visits `plan.first`, then nodes of `plan.again` as long as the way home still fits, then makes a detour home.
+        """
         home, here, nodes = plan.first[0], plan.first[-1], list(plan.first)
         to_home = self.walkable.distances_from(home)
         left = length_m - sum(plan.distance(a, b) for a, b in pairwise(plan.first))
@@ -169,9 +174,9 @@ class Planner:
         return [*nodes, *self._detour(nodes[-1], home, left, towards), home]
 
     def _detour(self, here: int, home: int, length_m: float, towards: int) -> list[int]:
-        """Return a node via which the path home has the length `length_m`, or none if home is farther than that already.
+        """Return one node via which the path home has the length `length_m`; no node if the direct path is already longer.
 
-        It prefers places with much clearance that lie in the direction in which the tour would go on.
+        Nodes with much clearance, in the direction of the node `towards`, are preferred.
         """
         way = self.walkable.distances_from(here) + self.walkable.distances_from(home)
         if not way[here] < length_m < np.inf:

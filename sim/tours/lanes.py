@@ -12,9 +12,10 @@ _SHORTEST_M = 0.4
 
 
 def lanes_through(walkable: Walkable, rooms: Sequence[str], lane_m: float) -> list[int]:
-    """Return the nodes at both ends of each free stretch of each lane, room by room.
+    """Return graph nodes to visit in order: both ends of each free part of each lane, room by room.
 
-    Each room is entered at the corner nearest to the end of the lanes of the previous room.
+    `lane_m` is the distance between lanes [m]. Each room is entered at the corner that is nearest to the last node of the
+    previous room.
     """
     route: list[int] = []
     for room in rooms:
@@ -31,7 +32,7 @@ def _gap(nodes: Float64[np.ndarray, "n 3"], route: Sequence[int], start: int) ->
 
 
 def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
-    """Yield the four orders in which to walk the lanes: from either side of the room, in either direction at first."""
+    """Yield the four orders in which to walk the lanes: from either side of the room, the first lane in either direction."""
     for side in (1, -1):
         for first in (0, 1):
             order: list[int] = []
@@ -43,7 +44,7 @@ def _orders(lanes: list[list[tuple[int, int]]]) -> Iterator[list[int]]:
 
 
 def _runs(points: Float64[np.ndarray, "n 2"], lane_m: float, step_m: float) -> list[list[tuple[int, int]]]:
-    """Return for each lane along the room's longer side its free stretches, as indices of their first and last point."""
+    """Return, for each lane along the room's longer side, the free parts, as indices of their first and last points."""
     along = int(np.argmax(np.ptp(points, axis=0)))
     across = points[:, 1 - along]
     count = max(1, round(float(np.ptp(across)) / lane_m))

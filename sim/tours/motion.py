@@ -1,4 +1,4 @@
-"""`Motion`: the trajectory of a body, as a B-spline over time plus sway, with exact derivatives at any time."""
+"""`Motion`: the trajectory of a body as a B-spline over time, plus sway, with exact derivatives at any time."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 from sim.tours.sway import Sway
 
 DEGREE = 5
-"""Degree of the spline, which is four times continuously differentiable, once more than the jerk requires."""
+"""Degree of the spline. The spline is four times continuously differentiable, once more than a continuous jerk needs."""
 _X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
 
 
@@ -18,12 +18,12 @@ _X, _YAW, _PITCH, _GAIT = slice(0, 3), 3, 4, 5
 class Motion:
     """A body's trajectory. Before its start the body rests in the first pose, after its end in the last pose.
 
-    The walk without sway is a uniform B-spline. Each of its derivatives is a weighted mean of the divided differences of the
-    control points. If these differences keep a limit, the walk therefore keeps the limit at every time.
+    Without sway, the trajectory is a uniform B-spline. Each derivative of the spline is a weighted mean of the divided
+    differences of the control points. If these differences keep a limit, the derivative therefore keeps it at all times.
     """
 
     controls: Float64[np.ndarray, "k 6"]
-    """Control points: position on the walked surface in W [m], yaw and pitch [rad], share of the full sway."""
+    """Control points: position on the walked surface in W [m], yaw and pitch [rad], and share of the full sway in [0, 1]."""
     knot_s: float
     """Time between the knots of the spline [s]."""
     sway: Sway | None = None
@@ -55,35 +55,38 @@ class Motion:
         return np.asarray(sum(b * gait[k] * swing[derivative - k] for k, b in enumerate(binomial)))
 
     def position(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return positions in W: points of the walked surface, displaced by the sway [m].
+        """Return positions in W [m] at times `t` [s]: points of the walked surface, displaced by the sway.
 
-        The body is above these points by the height at which it is carried (`height_m` of `poses_at`).
+        The body is above these points, by the height `height_m` that `poses_at` takes.
         """
         return np.asarray(self._walk(t, 0)[:, _X] + _turned(self._swing(t, 0)[:, _X], self._walk(t, 0)[:, _YAW]))
 
     def velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the velocity of the body in W [m/s]."""
+        """Return the velocity of the body in W [m/s] at times `t` [s]."""
         walk, (d, d1) = self._walk(t, 1), (self._swing(t, k)[:, _X] for k in (0, 1))
         swing = d1 + walk[:, _YAW, None] * _across(d)
         return np.asarray(walk[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def acceleration(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the acceleration of the body in W [m/s²]."""
+        """Return the acceleration of the body in W [m/s²] at times `t` [s]."""
         d, d1, d2 = (self._swing(t, k)[:, _X] for k in range(3))
         rate, change = self._walk(t, 1)[:, _YAW, None], self._walk(t, 2)[:, _YAW, None]
         swing = d2 + 2 * rate * _across(d1) + change * _across(d) + rate**2 * _across(_across(d))
         return np.asarray(self._walk(t, 2)[:, _X] + _turned(swing, self._walk(t, 0)[:, _YAW]))
 
     def yaw(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-        """Return the yaw, unwrapped [rad]."""
+        """Return the yaw [rad] at times `t` [s], unwrapped: it has no jumps by a full turn."""
         return self.attitude(t)[:, 2]
 
     def yaw_rate(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-        """Return the yaw rate [rad/s]."""
+        """Return the yaw rate [rad/s] at times `t` [s]."""
         return self.attitude(t, 1)[:, 2]
 
     def attitude(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 3"]:
-        """Return roll, pitch, yaw (`R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`), or their derivatives [rad, rad/s, rad/s²]."""
+        """Return roll, pitch and yaw [rad] at times `t` [s], or their first or second `derivative` [rad/s, rad/s²].
+
+        `R_W_B = Rz(yaw) Ry(pitch) Rx(roll)`.
+        """
         angles = self._swing(t, derivative)[:, 3:].copy()
         walk = self._walk(t, derivative)
         angles[:, 1] += walk[:, _PITCH]
@@ -91,14 +94,14 @@ class Motion:
         return angles
 
     def angular_velocity(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3"]:
-        """Return the angular velocity of B relative to W, expressed in B [rad/s]."""
+        """Return the angular velocity of B relative to W, expressed in B [rad/s], at times `t` [s]."""
         (roll, pitch, _), (roll1, pitch1, yaw1) = self.attitude(t).T, self.attitude(t, 1).T
         about_y = pitch1 * np.cos(roll) + yaw1 * np.sin(roll) * np.cos(pitch)
         about_z = yaw1 * np.cos(roll) * np.cos(pitch) - pitch1 * np.sin(roll)
         return np.stack([roll1 - yaw1 * np.sin(pitch), about_y, about_z], axis=-1)
 
     def rotation(self, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n 3 3"]:
-        """Return the rotation `R_W_B`."""
+        """Return the rotations `R_W_B` at times `t` [s]."""
         (cr, cp, cy), (sr, sp, sy) = np.cos(angles := self.attitude(t).T), np.sin(angles)
         rows = [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -108,7 +111,7 @@ class Motion:
         return np.moveaxis(np.array(rows), -1, 0)
 
     def poses_at(self, stamps: Float64[np.ndarray, "n"], height_m: float) -> Float64[np.ndarray, "n 4 4"]:
-        """Return poses `T_W_B` of the body (x forward, y left, z up), carried `height_m` above the walked surface."""
+        """Return the body's poses `T_W_B` (x forward, y left, z up) at times [s], `height_m` above the walked surface."""
         T_W_B = np.tile(np.eye(4), (len(stamps), 1, 1))
         T_W_B[:, :3, :3] = self.rotation(stamps)
         T_W_B[:, :3, 3] = self.position(stamps) + [0.0, 0.0, height_m]
@@ -122,5 +125,5 @@ def _turned(v: Float64[np.ndarray, "n 3"], yaw: Float64[np.ndarray, "n"]) -> Flo
 
 
 def _across(v: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
-    """Return `z × v`, the derivative of a rotation of `v` about z by its angle."""
+    """Return `z × v`: the derivative of `v`, rotated about z, with respect to the angle of rotation."""
     return np.stack([-v[:, 1], v[:, 0], np.zeros(len(v))], axis=-1)

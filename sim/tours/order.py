@@ -1,4 +1,4 @@
-"""Orders the stops of a tour for a short lap, and leaves out or moves stops if the lap has to be shorter."""
+"""Orders the stops of a tour so that a lap through them is short. If it has to be shorter, stops are left out or moved."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,10 @@ from worlds.walkable import Walkable
 
 
 def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-    """Order all stops storey by storey from the lowest up. Returns the whole lap, and its part on the lowest storey."""
+    """Order all stops storey by storey, from the lowest up.
+
+    Returns the numbers of all stops in this order, and those of the stops on the lowest storey.
+    """
     rooms_on: dict[int, list[str]] = {}
     for room in house.rooms:
         if room.id in stops.of_room:
@@ -31,9 +34,9 @@ def first_lap(house: House, stops: Stops, rng: np.random.Generator) -> tuple[lis
 
 
 def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: bool = False) -> list[int]:
-    """Drop the stops that cost most length until the lap with its return path is no longer than `most_m`.
+    """Drop the stops that cost most length, until the lap with the path back to its start is no longer than `most_m` [m].
 
-    Each room keeps one stop, so the result may be longer than `most_m`.
+    Each room keeps at least one stop, so the result may be longer than `most_m`.
     """
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
     left, per_room = list(lap), Counter(room_of[stop] for stop in lap)
@@ -47,15 +50,15 @@ def thinned(stops: Stops, lap: Sequence[int], most_m: float, there_and_back: boo
 
 
 def walked(stops: Stops, lap: Sequence[int], there_and_back: bool) -> float:
-    """Return the length of a lap with its return to the start [m]: by the same path if `there_and_back`, else directly."""
+    """Return the length of a lap and the way back to its start [m]: by the same path if `there_and_back`, else directly."""
     return 2 * stops.length(lap) if there_and_back else stops.length([*lap, lap[0]])
 
 
 def shortened_by_moving_stops(house: House, walkable: Walkable, stops: Stops, lap: Sequence[int]) -> tuple[Stops, list[int]]:
     """Keep one stop per room, and move each stop to the place in its room at which the lap becomes shortest.
 
-    Even stops move while odd ones stay, then the reverse, then even ones again: the best place depends on the neighbours.
-    Returns the moved stops and the lap through them.
+    The best place of a stop depends on the stops before and after it. Every second stop therefore moves while the others
+    stay, then the others move, then the first ones again. Returns the moved stops and the lap through them.
     """
     lap = thinned(stops, lap, 0.0)
     room_of = {stop: room for room, own in stops.of_room.items() for stop in own}
@@ -76,7 +79,7 @@ def _saving(between: Float64[np.ndarray, "m m"], lap: Sequence[int], k: int) -> 
 
 
 def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequence[int]) -> list[int]:
-    """Order `others` for a short round trip from `start`: nearest neighbour first, then 2-opt improvement."""
+    """Return `others` in the order of a short round trip from `start`, by nearest neighbours and 2-opt improvement."""
     left, order = list(others), [start]
     while left:
         order.append(min(left, key=lambda stop: between[order[-1], stop]))
@@ -94,7 +97,7 @@ def short_cycle(between: Float64[np.ndarray, "m m"], start: int, others: Sequenc
 
 
 def _around(stops: Stops, rooms: Sequence[str], here: int | None) -> list[int]:
-    """Order all stops of rooms for a short round trip from `here`, or from the first room's first stop if that is None."""
+    """Order all stops of rooms for a short round trip from the stop `here` (None: from the first stop of the first room)."""
     room_of: Mapping[int, str] = {stops.of_room[room][0]: room for room in rooms}
     start = next(iter(room_of)) if here is None else here
     centres = short_cycle(stops.between, start, [c for c in room_of if c != start])

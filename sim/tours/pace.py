@@ -1,11 +1,11 @@
-"""`paced`: turns a path into a motion over time, as fast as the walker's limits allow, at rest at both ends.
+"""`paced`: turns a path into a motion over time. It is as fast as the walker's limits allow, and at rest at both ends.
 
 1. Bound the speed at each point of the path by the curvature there and by the turn rate of the view.
-2. Compute the fastest speed profile under these bounds whose tangential acceleration keeps its limit. Sample the path at
+2. Compute the fastest speed profile that keeps these bounds and the limit of tangential acceleration. Sample the path at
    equal steps of time; the samples are the control points of a B-spline.
-3. Check the limits on the control points. Where they are exceeded, lower the speed bounds around these points, and go
+3. Check the limits at the control points. Where a limit is exceeded, lower the speed bounds around these points, and go
    back to 2.
-4. Stretch time by the small excess that is left, so that the limits hold exactly.
+4. Stretch time so much that the limits hold exactly.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _DIGITS = 9
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits that a walk keeps at all times."""
+    """Limits of speed, acceleration and turning that the motion of a walk keeps at all times."""
 
     speed_m_s: float = 0.7
     acceleration_m_s2: float = 1.5
@@ -48,9 +48,9 @@ def paced(
     limits: Limits,
     sway: Sway | None = None,
 ) -> Motion:
-    """Walk along evenly spaced points with the yaw and pitch that `view` gives at each point [rad].
+    """Return the motion along evenly spaced points in W [m], with the yaw and pitch [rad] that `view` gives at each point.
 
-    The walk keeps the limits exactly. Its sway is added afterwards and does not count.
+    The motion without sway keeps the limits exactly. Sway is added afterwards, and may exceed them.
     """
     # The largest step is the true one: points are closer together where the path turns back.
     step_m = float(_norm(np.diff(points, axis=0)).max())
@@ -103,9 +103,9 @@ def _arc_at_times(
 
 
 def _strain(controls: Float64[np.ndarray, "n 5"], limits: Limits) -> Float64[np.ndarray, "n"]:
-    """Return the factor by which time would have to be stretched at each control point to keep the limits.
+    """Return, for each control point, the factor by which time would have to be stretched there to keep the limits.
 
-    Stretching by r divides rates by r and accelerations by r², hence the root.
+    Stretching by r divides rates by r and accelerations by r². The factor for accelerations is therefore a square root.
     """
     still = np.pad(controls, [(1, 1), (0, 0)], mode="edge")
     rate = np.diff(still, axis=0) / _KNOT_S

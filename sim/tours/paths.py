@@ -12,12 +12,12 @@ from worlds.walkable import Walkable, polyline_length
 
 @dataclass(frozen=True, eq=False)
 class KnownPaths:
-    """Paths between nodes of the walkable graph. Each is searched for once."""
+    """Paths between nodes of the walkable graph. Each path is searched for once and then remembered."""
 
     walkable: Walkable
     prefer_clearance_m: float
     straight: bool = False
-    """Whether to go straight wherever that is free of collisions, even if it is close to obstacles."""
+    """Whether to take the straight line wherever it is free of collisions, even if it is close to obstacles."""
     _known: dict[tuple[int, int], Float64[np.ndarray, "k 3"]] = field(default_factory=dict)
 
     def leg(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:
@@ -31,7 +31,7 @@ class KnownPaths:
         return polyline_length(self.leg(a, b))
 
     def line(self, nodes: Sequence[int]) -> Float64[np.ndarray, "k 3"]:
-        """Return the path in W through the nodes in order [m]."""
+        """Return the path in W [m] that visits the nodes in order."""
         return np.concatenate([self.leg(a, b) for a, b in pairwise(nodes) if a != b])
 
     def _found(self, a: int, b: int) -> Float64[np.ndarray, "k 3"]:

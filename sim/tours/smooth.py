@@ -1,8 +1,8 @@
-"""`smooth_path`: smooths a walkable polyline like an elastic band and keeps the body's clearance from obstacles.
+"""`smooth_path`: smooths a walkable polyline as if it were an elastic band, and keeps the body's clearance from obstacles.
 
-1. Divide the line into points 5 cm apart and find the obstacles near each point.
+1. Divide the line into points 5 cm apart (the band), and find the obstacles near each point.
 2. Minimise the band's bending plus its distance from the line, under the constraint of clearance. ADMM alternates between a
-   linear solve (bending and distance) and pushing points off the nearest box (clearance, with exact distances).
+   linear solve (bending and distance) and pushing points away from the nearest box (clearance, with exact distances).
 3. Take the points as the control points of a cubic B-spline.
 4. Where the spline is still too close to an obstacle, blend back to the line, which is known to be free of collisions.
 5. Resample the path at equal distances.
@@ -55,7 +55,7 @@ _TURNS_BACK = -0.85
 
 
 def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64[np.ndarray, "_ 3"]:
-    """Smooth a walkable polyline and return points 1 cm apart.
+    """Smooth a walkable polyline in W [m] and return points 1 cm apart.
 
     Corners are rounded, except where the polyline turns back.
     """
@@ -76,7 +76,7 @@ def smooth_path(line: Float64[np.ndarray, "k 3"], walkable: Walkable) -> Float64
 
 
 def evenly(points: Float64[np.ndarray, "k 3"], step_m: float) -> Float64[np.ndarray, "_ 3"]:
-    """Resample a polyline at equal distances of about `step_m`."""
+    """Return points on a polyline at equal distances of about `step_m` [m], with both ends."""
     s = arc_length(points)
     at = np.linspace(0.0, s[-1], max(2, round(s[-1] / step_m) + 1))
     return np.stack([np.interp(at, s, axis) for axis in points.T], axis=-1)
@@ -111,7 +111,7 @@ def _turning_points(base: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "_"]:
 def _relaxed(
     base: Float64[np.ndarray, "n 2"], hold: Float64[np.ndarray, "n"], near: NearbyBoxes, keep: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """Solve for the band by ADMM: least bending, close to `base` (weights `hold`), at the distance `keep` from obstacles."""
+    """Compute the band by ADMM: with least bending, close to `base` (weights `hold`), at distance `keep` from obstacles."""
     n = len(base)
     if n < 5:
         return base
@@ -153,8 +153,8 @@ def _clear(
 ) -> Float64[np.ndarray, "m 3"]:
     """Return the smooth path, blended into the straight path around places where the smooth path is too close to obstacles.
 
-    Blended stretches may be too close, too, so blending is repeated. `distance_m` is the clearance to keep, or that
-    of the straight path if it has less.
+    Blended parts may be too close, too, so blending is repeated. `distance_m` is the clearance to keep. Where the straight
+    path has less, its clearance is enough.
     """
     needed = np.minimum(distance_m, _clearance(straight, near))
     share, path, wide = np.zeros(len(smooth)), smooth, (_BLEND * _PER_STEP,)

@@ -1,4 +1,4 @@
-"""`with_start_manoeuvre`: adds a swing on the spot before a walk, so that visual-inertial systems can initialise."""
+"""`with_start_manoeuvre`: adds movements on the spot before a walk, so that visual-inertial systems can initialise."""
 
 from dataclasses import replace
 
@@ -22,10 +22,11 @@ _DESIGNED_FOR = Limits()
 
 
 def with_start_manoeuvre(motion: Motion, limits: Limits) -> Motion:
-    """Precede the motion by five seconds of swinging about its first pose: sideways, up and down, in yaw and in pitch.
+    """Return a motion that starts with five seconds of swinging about the first pose of `motion`, then continues with it.
 
-    The body stays within 4 cm of that pose, and is at rest there before and after. The swing is part of the spline, so all
-    derivatives stay exact and continuous. Limits below the default ones make the swing weaker in proportion.
+    The body swings sideways, up and down, in yaw and in pitch. It stays within 4 cm of the first pose, and is at rest there
+    before and after. The swing is part of the spline, so all derivatives stay exact and continuous. If a limit is below its
+    default value, the swing is weaker in proportion.
     """
     swing = _swing(motion.knot_s) * _strength(limits)
     first = motion.controls[0]

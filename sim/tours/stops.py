@@ -14,7 +14,7 @@ from worlds.labels import STAIRS
 from worlds.walkable import Walkable
 
 COMFORT_M = 0.35
-"""Clearance that a stop keeps from obstacles if the room allows [m]. More than twice this clearance counts as no better."""
+"""Clearance that a stop keeps from obstacles if the room allows [m]. More than twice this clearance is no advantage."""
 _INSIDE_M = 0.5
 """Distance of a stop from its room's boundary if the room is large enough [m], because a doorway is a poor viewpoint."""
 _AREA_PER_STOP_M2 = 7.0
@@ -53,12 +53,12 @@ class Stops:
         return Stops(np.array(nodes), dijkstra(walkable.graph, indices=nodes)[:, nodes], of_room)
 
     def length(self, stops: Sequence[int]) -> float:
-        """Return the length of the path from stop to stop [m]."""
+        """Return the length of the path that visits the stops in this order [m]."""
         return float(self.between[stops[:-1], stops[1:]].sum())
 
 
 def _stops_in(walkable: Walkable, room: Room) -> list[int]:
-    """Choose free places that together show a room: the most central first, then each far from those before it."""
+    """Choose free places that together show a room: first the most central one, then places far from all earlier ones."""
     count = min(_MAX_STOPS, 2 + round(len(_free(walkable, room)) * walkable.resolution_m**2 / _AREA_PER_STOP_M2))
     inside = comfortable(walkable, room)
     points, comfort = walkable.nodes[inside, :2], np.minimum(walkable.clearance[inside], 2 * COMFORT_M)
@@ -71,7 +71,7 @@ def _stops_in(walkable: Walkable, room: Room) -> list[int]:
 
 
 def comfortable(walkable: Walkable, room: Room) -> Int[np.ndarray, "_"]:
-    """Return the nodes of a room that are good stops: away from doorways, and clear of obstacles if the room allows."""
+    """Return the nodes of a room that are good stops: inside the room, away from doorways, and far from obstacles."""
     inside = _free(walkable, room)
     depth = shapely.distance(room.polygon.exterior, shapely.points(walkable.nodes[inside, :2]))
     inside = inside[depth >= min(_INSIDE_M, 0.8 * depth.max())]

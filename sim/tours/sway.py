@@ -1,4 +1,4 @@
-"""`Sway`: the periodic motion of a hand-held or legged camera about its path, as sums of sines, which are smooth."""
+"""`Sway`: the periodic motion of a hand-held or legged camera about its path, as sums of sine functions."""
 
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -23,7 +23,10 @@ _JITTER = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Sway:
-    """Displacement in the level body frame (x, y, z [m]) and rotation (roll, pitch, yaw [rad]) at full walking speed."""
+    """Periodic motion of a camera about its path at full walking speed, as a sum of sine functions.
+
+    The six columns of arrays are displacements in the level body frame (x, y, z [m]) and rotations (roll, pitch, yaw [rad]).
+    """
 
     amplitude: Float64[np.ndarray, "m 6"]
     angular_frequency: Float64[np.ndarray, "m"]
@@ -32,13 +35,13 @@ class Sway:
     """Phase of each sine [rad]."""
 
     def at(self, t: Float64[np.ndarray, "n"], derivative: int = 0) -> Float64[np.ndarray, "n 6"]:
-        """Return the sway at times [s], or its derivative of any order."""
+        """Return the sway at times `t` [s], or its derivative of the order `derivative`."""
         angle = self.angular_frequency[:, None] * t[:, None, None] + self.phase + derivative * np.pi / 2
         return np.asarray((self.amplitude * self.angular_frequency[:, None] ** derivative * np.sin(angle)).sum(axis=1))
 
 
 def draw_sway(kind: str, rng: np.random.Generator) -> Sway | None:
-    """Draw the sway of one walk. `kind` is one of `SWAYS`, where "none" gives None. Raises `SimError` for another kind."""
+    """Draw the random sway of one walk. `kind` is one of `SWAYS`; "none" gives None. Raises `SimError` for other kinds."""
     if kind not in SWAYS:
         raise SimError(f"sway {kind!r} is unknown; valid: {', '.join(SWAYS)}")
     if kind == "none":

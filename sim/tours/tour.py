@@ -40,7 +40,7 @@ __all__ = ["Tour", "TourConfig", "plan_tour"]
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """A walk through a house: the continuous motion, and its poses at the frame rate."""
+    """A walk through a house: the continuous motion, and the poses at the times of the frames."""
 
     stamps: Float64[np.ndarray, "n"]
     """Times of the frames [s]."""
@@ -51,22 +51,22 @@ class Tour:
 
     @property
     def distances_m(self) -> Float64[np.ndarray, "n"]:
-        """Length of the walked path up to each frame, without sway [m]."""
+        """Length of the path, without sway, up to each frame [m]."""
         return arc_length(replace(self.motion, sway=None).position(self.stamps))
 
     @property
     def length_m(self) -> float:
-        """Length of the walked path, without sway [m]."""
+        """Length of the whole path, without sway [m]."""
         every = np.append(np.arange(0.0, self.motion.duration_s, 0.02), self.motion.duration_s)
         return float(arc_length(replace(self.motion, sway=None).position(every))[-1])
 
     def pose_at(self, t: float) -> Float64[np.ndarray, "4 4"]:
-        """Return the exact body pose `T_W_B` at time `t` [s]; the first or last pose outside of the tour."""
+        """Return the exact body pose `T_W_B` at time `t` [s]. At times outside of the tour, it is the first or last pose."""
         return np.squeeze(self.motion.poses_at(np.array([float(t)]), self.eye_height_m), axis=0)
 
 
 def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig | None = None) -> Tour:
-    """Plan a tour. A body of `walkable`'s radius can walk it without collision.
+    """Plan a tour that a body of the radius `walkable.radius_m` can walk without collision.
 
     Raises `SimError` if no tour is possible in the house, or no tour of the requested length.
     """
@@ -82,7 +82,7 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
 
 
 def shortest_length(house: House, walkable: Walkable, rng: np.random.Generator, config: TourConfig) -> float:
-    """Return the length of the shortest tour of the kind in `config`, whose own length is ignored [m].
+    """Return the length of the shortest tour of the kind in `config` [m]. The length in `config` is ignored.
 
     Raises `SimError` if no tour is possible in the house.
     """
@@ -90,7 +90,7 @@ def shortest_length(house: House, walkable: Walkable, rng: np.random.Generator, 
 
 
 def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
-    """Return the smooth path of the requested length. The planned length is corrected by the length of the smooth path."""
+    """Return a smooth path of the requested length. Planned lengths are corrected by the length of smoothed paths."""
     wished = _RANDOM_M if config.length_m is None and config.kind == "random" else config.length_m
     if wished is None:
         return _smooth(planner, None)

@@ -1,4 +1,4 @@
-"""Chooses the direction of view along a path: ahead, with glances to the sides in rooms, and along the slope on stairs."""
+"""Chooses the direction of view along a path: ahead, with glances to the sides in rooms; on stairs, along the slope."""
 
 from itertools import pairwise
 
@@ -26,7 +26,11 @@ _AMBIGUOUS_RAD = 1e-3
 def view_along(
     house: House, points: Float64[np.ndarray, "k 3"], glance_rad: float, pitch_on_stairs: bool
 ) -> Float64[np.ndarray, "k 2"]:
-    """Return the view's yaw, unwrapped, and pitch, positive downwards, at every point of a path [rad]."""
+    """Return the camera's yaw and pitch [rad] at each of the path's points, which are in W [m] and 1 cm apart.
+
+    Yaw is unwrapped (without jumps by a full turn); pitch is positive downwards. `glance_rad` is the largest turn to the
+    sides. Without `pitch_on_stairs`, pitch is 0.
+    """
     step = np.diff(points, axis=0)
     heading = np.arctan2(step[:, 1], step[:, 0]).round(_DIGITS)
     turn = np.diff(heading)
@@ -44,7 +48,7 @@ def _smoothed(angle: Float64[np.ndarray, "k"], width_m: float) -> Float64[np.nda
 
 
 def _glances(house: House, points: Float64[np.ndarray, "k 3"], amplitude_rad: float) -> Float64[np.ndarray, "k"]:
-    """Return the yaw offset of glances to both sides in each room; it is zero where the room is entered and left."""
+    """Return the yaw offset of glances to both sides in each room. It is zero where the path enters or leaves a room."""
     room, s = room_at(house, points), arc_length(points)
     bounds = [0, *(np.flatnonzero(np.diff(room)) + 1), len(room) - 1]
     offset = np.zeros(len(points))

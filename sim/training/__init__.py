@@ -1,11 +1,11 @@
-"""Training of the shipped encoder `lexis-mini`, and calibration of the probabilities of its answers.
+"""Trains the included encoder `lexis-mini`, which has an image tower and a text tower, and calibrates its probabilities.
 
-`command` runs all steps and resumes each. `text_tower` distils a sentence encoder (`teacher`, `text_corpus`,
-`text_target`); `frames` renders training images (`houses`, `viewpoints`, `variants`), `dense` and `align` are the two
-stages of the image tower that `fit` optimises over `batches`, and `export` writes weights that open_clip loads. `lexicon`
-and `phrases` hold the words; `places` trains embeddings to recognise places; `temperature` fits the scale that turns
-similarities into probabilities; `array_cache` stores arrays that take long to make; `query_calibration` and
-`query_questions` calibrate answers.
+`command` runs all steps; an interrupted run resumes. `text_tower` trains the text tower to imitate a sentence encoder
+(`teacher`, `text_corpus`, `text_target`). `frames` renders training images (`houses`, `viewpoints`, `variants`). `dense` and
+`align` are the two stages in which the image tower is trained; `fit` is their training loop over `batches`. `export` writes
+weights that open_clip loads. `lexicon` and `phrases` hold the words of captions. `places` trains embeddings to recognise
+places. `temperature` fits the scale that turns similarities into probabilities. `array_cache` stores arrays that take long
+to make. `query_calibration` and `query_questions` calibrate the probabilities of answers to questions.
 """
 
 import lazy_loader

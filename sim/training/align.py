@@ -3,13 +3,13 @@
 Images are compared only with embeddings of captions, never with learned class weights. The loss has five parts:
 
 1. Room: cross-entropy over one randomly drawn caption per room label.
-2. Things: for every kind of thing, binary cross-entropy of its presence, by the similarity to a caption that names it.
+2. Things: for every kind of thing, binary cross-entropy of its presence, by the similarity to a caption with its name.
 3. Search: every caption is compared with all images of a batch, since questions are answered by the images that fit best.
 4. Places: a contrastive loss that makes images of one place similar.
 5. Dense: the losses of stage 1 are kept, so that the tower does not forget stage 1.
 
 Noise is added to the text embeddings, so that the image tower does not rely on details that only the trained wordings share.
-At the end the trunk is frozen and the projection alone is fitted to all frames (`AlignLearner.settle`).
+At the end, only the tower's last layer, the projection, is fitted to all frames (`AlignLearner.settle`).
 """
 
 import math
@@ -35,9 +35,9 @@ from worlds.labels import ROOM_LABELS
 TEXT_NOISE = 1.25
 """Expected length of the noise vector that is added to unit text embeddings."""
 WORDINGS = (200, 32)
-"""Numbers of captions that are drawn in advance for each room label and for each thing. A step uses one caption of each."""
+"""Numbers of captions that are drawn in advance for each room label, and for each thing. A training step uses one each."""
 SETTLING_STEPS = 1000
-"""Number of final training steps in which only the projection is trained."""
+"""Number of final training steps, in which only the projection (the last layer of the image tower) is trained."""
 _SETTLING_BATCH, _SETTLING_RATE = 512, 2e-3
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _DENSE_WEIGHT = 4.0, 0.5
@@ -52,7 +52,7 @@ _BATCH = 256
 
 
 class AlignedTower(nn.Module):
-    """The dense tower with a projection into the embedding space of the text tower, and the scales of the losses' logits."""
+    """The tower of stage 1 with a projection into the text tower's embedding space, and scales of the losses' logits."""
 
     def __init__(self, dense: DenseTower, embed_dim: int, seed: int = 0) -> None:
         super().__init__()
@@ -66,12 +66,12 @@ class AlignedTower(nn.Module):
         self.search_scale = nn.Parameter(torch.tensor(math.log(15.0)))
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> tuple[Float[Tensor, "b e"], DenseOutput]:
-        """Unit embeddings of images, and the output of the dense heads."""
+        """Return the unit embeddings of images, and the output of the heads of stage 1."""
         seen = self.dense(images)
         return self.embedded(seen.pooled), seen
 
     def embedded(self, pooled: Float[Tensor, "b f"]) -> Float[Tensor, "b e"]:
-        """Project the trunk's pooled features to unit embeddings."""
+        """Project pooled features of images to unit embeddings."""
         return nn.functional.normalize(self.projection(pooled), dim=-1)
 
 
@@ -95,14 +95,14 @@ class AlignLearner:
         self._things = _wordings(text, THINGS, object_caption, wordings[1], rng)
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """The weighted sum of the losses of captions and places and of the dense loss."""
+        """Return the weighted sum of the losses: captions (rooms, things, search), places, and the dense loss of stage 1."""
         embedding, seen = self.module(batch.images)
         captions = self._caption_loss(embedding, batch.rooms, batch.things, rng)
         places = place_loss(embedding @ embedding.T, batch.same_place, batch.apart)
         return captions + _PLACES_WEIGHT * places + _DENSE_WEIGHT * dense_loss(seen, batch, self._weights)
 
     def settle(self, frames: Frames, seed: int, steps: int) -> None:
-        """Fit the projection and the logit scales to all frames without augmentation; the trunk stays fixed."""
+        """Fit the projection and the logit scales to frames without augmentation. The rest of the tower stays fixed."""
         rng = np.random.default_rng([seed, 4])
         features = self._pooled(frames)
         rooms = torch.from_numpy(frames.rooms).to(PROCESSOR)
@@ -129,7 +129,7 @@ class AlignLearner:
         shown: Float[Tensor, "b things"],
         rng: np.random.Generator,
     ) -> Tensor:
-        """The losses of rooms and things by their captions, and of the search for images by captions."""
+        """Return the weighted sum of the losses of rooms, of things, and of the search for images by captions."""
         tower = self.module
         to_room, to_thing = embedding @ _drawn(self._rooms, rng).T, embedding @ _drawn(self._things, rng).T
         room, search = tower.room_scale.exp() * to_room, tower.search_scale.exp()
@@ -143,16 +143,19 @@ class AlignLearner:
         )
 
     def accuracy(self, frames: Frames) -> float:
-        """Zero-shot accuracy among the labels present in `frames`; every label is embedded as the mean over its prompts."""
+        """Return the share of frames whose true room label is the one with the most similar text embedding (zero-shot).
+
+        Only labels that occur in `frames` are compared. `room_embeddings` computes the text embeddings.
+        """
         return accuracy_among_present(self.embeddings(frames) @ room_embeddings(self._text, ROOM_LABELS).T, frames.rooms)
 
     def embeddings(self, frames: Frames) -> Float[np.ndarray, "n e"]:
-        """Embeddings of images without augmentation, unit norm."""
+        """Return the embeddings, of unit norm, of images without augmentation."""
         with torch.inference_mode():
             return np.asarray(self.module.embedded(self._pooled(frames)).cpu().numpy())
 
     def _pooled(self, frames: Frames) -> Float[Tensor, "n f"]:
-        """The trunk's pooled features of images without augmentation."""
+        """Return the pooled features of images without augmentation."""
         with torch.no_grad():
             parts = range(0, len(frames.rooms), _BATCH)
             return torch.cat(
@@ -166,16 +169,16 @@ def _chosen_often(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Genera
 
 
 def room_embeddings(text: TextTransformer, names: Sequence[str]) -> Float[np.ndarray, "names e"]:
-    """Embed room names as `lexis.encoder.open_clip_encoder` does: mean over the prompts of a name, scaled to unit norm."""
+    """Embed room names as `lexis.encoder.open_clip_encoder` does: mean over a name's prompts, scaled to unit norm."""
     said = encode_texts(text, [prompt for name in names for prompt in prompts(name)])
     means = said.reshape(len(names), -1, said.shape[1]).mean(axis=1)
     return np.asarray(means / np.linalg.norm(means, axis=1, keepdims=True))
 
 
 def _search_loss(logits: Float[Tensor, "b captions"], shown: Float[Tensor, "b captions"]) -> Tensor:
-    """Cross-entropy of finding, for every caption, the images of the batch that show it (where `shown` is 1).
+    """Return the cross-entropy of finding, for each caption, the images of the batch that show it (where `shown` is 1).
 
-    It is the mean over all captions that some image shows, so that rare things count as much as common ones.
+    The loss is the mean over all captions that some image shows, so that rare things count as much as common ones.
     """
     counts = shown.sum(dim=0)
     found = (shown * nn.functional.log_softmax(logits, dim=0)).sum(dim=0)
@@ -189,13 +192,13 @@ def _wordings(
     count: int,
     rng: np.random.Generator,
 ) -> Float32[np.ndarray, "names count e"]:
-    """Unit embeddings of `count` randomly drawn captions for every name."""
+    """Return the unit embeddings of `count` randomly drawn captions for each name."""
     drawn = encode_texts(text, [caption(name, rng) for name in names for _ in range(count)])
     return drawn.reshape(len(names), count, -1)
 
 
 def _drawn(wordings: Float32[np.ndarray, "names count e"], rng: np.random.Generator) -> Float[Tensor, "names e"]:
-    """For every name, the embedding of one of its captions with noise added, scaled to unit norm."""
+    """Return, for each name, the embedding of one of its captions with noise added, scaled to unit norm."""
     names, count, width = wordings.shape
     exact = wordings[np.arange(names), rng.integers(count, size=names)]
     noise = rng.normal(0.0, TEXT_NOISE / math.sqrt(width), exact.shape)

@@ -1,7 +1,7 @@
 """A file cache for arrays that take minutes to make.
 
-Every file contains fingerprints (origins) of the inputs of its arrays. A file whose origins do not match is rejected,
-so that arrays of earlier code or settings are never used by mistake.
+Each file contains fingerprints (origins) of the inputs from which its arrays were made. A file whose origins do not match is
+rejected, so that arrays of earlier code or settings are never used by mistake.
 """
 
 import hashlib
@@ -24,7 +24,10 @@ _FILE = FileKind("a file of an earlier run; delete it to have it made again", 10
 
 
 def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Arrays]) -> Arrays:
-    """Load the arrays of a file; if the file does not exist, make the arrays and write it. Raises as `loaded` does."""
+    """Load the arrays of a file. If there is no such file, call `make` and write the file first.
+
+    `origins` are the fingerprints of the inputs. Raises `SimError` as `loaded` does.
+    """
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         arrays: dict[str, Any] = {**make(), _ORIGINS: np.array(origins)}
@@ -34,7 +37,7 @@ def cached_arrays(path: Path, origins: tuple[str, ...], make: Callable[[], Array
 
 
 def loaded(path: Path, origins: tuple[str, ...]) -> Arrays:
-    """Load the arrays of a file. The list of the file's origins has to start with `origins`.
+    """Load the arrays of a file. The list of fingerprints (origins) in the file has to start with `origins`.
 
     Raises `SimError` if the file cannot be read or has other origins.
     """
@@ -47,12 +50,12 @@ def loaded(path: Path, origins: tuple[str, ...]) -> Arrays:
 
 
 def origin(*sources: object) -> str:
-    """SHA-256 fingerprint of the values that arrays are made from, by their `repr`."""
+    """Return a SHA-256 fingerprint of the values from which arrays are made, computed from the `repr` of the values."""
     return hashlib.sha256(repr(sources).encode()).hexdigest()
 
 
 def house_origin(draw: HouseDraw) -> str:
-    """Fingerprint of a house as the present code samples and builds it: specification, walls, stairs, objects and looks."""
+    """Return a fingerprint of a house as the present code builds it: specification, walls, stairs, objects and looks."""
     spec = draw.spec()
     house = build_house(spec)
     things = (*house.furniture, *house.leaves, *house.windows)

@@ -1,4 +1,4 @@
-"""Batches of training frames: normalised and augmented images, with the things that are visible after cropping."""
+"""Makes batches of training frames: normalised and augmented images, and the things that are visible after cropping."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -13,32 +13,32 @@ from sim.training.frames import Frames
 from sim.training.places import pairs_of_places
 
 PRESENT = 0.004
-"""A thing is present in an image if it fills more than this share of the image."""
+"""A thing counts as present in an image if it fills more than this share of the image."""
 PATCH_PRESENT = 0.02
-"""A thing is present in a patch if it fills more than this share of the patch."""
+"""A thing counts as present in a patch of an image if it fills more than this share of the patch."""
 STRETCH = 4
-"""Number of consecutive frames of one walk that stay together, so that batches contain several places of one house."""
+"""Number of consecutive frames of a walk that stay together in a batch. Batches thus contain several views of a house."""
 
 
 class Batch(NamedTuple):
-    """Input and targets of one training step. The presence of things is 0 or 1."""
+    """Input and targets of one training step. Presence is given as 0 or 1."""
 
     images: Float[Tensor, "b 3 h w"]
     rooms: Int[Tensor, "b"]
     views: Float[Tensor, "b labels"]
-    """Share of each image that shows rooms of each label. The shares of an image sum to one."""
+    """Share of each image that shows rooms of each label. The shares of an image sum to 1."""
     things: Float[Tensor, "b things"]
     """Whether each thing is present in each image."""
     patches: Float[Tensor, "b things rows columns"]
     """Whether each thing is present in each patch of each image."""
     same_place: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows the same place, by `places.pairs_of_places`."""
+    """Whether each pair of frames shows one place, as `places.pairs_of_places` decides."""
     apart: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows different places."""
+    """Whether each pair of frames shows different places, as `places.pairs_of_places` decides."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
-    """Yield batches of all frames, each once, in random order. The last frames are left out if they do not fill a batch."""
+    """Yield batches that contain each frame once, in random order. Frames that do not fill a last batch are left out."""
     for chosen in chosen_once(frames.houses, size, rng):
         _, house = np.unique(frames.houses[chosen], return_inverse=True)
         grid = _crops(house, rng).to(device)
@@ -60,16 +60,16 @@ def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.d
 
 
 def normalised(images: UInt8[np.ndarray, "b h w 3"]) -> Float[Tensor, "b 3 h w"]:
-    """Normalise RGB images, which have the encoder's size, with the encoder's mean and standard deviation."""
+    """Normalise RGB images of the encoder's input size with the encoder's mean and standard deviation."""
     pixels = torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0
     return (pixels - torch.tensor(MINI_MEAN)[:, None, None]) / torch.tensor(MINI_STD)[:, None, None]
 
 
 def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generator) -> Iterator[Int[np.ndarray, "size"]]:
-    """Yield the indices of the frames of each batch. No frame occurs twice in the batches.
+    """Yield the indices of the frames of each batch, in ascending order. No frame occurs in two batches.
 
-    The frames are cut into stretches of `STRETCH` consecutive frames, which are shuffled and joined to batches. A stretch is
-    from the walk through one house; only the stretch at the end of a walk may continue with frames of another walk.
+    The frames are cut into groups of `STRETCH` consecutive frames, which are shuffled and joined to batches. A group is from
+    the walk through one house, except that the group at the end of a walk may continue with frames of another walk.
     """
     walks = np.split(np.arange(len(houses)), np.flatnonzero(np.diff(houses)) + 1)
     joined = np.concatenate([np.roll(walks[i], rng.integers(len(walks[i]))) for i in rng.permutation(len(walks))])
@@ -79,7 +79,7 @@ def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generato
 
 
 def _crops(house: Int[np.ndarray, "n"], rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
-    """Random affine crops: every frame is zoomed and shifted a little.
+    """Draw random affine crops: each frame is zoomed and shifted a little.
 
     Either all or none of a house's frames are mirrored, since a place and its mirror image would count as one place.
     """
@@ -100,7 +100,7 @@ def _sampled(maps: Float[Tensor, "b c h w"], theta: Float[Tensor, "b 2 3"], padd
 def _tints(
     house: Int[np.ndarray, "n"], rng: np.random.Generator, device: torch.device
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
-    """Random gains per channel and an offset, equal for all frames of a house, since colours distinguish its places."""
+    """Draw random gains per channel and offsets. Frames of one house get equal ones, as colours distinguish places."""
     houses = house.max() + 1
     gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
     offset = rng.normal(0.0, 0.15, (houses, 1, 1, 1))

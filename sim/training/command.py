@@ -1,4 +1,7 @@
-"""`lexis-sim train-encoder`: frames, text tower, both stages of the image tower, the weights; every step resumes."""
+"""`lexis-sim train-encoder`: trains the encoder, from rendered houses to weights. An interrupted training resumes.
+
+The steps are: train the text tower, render frames, train the image tower in two stages, write and calibrate the weights.
+"""
 
 import json
 from dataclasses import asdict, dataclass, field
@@ -50,26 +53,26 @@ class TrainingRun(Settings, place="training", error=SimError):
     houses: Annotated[int, Ge(1)] = 520
     """Number of houses to train on."""
     tuning_houses: Annotated[int, Ge(1)] = 24
-    """Number of houses on which training is monitored, and the temperature and the calibration are fitted."""
+    """Number of further houses, on which training is monitored, and to which temperature and calibration are fitted."""
     epochs: tuple[int, int] = (10, 4)
-    """Numbers of epochs of dense supervision and of alignment."""
+    """Numbers of epochs of stage 1 (dense supervision) and stage 2 (alignment) of the image tower."""
     settling_steps: int = SETTLING_STEPS
-    """Number of steps at the end in which the projection alone is trained."""
+    """Number of training steps at the end in which only the projection, the image tower's last layer, is trained."""
     seed: int = 0
     work: Path = Path("encoder-training")
-    """Folder for frames, text tower and checkpoints. A training that was stopped resumes from there."""
+    """Folder for frames, text tower and checkpoints. An interrupted training resumes from the files in it."""
     out: Path = MINI_WEIGHTS
     """File of the weights; the model's configuration is written beside it."""
     workers: int = 2
     """Number of rendering processes, and number of threads for training."""
     start: Path | None = None
-    """Weights of an earlier `mini` from which the image tower starts. None: it starts untrained."""
+    """Weights of an earlier `lexis-mini` with which the image tower starts. None: the image tower starts untrained."""
     teacher: Path | None = None
-    """Folder of the sentence encoder that is distilled. None: the installed package."""
+    """Folder with the sentence encoder that the text tower learns to imitate. None: the installed package."""
     batch: int = 128
     """Number of images in a batch."""
     wordings: tuple[int, int] = WORDINGS
-    """Numbers of captions drawn for every room label and for every thing."""
+    """Numbers of captions that are drawn for each room label, and for each thing."""
     distillation: DistilConfig = field(default_factory=DistilConfig)
 
     def __post_init__(self) -> None:
@@ -80,7 +83,7 @@ class TrainingRun(Settings, place="training", error=SimError):
 
 
 def train_encoder(run: TrainingRun, console: Console) -> list[Progress]:
-    """Run the steps that are not done yet, write weights and configuration, and return the history of both stages.
+    """Run the steps that are not done yet, and write weights and configuration. Return the progress after each epoch.
 
     Raises `SimError` if the work folder belongs to a run with other settings.
     """
@@ -141,7 +144,7 @@ def _check_settings(run: TrainingRun) -> None:
 
 
 def _deciding(run: TrainingRun) -> dict[str, Any]:
-    """All settings that affect the result. The teacher's folder does not: the teacher is the same in every folder."""
+    """Return all settings that affect the result. The teacher's folder does not: all folders hold the same teacher."""
     names = ("houses", "tuning_houses", "epochs", "settling_steps", "seed", "batch", "wordings")
     own = {name: getattr(run, name) for name in names} | {"start": run.start and str(run.start)}
     return own | {"distillation": asdict(run.distillation), "text": {**TEXT_CFG, "embed_dim": EMBED_DIM}}
@@ -159,7 +162,7 @@ def _text_tower(run: TrainingRun, console: Console) -> TextTransformer:
 
 
 def _frames(run: TrainingRun, console: Console, name: str, houses: int, seeds: range) -> Frames:
-    """Render (or load) the frames of the first `houses` houses that the seed draws."""
+    """Render, or load, the frames of `houses` houses that are drawn with the seed of the run."""
     stream = (TRAINING_SEEDS, TUNING_SEEDS).index(seeds)
     draws = list(draw_houses(houses, seeds, np.random.default_rng([run.seed, stream])))
     sets = []

@@ -1,4 +1,4 @@
-"""Stage 1 of training the image tower: dense supervision by ground truth from the renderer.
+"""Stage 1 of training the image tower: supervision by ground truth from the renderer, for each image and each patch.
 
 Linear heads on the tower's features predict which things are visible in the image and in each patch, how much of the image
 shows rooms of each label, which room the camera is in, and whether two images show the same place. The heads are discarded
@@ -23,7 +23,7 @@ TRUNK = "regnetx_002"
 """Name of the image tower's architecture in timm."""
 _SMOOTHING = 0.05
 _THINGS_WEIGHT, _PATCHES_WEIGHT, _VIEWS_WEIGHT = 8.0, 8.0, 0.5
-"""Weights relative to the room loss. The presence losses have a large weight: they average over many absent things."""
+"""Weights relative to the room loss. The losses of presence have large weights, as they average over many absent things."""
 _PLACES_WEIGHT = 1.0
 _PLACE_DIM = 128
 _RARE = -4.0
@@ -32,7 +32,7 @@ _BATCH = 256
 
 
 class DenseOutput(NamedTuple):
-    """Pooled features of images, and the output of the heads (logits, except for `places`)."""
+    """Pooled features of images, and the outputs of the linear heads of stage 1 (logits, except for `places`)."""
 
     pooled: Float[Tensor, "b f"]
     rooms: Float[Tensor, "b labels"]
@@ -40,11 +40,11 @@ class DenseOutput(NamedTuple):
     things: Float[Tensor, "b things"]
     patches: Float[Tensor, "b things rows columns"]
     places: Float[Tensor, "b p"]
-    """Unit vectors that are similar if frames show the same place."""
+    """Unit vector of each image. Vectors of images of one place are similar."""
 
 
 class DenseTower(nn.Module):
-    """The image trunk with the heads of stage 1."""
+    """The image tower without its projection, and the linear heads that predict ground truth in stage 1."""
 
     def __init__(self, seed: int = 0) -> None:
         super().__init__()
@@ -59,7 +59,7 @@ class DenseTower(nn.Module):
         nn.init.constant_(self.patches.bias, _RARE)  # type: ignore[arg-type]
 
     def forward(self, images: Float[Tensor, "b 3 h w"]) -> DenseOutput:
-        """Compute features and heads in bfloat16; return them in full precision."""
+        """Compute the pooled features and the outputs of the heads in bfloat16, and return them in single precision."""
         with torch.autocast(PROCESSOR, torch.bfloat16):
             maps = self.trunk.forward_features(images)
             pooled = self.trunk.forward_head(maps)
@@ -69,7 +69,7 @@ class DenseTower(nn.Module):
 
 
 def dense_loss(seen: DenseOutput, batch: Batch, weights: Float[Tensor, "labels"]) -> Tensor:
-    """The weighted sum of the losses of all heads."""
+    """Return the weighted sum of the losses of all heads. `weights` are the weights of the labels in the room loss."""
     presence = nn.functional.binary_cross_entropy_with_logits
     return (
         nn.functional.cross_entropy(seen.rooms, batch.rooms, weights, label_smoothing=_SMOOTHING)
@@ -81,14 +81,14 @@ def dense_loss(seen: DenseOutput, batch: Batch, weights: Float[Tensor, "labels"]
 
 
 def room_weights(rooms: Int[np.ndarray, "n"]) -> Float[Tensor, "labels"]:
-    """Weights of the labels in the room loss: inversely proportional to the square root of a label's number of frames."""
+    """Return each label's weight in the room loss, inversely proportional to the root of its number of frames."""
     counts = np.bincount(rooms, minlength=len(ROOM_LABELS))
     weights = np.where(counts > 0, 1.0 / np.sqrt(np.maximum(counts, 1)), 0.0)
     return torch.from_numpy((weights / weights[rooms].mean()).astype(np.float32)).to(PROCESSOR)
 
 
 class DenseLearner:
-    """The learner of stage 1: trains the image tower and its heads by dense supervision."""
+    """The learner of stage 1: trains the image tower and its heads on ground truth of images and patches."""
 
     name = "dense"
 
@@ -101,7 +101,7 @@ class DenseLearner:
         return dense_loss(self.module(batch.images), batch, self._weights)
 
     def accuracy(self, frames: Frames) -> float:
-        """Accuracy of the room head among the labels present in `frames`."""
+        """Return the share of frames whose label the room head predicts right, among the labels that occur in `frames`."""
         with torch.inference_mode():
             parts = range(0, len(frames.rooms), _BATCH)
             logits = [self.module(normalised(frames.images[i : i + _BATCH]).to(PROCESSOR)).rooms for i in parts]
@@ -109,6 +109,6 @@ class DenseLearner:
 
 
 def accuracy_among_present(scores: Float[np.ndarray, "n labels"], rooms: Int[np.ndarray, "n"]) -> float:
-    """Share of frames whose true label has the highest score among the labels present in `rooms`."""
+    """Return the share of frames whose true label, in `rooms`, has the highest score of all labels that occur there."""
     present = np.unique(rooms)
     return float(np.mean(present[scores[:, present].argmax(axis=1)] == rooms))

@@ -1,4 +1,4 @@
-"""Export of `lexis-mini`: weights and configuration in the format that open_clip loads."""
+"""Exports `lexis-mini`: weights and configuration in the format that open_clip loads."""
 
 import json
 import math
@@ -23,7 +23,7 @@ _PROJECTION = "visual.head.proj.weight"
 
 
 def model_config() -> dict[str, Any]:
-    """The architecture of `lexis-mini` as an open_clip model configuration."""
+    """Return the architecture of `lexis-mini` as an open_clip model configuration."""
     vision = {
         "timm_model_name": TRUNK,
         "timm_model_pretrained": False,
@@ -37,7 +37,7 @@ def model_config() -> dict[str, Any]:
 def export(tower: AlignedTower, text: TextTransformer, temperature: float, path: Path) -> None:
     """Write both towers in half precision to `path`, and the model configuration beside it as JSON.
 
-    open_clip's logit scale is stored as a logarithm, hence log(1 / temperature).
+    The weights contain log(1 / temperature), because open_clip stores its logit scale as a logarithm.
     """
     weights = {name: value.clone() for name, value in text.state_dict().items()}
     weights |= {_TRUNK + name: value for name, value in tower.dense.trunk.state_dict().items()}
@@ -51,7 +51,10 @@ def export(tower: AlignedTower, text: TextTransformer, temperature: float, path:
 
 
 def start_trunk_from(path: Path, tower: DenseTower) -> None:
-    """Load the image trunk of an earlier `lexis-mini` into `tower`. Raises `SimError` for a file without a fitting trunk."""
+    """Load the image tower of an earlier `lexis-mini`, without its projection, into `tower`.
+
+    Raises `SimError` if the file holds no fitting weights.
+    """
     try:
         weights = load_file(path)
         trunk = {name.removeprefix(_TRUNK): value.float() for name, value in weights.items() if name.startswith(_TRUNK)}

@@ -1,4 +1,4 @@
-"""The training loop that both stages of the image tower share: epochs, learning rate schedule, checkpoints."""
+"""The training loop of both stages of the image tower: epochs, learning rate schedule, checkpoints."""
 
 import os
 from collections.abc import Callable
@@ -39,7 +39,7 @@ class Progress:
     loss: float
     """Mean training loss over the epoch."""
     accuracy: float
-    """Share of tuning frames whose room is predicted right."""
+    """Share of tuning frames (not used for training) whose room label is predicted right."""
 
 
 @runtime_checkable
@@ -57,11 +57,11 @@ class Learner(Protocol):
         ...
 
     def loss(self, batch: Batch, rng: np.random.Generator) -> Tensor:
-        """The loss on one batch, which training minimises."""
+        """Return the loss on one batch, which training minimises."""
         ...
 
     def accuracy(self, frames: Frames) -> float:
-        """Share of frames, not used for training, whose room is predicted right."""
+        """Return the share of `frames` whose room label is predicted right."""
         ...
 
 

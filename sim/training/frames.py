@@ -26,11 +26,11 @@ from worlds.truth import objects, room_at
 from worlds.visuals.house_visuals import STAIRS_OBJECT
 
 THINGS = tuple(sorted({*CATALOGUE, "door", "window", STAIRS}))
-"""The kinds of things that are distinguished in a frame."""
+"""Kinds of things that are distinguished in a frame: kinds of furniture, doors, windows and stairs, sorted by name."""
 PATCHES = (4, 5)
-"""Rows and columns of patches in a frame, as in the last feature map of the image tower."""
+"""Numbers of rows and columns of patches in a frame, as in the last feature map of the image tower."""
 BARE = 0.03
-"""Least `content` of a frame that shows more than bare walls, as a share of the image."""
+"""Least `Frames.content`, a share of the image, at which a frame counts as showing more than bare walls."""
 
 _FORMAT = 1
 """Version of cached frames. Increase it after changes of textures, tours or renderers. Other changes are noticed, because
@@ -45,17 +45,17 @@ class Frames:
 
     images: UInt8[np.ndarray, "n h w 3"]
     rooms: Int[np.ndarray, "n"]
-    """Label of the room that contains the camera, as an index into `ROOM_LABELS`."""
+    """Label of the room that contains the camera in each frame, as an index into `ROOM_LABELS`."""
     things: UInt8[np.ndarray, "n rows columns things"]
-    """Share of every patch that shows each of `THINGS`, in units of 1/255."""
+    """Share of each patch of each image that shows each of `THINGS`, in units of 1/255."""
     views: Float32[np.ndarray, "n labels"]
-    """Share of the image that shows rooms of each label, including the objects in them."""
+    """Share of each image that shows rooms of each label, including the objects in these rooms."""
     content: Float32[np.ndarray, "n"]
-    """Share of the image that shows anything but the sky or bare surfaces of the room that holds the camera."""
+    """Share of each image that shows neither the sky nor bare surfaces of the room that holds the camera."""
     houses: Int[np.ndarray, "n"]
     """Seed of the house in which each image was rendered."""
     T_W_B: Float64[np.ndarray, "n 4 4"]
-    """Poses of the body in the house."""
+    """Poses of the body in the world frame of each house."""
 
     @staticmethod
     def joined(parts: "Sequence[Frames]") -> "Frames":
@@ -69,7 +69,7 @@ class Frames:
 
     @cached_property
     def shares(self) -> Float32[np.ndarray, "n things"]:
-        """The share of the image that shows each of `THINGS`."""
+        """The share of each image that shows each of `THINGS`."""
         return np.asarray(self.things.mean(axis=(1, 2), dtype=np.float32) / np.float32(255.0))
 
     def __getitem__(self, chosen: np.ndarray) -> "Frames":
@@ -78,7 +78,7 @@ class Frames:
 
 
 def rendered(houses: Sequence[HouseDraw], folder: Path, workers: int = 1) -> Iterator[Frames]:
-    """Yield the frames of every house, in order. `folder` is a cache: frames are loaded from it, and new ones saved in it.
+    """Yield the frames of each house, in order. `folder` is a cache from which frames are loaded, or where they are saved.
 
     Raises `SimError` if a file in the folder cannot be read, or was made from other houses or with other settings.
     """
@@ -95,7 +95,7 @@ def frames_in(folder: Path) -> Frames:
 
 
 def frames_by_house(folder: Path) -> Iterator[Frames]:
-    """Load the frames that `rendered` saved in a folder house by house, which needs less memory than all at once.
+    """Yield the frames that `rendered` saved in a folder, one house at a time, which needs less memory than all at once.
 
     Raises `SimError` if the folder has no frames.
     """
@@ -107,20 +107,20 @@ def frames_by_house(folder: Path) -> Iterator[Frames]:
 
 
 def frames_origin(views: ViewpointConfig) -> str:
-    """Fingerprint of the settings with which frames are rendered and annotated, independent of the house."""
+    """Return a fingerprint of all settings of rendering and annotating frames. It does not depend on the house."""
     told = (THINGS, PATCHES, ROOM_LABELS, _IDS_SIZE, [f.name for f in fields(Frames)])
     looks = (sorted(LIGHTS.items()), sorted(HELD_OUT_COLOURS))
     return origin(_FORMAT, views, TourConfig(), wide_camera(*views.rendered), told, looks)
 
 
 def frames_of_house(draw: HouseDraw, views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Render frames along a tour through one house, in trained colours; none if no tour through the house is found."""
+    """Render frames along a tour through a house whose furniture has no held-out colours; none if no tour is found."""
     house = repainted(build_house(draw.spec()), held_out=False)
     return frames_at(house, poses_along_tour(house, views, np.random.default_rng([draw.seed, 2])), views)
 
 
 def frames_at(house: House, poses: Float64[np.ndarray, "n 4 4"], views: ViewpointConfig = TRAINING_VIEWS) -> Frames:
-    """Render frames from poses `T_W_B` of the body inside a house, in the image size of `views`."""
+    """Render frames from poses `T_W_B` of the body inside a house, in the image size `views.size`."""
     camera, plain = wide_camera(*views.rendered), wide_camera(*_IDS_SIZE)
     scene = build_scene(house, views.rendered, fovy_deg(camera.intrinsics))
     images, ids = [], []
@@ -144,7 +144,7 @@ def _told(
     thing_of_geom: Int[np.ndarray, "geoms"],
     room_of_geom: Int[np.ndarray, "geoms"],
 ) -> tuple[UInt8[np.ndarray, "n rows columns things"], Float32[np.ndarray, "n labels"], Float32[np.ndarray, "n"]]:
-    """The fields `things`, `views` and `content` of frames, from the ids of the geoms that every pixel shows."""
+    """Compute the fields `things`, `views` and `content` of frames from the id of the geom that each pixel shows."""
     things, seen = thing_of_geom[ids], room_of_geom[ids]
     (n, height, width), (rows, columns) = ids.shape, PATCHES
     patches = things.reshape(n, rows, height // rows, columns, width // columns).swapaxes(2, 3)
@@ -156,7 +156,7 @@ def _told(
 
 
 def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray, "*n bins"]:
-    """The share of each value in 0 ... bins - 1 along the last axis; negative values are not counted."""
+    """Return the share of each value in 0 ... bins - 1 along the last axis. Negative values are not counted."""
     flat = values.reshape(-1, values.shape[-1])
     index = np.arange(len(flat))[:, None] * bins + flat
     counts = np.bincount(index[flat >= 0], minlength=len(flat) * bins)
@@ -164,9 +164,9 @@ def _histogram(values: Int[np.ndarray, "*n k"], bins: int) -> Float64[np.ndarray
 
 
 def _shown(house: House, scene: Scene) -> tuple[Int[np.ndarray, "geoms"], Int[np.ndarray, "geoms"]]:
-    """For every geom, its thing and its room as indices into `THINGS` and `house.rooms`, or `_NONE`.
+    """Return the thing and the room of each geom, as indices into `THINGS` and `house.rooms`, or `_NONE`.
 
-    The last entry is for the sky, whose id of -1 indexes it.
+    The last entry is for the sky, whose geom id is -1.
     """
     kinds = {thing.id: THINGS.index(thing.kind) for thing in objects(house)} | {STAIRS_OBJECT: THINGS.index(STAIRS)}
     number = {room.id: i for i, room in enumerate(house.rooms)}

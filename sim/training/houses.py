@@ -1,4 +1,4 @@
-"""The houses that the encoder is trained, tuned and tested on: disjoint by seed, of all presets, with many looks."""
+"""Draws the houses for training, tuning and testing the encoder. These three sets have different seeds."""
 
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
@@ -10,11 +10,11 @@ from worlds.presets import sample_house
 from worlds.spec import AppearanceSpec, HouseSpec
 
 TRAINING_SEEDS = range(100_000, 800_000)
-"""Seeds of houses that the encoder is trained on."""
+"""Seeds of the houses on which the encoder is trained."""
 TUNING_SEEDS = range(800_000, 900_000)
 """Seeds of the houses on which training is monitored and softmax temperatures are fitted."""
 TEST_SEEDS = range(900_000, 1_000_000)
-"""Seeds of houses for reported figures. Demos use seeds below 100 000, acceptance tests seeds from 1 000 000 upwards."""
+"""Seeds of the houses for reported figures. Demos use seeds below 100 000, and acceptance tests seeds from 1 000 000."""
 
 PRESET_SHARE = {
     "home": 0.28, "ori": 0.14, "uh2-apt": 0.12, "uh2-office": 0.13, "apartment": 0.07, "office": 0.07, "clinic": 0.06,
@@ -31,7 +31,7 @@ _OPENED_SHARE, _CLUTTERED_SHARE = 0.4, 0.4
 
 
 class HouseDraw(NamedTuple):
-    """The parameters that a house is sampled with."""
+    """The parameters with which a house is sampled."""
 
     preset: str
     seed: int
@@ -41,7 +41,7 @@ class HouseDraw(NamedTuple):
     clutter: float = 1.0
 
     def spec(self) -> HouseSpec:
-        """Sample the house. If no such house can have the given `openness`, it gets the usual openness of its family."""
+        """Sample the house. If it cannot have the given `openness`, it gets the usual openness of its preset."""
         try:
             spec = sample_house(self.preset, self.seed, openness=self.openness, clutter=self.clutter)
         except WorldsError:
@@ -50,7 +50,7 @@ class HouseDraw(NamedTuple):
 
 
 def draw_houses(count: int, seeds: range, rng: np.random.Generator) -> Iterator[HouseDraw]:
-    """Draw `count` houses with different seeds out of `seeds`. A larger count only adds houses at the end."""
+    """Draw `count` houses with different seeds from `seeds`. A larger `count` gives the same houses first, then more."""
     names, shares = list(PRESET_SHARE), list(PRESET_SHARE.values())
     used: set[int] = set()
     while len(used) < count:

@@ -1,7 +1,7 @@
 """Words for rooms and things: names, activities, and things that are typical of a room. This module contains only data.
 
-The module `phrases` holds out every third entry of a line, so that the choice is not made by hand. In tables of names, the
-first entry is the room label or kind itself.
+The module `phrases` withholds every third entry of a line from training, so that the choice is not made by hand. In tables
+of names, the first entry of a line is the room label or the kind of furniture itself.
 """
 
 
@@ -86,7 +86,7 @@ print room: print room, copy room, copying room, printer room, room with a copie
     printing room, copier room, print shop, copy centre, reprographics room, print area, copy area, duplicating room,
     printing area, print and copy room, photocopying area
 """)
-"""Names of rooms by label; the first one is the label itself."""
+"""Names of rooms by room label. The first name is the label itself."""
 
 ACTIVITIES = _table("""
 kitchen: cook, cook dinner, fry an egg, boil water, make coffee, wash the dishes, bake a cake, prepare a meal, heat up
@@ -141,7 +141,7 @@ laboratory: do an experiment, do chemistry, use a microscope, analyse samples, t
 print room: print documents, make photocopies, scan papers, copy a document, print a report, make copies, pick up a
     printout, photocopy a letter, get printer paper
 """)
-"""Activities in rooms by label, as verb phrases that can follow "to"."""
+"""Activities in rooms by room label, as verb phrases that can follow "to"."""
 
 THINGS = _table("""
 kitchen: stove, fridge, cooking hob, oven, kitchen counter, kitchen appliances, kettle, cooker hood, pots and pans,
@@ -195,7 +195,7 @@ laboratory: microscope, lab bench, test tubes, fume hood, lab stool, glass flask
 print room: photocopier, printer, copier, copy counter, paper boxes, copying machine, printers, stacks of paper, laser
     printer
 """)
-"""Things that stand in rooms of one label and hardly anywhere else, by this label."""
+"""Things by room label. They stand in rooms of this label and hardly anywhere else."""
 
 SYNONYMS = _table("""
 armchair: armchair, easy chair, padded chair
@@ -335,4 +335,4 @@ workbench: workbench, work bench, bench with tools
 world map: world map, map of the world, map of the continents
 yoga mat: yoga mat, mat for exercises, gymnastics mat
 """)
-"""Names of kinds of furniture; a kind that is not listed has only its own name."""
+"""Names by kind of furniture. A kind that is not listed has only its own name."""

@@ -23,7 +23,7 @@ _TABLES = (ROOMS, ACTIVITIES, THINGS, SYNONYMS)
 
 
 def _holding(phrases: Sequence[str]) -> re.Pattern[str]:
-    """A pattern that matches texts which contain one of the phrases as whole words."""
+    """Return a pattern that finds any of the phrases, as whole words, in a text."""
     return re.compile(r"\b(?:" + "|".join(sorted(map(re.escape, phrases))) + r")\b", re.IGNORECASE)
 
 
@@ -39,10 +39,10 @@ HELD_OUT_PHRASES = tuple(
         }
     )
 )
-"""Every third entry of the lexicon, except entries that are part of a room label or kind of furniture: labels and kinds
-have to be trained."""
+"""Phrases that are withheld from training: every third entry of the lexicon. Entries that occur in a room label or in the
+name of a kind of furniture are not withheld, since labels and kinds have to be trained."""
 HOLDS_HELD_OUT = _holding(HELD_OUT_PHRASES)
-"""Regular expression that matches texts with a held-out phrase."""
+"""Regular expression that finds held-out phrases in a text."""
 
 
 def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
@@ -53,19 +53,19 @@ def _split(table: Table) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[st
 
 
 ROOM_NAMES, HELD_OUT_NAMES = _split(ROOMS)
-"""Trained and held-out names of rooms by label; the first trained name is the label itself."""
+"""Trained and held-out names of rooms, by room label. The first trained name is the label itself."""
 ROOM_ACTIVITIES, HELD_OUT_ACTIVITIES = _split(ACTIVITIES)
-"""Trained and held-out activities in rooms by label, as verb phrases that can follow "to"."""
+"""Trained and held-out activities in rooms, by room label, as verb phrases that can follow "to"."""
 ROOM_THINGS, HELD_OUT_THINGS = _split(THINGS)
-"""Trained and held-out things that stand in rooms of one label and hardly anywhere else, by this label."""
+"""Trained and held-out things, by room label. They stand in rooms of this label and hardly anywhere else."""
 OBJECT_NAMES, HELD_OUT_OBJECTS = _split(SYNONYMS)
-"""Trained and held-out names by kind of furniture; a kind that is not listed has only its own name."""
+"""Trained and held-out names, by kind of furniture. A kind that is not listed has only its own name."""
 
 TEMPLATES = (
     "{}", "a photo of {a}", "a picture of {a}", "{a} in a house", "a view of {a}", "inside {a}", "an image of {a}",
     "this is {a}", "a wide photo of {a}", "a photo taken in {a}",
 )  # fmt: skip
-"""Sentence frames for the name of a room. They include the prompts of `lexis.encoder.prompts`."""
+"""Sentence frames (templates) for names of rooms. They include the prompts of `lexis.encoder.prompts`."""
 
 
 def _frames(frames: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -82,23 +82,23 @@ _THING_FRAMES = (
     "find {a}", "{a} in a room", "the room that has {a}", "{}", "a view of {a}", "I am looking for {a}",
 )  # fmt: skip
 PLACE_FRAMES, HELD_OUT_PLACE_FRAMES = _frames(_PLACE_FRAMES)
-"""Trained and held-out sentence frames for activities in rooms."""
+"""Trained and held-out sentence frames (templates) for activities in rooms."""
 THING_FRAMES, HELD_OUT_THING_FRAMES = _frames(_THING_FRAMES)
-"""Trained and held-out sentence frames for things."""
+"""Trained and held-out sentence frames (templates) for things."""
 
 _ROOM_SHARE = (0.35, 0.35, 0.15, 0.15)
 """Shares of the captions of a room that use its label, any of its names, an activity in it, and a thing in it."""
 
 
 def caption(name: str, rng: np.random.Generator) -> str:
-    """Put `name`, the name of a room or a thing, into a random sentence frame of `TEMPLATES`."""
+    """Put `name`, the name of a room or a thing, into a randomly chosen template of `TEMPLATES`."""
     return _framed(_pick(TEMPLATES, rng), name)
 
 
 def room_caption(label: str, rng: np.random.Generator) -> str:
     """Draw a caption of a room in trained words: with its label, one of its names, an activity or a thing.
 
-    `_ROOM_SHARE` holds the probabilities of these four kinds of caption.
+    The probabilities of these four kinds of caption are 0.35, 0.35, 0.15 and 0.15.
     """
     draw = int(rng.choice(4, p=_ROOM_SHARE))
     if draw == 0:
@@ -116,7 +116,7 @@ def object_caption(kind: str, rng: np.random.Generator) -> str:
 
 
 def framed(frames: Sequence[str], words: Sequence[str]) -> Iterator[str]:
-    """Put every word or phrase into every sentence frame."""
+    """Yield each word or phrase in each sentence frame (template)."""
     return (_framed(frame, phrase) for phrase in words for frame in frames)
 
 

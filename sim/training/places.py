@@ -1,6 +1,7 @@
-"""Training of place recognition: pairs of frames that show the same place, and a contrastive loss over such pairs.
+"""Training of place recognition: finds pairs of frames that show one place, and computes a contrastive loss over such pairs.
 
-Frames of one place should have similar embeddings, and be distinguishable above all from other places of the same house.
+Frames of one place should have similar embeddings. They should differ from embeddings of other places, above all in the same
+house.
 """
 
 import numpy as np
@@ -22,8 +23,9 @@ def pairs_of_places(
 ) -> tuple[Bool[np.ndarray, "n n"], Bool[np.ndarray, "n n"]]:
     """Return two masks of pairs of frames: pairs that show one place, and pairs that show different places.
 
-    Some pairs are in neither mask: those of doubtful distance or angle (`_DOUBT`), and those of close frames on both sides
-    of a doorway, since the embeddings of the two rooms should differ there.
+    Two frames show one place if house and room label are the same, and the poses differ by at most `PLACE_M` and
+    `PLACE_RAD`. They show different places if the houses differ, or the poses differ by more than 1.5 times `PLACE_M` or
+    `PLACE_RAD`. All other pairs, such as close frames on both sides of a doorway, are in neither mask.
 
     Args:
         T_W_B: poses of the body.
@@ -39,7 +41,7 @@ def pairs_of_places(
 
 
 def _distances(T_W_B: Poses) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, "n n"]]:
-    """Distances [m] and angles [rad] between all poses."""
+    """Return the distances [m] and the angles [rad] between all pairs of poses."""
     positions, rotations = T_W_B[:, :3, 3], T_W_B[:, :3, :3].reshape(-1, 9)
     away = np.linalg.norm(positions[:, None] - positions[None, :], axis=2)
     cosines = (rotations @ rotations.T - 1.0) / 2.0  # trace(A^T B) is the sum over products of entries
@@ -52,11 +54,10 @@ def place_loss(
     apart: Bool[Tensor, "b b"],
     temperature: float = _TEMPERATURE,
 ) -> Tensor:
-    """Supervised contrastive loss (Khosla 2020): frames of one place should be more similar than frames of different places.
+    """Return a supervised contrastive loss (Khosla 2020). It is low if frames of one place are the most similar ones.
 
     Each pair of frames of one place is compared with all frames of other places; at a low `temperature`, mostly with the
-    most similar ones. The loss is the mean over the frames that have such a pair in the batch. A batch without two frames
-    of one place has the loss 0.
+    most similar of them. The loss is the mean over the frames that belong to such a pair; without any pair, it is 0.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)

@@ -1,4 +1,4 @@
-"""Calibration of the probabilities of `lexis query` for an encoder: fitted on tuning houses, measured on test houses."""
+"""Calibrates the probabilities of `lexis query` for an encoder, on tuning houses, and measures how reliable they are."""
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -21,14 +21,14 @@ from worlds.errors import WorldsError
 from worlds.labels import ROOM_LABELS
 
 HOUSES = 24
-"""Default number of houses that the calibration is fitted to."""
+"""Default number of houses to which a calibration is fitted."""
 _START = (0.2, 0.0, np.log(0.05))
 _BOUNDS = ((-2.0, 2.0), (-2.0, 2.0), (np.log(1e-3), np.log(10.0)))
 """Bounds of base, slope and logarithm of the temperature."""
 
 
 def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
-    """Draw houses to fit to: of all presets, with the looks and openness that `lexis-sim run` uses."""
+    """Draw houses to which a calibration is fitted, of random presets, with looks and openness as in `lexis-sim run`."""
     draws = draw_houses(count, TUNING_SEEDS, np.random.default_rng([seed, 2]))
     return [HouseDraw(draw.preset, draw.seed) for draw in draws]
 
@@ -44,7 +44,7 @@ def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: in
 def asked_in(
     houses: Sequence[HouseDraw], encoder: TextEncoder, seed: int, progress: Callable[[], None] = lambda: None
 ) -> list[QuestionBatch]:
-    """Walk through every house and ask questions in trained words. Houses without a walk are left out.
+    """Walk through each house and ask questions about its rooms, in trained words. Houses without a walk are left out.
 
     `progress` is called after every house.
     """
@@ -58,10 +58,10 @@ def asked_in(
 
 
 def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Calibration:
-    """Fit a calibration by logistic regression of the truth on similarity and familiarity.
+    """Fit a calibration by logistic regression of the truth on similarity and on the familiarity of the question.
 
-    Only the best room of every question is used, since it decides whether an answer is given. `measure` tells how well the
-    fit holds for all rooms. Raises `SimError` if `asked` is empty.
+    Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
+    how well the fit holds for all rooms. Raises `SimError` if `asked` is empty.
     """
     if not asked:
         raise SimError("no house to fit to; valid: at least one")
@@ -78,25 +78,25 @@ def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Cal
 
 @dataclass(frozen=True)
 class CalibrationFigures:
-    """Reliability of the probabilities of answers, over questions half of which have an answer."""
+    """How reliable the probabilities of answers are. Half of the questions have an answer in the house."""
 
     questions: int
     calibration_error: float
-    """Expected calibration error of the probabilities of all rooms."""
+    """Expected calibration error of the probabilities of all rooms for all questions."""
     best_calibration_error: float
-    """Expected calibration error of the probability of the best room only."""
+    """Expected calibration error of the probability of each question's best room, the one with the highest probability."""
     right: float
-    """Share of questions with an answer whose best room is a right answer or shows the thing from afar."""
+    """Share, of the questions with an answer, for which the best room is right, or shows the thing very small."""
     unknown_auc: float
-    """Area under the ROC curve for telling questions with an answer from those without, by the best room's probability."""
+    """Area under the ROC curve for telling questions with and without an answer apart by the best room's probability."""
     found: float
-    """Share of questions with an answer for which an answer is given instead of "unknown"."""
+    """Share, of the questions with an answer, for which an answer is given instead of "unknown"."""
     unknown: float
-    """Share of questions without an answer for which "unknown" is given."""
+    """Share, of the questions without an answer, for which "unknown" is given."""
 
 
 def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[QuestionBatch]) -> CalibrationFigures:
-    """Measure a calibration over all questions of all houses."""
+    """Measure how reliable the probabilities of a calibration are, over all questions about all houses."""
     every, best, answered = [], [], []
     for asked in houses:
         said = calibration.probabilities(asked.similarities, asked.embeddings, encoder)
@@ -119,14 +119,14 @@ def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[Que
 
 
 def _best_rooms(asked: QuestionBatch, encoder: TextEncoder) -> Float64[np.ndarray, "n 3"]:
-    """Similarity, familiarity and truth of the best room of every question, without questions whose truth is doubtful."""
+    """Return similarity, familiarity and truth of the most similar room of each question; doubtful ones are left out."""
     known = familiarity(asked.embeddings, ROOM_LABELS, encoder)
     rows = np.stack([asked.similarities.max(axis=0), known, _of(asked.similarities.argmax(axis=0), asked.truth)], axis=1)
     return np.asarray(rows[rows[:, 2] != DOUBTFUL])
 
 
 def _of(rooms: Int[np.ndarray, "texts"], values: Shaped[np.ndarray, "rooms texts"]) -> Shaped[np.ndarray, "texts"]:
-    """For every text, the value of the room that `rooms` selects."""
+    """Return, for each text, the value of the room that `rooms` selects."""
     return np.asarray(values[rooms, np.arange(len(rooms))])
 
 

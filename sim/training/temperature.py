@@ -1,4 +1,4 @@
-"""The softmax temperature that converts similarities to probabilities, fitted on held-out frames, and calibration error."""
+"""Fits the softmax temperature that converts similarities to probabilities, and computes calibration errors."""
 
 from collections.abc import Sequence
 
@@ -15,14 +15,21 @@ _RANGE = (0.005, 0.5)
 
 
 def fit_temperature(embeddings: Float[np.ndarray, "n e"], text: TextTransformer, rooms: Int[np.ndarray, "n"]) -> float:
-    """The temperature with the lowest cross-entropy over the labels present in `rooms` (indices into `ROOM_LABELS`)."""
+    """Return the softmax temperature with the lowest cross-entropy of the true room labels.
+
+    `embeddings` are those of images. `rooms` holds their true labels, as indices into `ROOM_LABELS`. Only labels that occur
+    in `rooms` are candidates.
+    """
     present, own = np.unique(rooms, return_inverse=True)
     similarities = embeddings @ room_embeddings(text, [ROOM_LABELS[i] for i in present]).T
     return best_temperature(similarities, own)
 
 
 def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray, "n"]) -> float:
-    """Return the temperature that maximises the likelihood of classes `own` under softmax(similarities / temperature)."""
+    """Return the temperature that maximises the likelihood of the true classes.
+
+    Probabilities of classes are softmax(similarities / temperature). `own` holds the true class of each row.
+    """
 
     def surprise(log_temperature: float) -> float:
         said = log_softmax(similarities / np.exp(log_temperature), axis=1)
@@ -32,7 +39,7 @@ def best_temperature(similarities: Float[np.ndarray, "n c"], own: Int[np.ndarray
 
 
 def calibration_error(confidence: Float[np.ndarray, "n"], right: Bool[np.ndarray, "n"], bins: int = 15) -> float:
-    """Expected calibration error (Guo 2017): mean gap between confidence and accuracy over bins of equal width."""
+    """Return the expected calibration error (Guo 2017): mean gap between confidence and accuracy in bins of equal width."""
     index = np.minimum((confidence * bins).astype(int), bins - 1)
     gaps: Sequence[float] = [abs(float((confidence - right)[index == b].sum())) for b in range(bins)]
     return sum(gaps) / len(confidence)

@@ -1,7 +1,7 @@
-"""The texts that the text tower is distilled on: single words, random compositions of words, and the training captions.
+"""Makes the training texts of the text tower: single words, random compositions of words, and the training captions.
 
-The texts have no labels, since their targets come from the teacher. Held-out phrases of several words are left out, also as
-parts of longer texts. Held-out single words do occur, like all other words of the vocabulary.
+The texts have no labels, since the teacher (a sentence encoder) gives their targets. Held-out phrases of several words are
+left out, also as parts of longer texts. Held-out single words do occur, like all other words of the vocabulary.
 """
 
 import re
@@ -54,14 +54,14 @@ _FORBIDDEN = re.compile(
 
 
 def plain_words(more: Iterable[str] = ()) -> tuple[str, ...]:
-    """The words of CLIP's vocabulary and of `more` that consist of three or more letters a to z, sorted."""
+    """Return the words of CLIP's vocabulary and of `more` that consist of three or more letters a to z, sorted."""
     tokens = open_clip.tokenizer.SimpleTokenizer().encoder
     whole = (token.removesuffix("</w>") for token in tokens if token.endswith("</w>"))
     return tuple(sorted({word for word in chain(whole, more) if re.fullmatch("[a-z]{3,}", word)}))
 
 
 def captions() -> tuple[str, ...]:
-    """Every trained name, activity and thing in every trained sentence frame."""
+    """Return captions: each trained name, activity and thing in each trained sentence frame (template)."""
     rooms = (framed(TEMPLATES, names) for names in ROOM_NAMES.values())
     places = (framed(PLACE_FRAMES, activities) for activities in ROOM_ACTIVITIES.values())
     things = (framed(THING_FRAMES, names) for table in (ROOM_THINGS, OBJECT_NAMES) for names in table.values())
@@ -71,9 +71,10 @@ def captions() -> tuple[str, ...]:
 def near_words(
     words: Sequence[str], vectors: Float32[np.ndarray, "words d"], anchors: Float32[np.ndarray, "anchors d"], count: int
 ) -> tuple[str, ...]:
-    """The `count` words that are closest to any of the anchors, then all words of captions twice, so that they count double.
+    """Return the `count` words that are most similar to any anchor, then twice all words of captions.
 
-    The vectors of words and the anchors come from the teacher, so that the teacher decides which words belong to houses.
+    `vectors` are the teacher's embeddings of the words; `anchors` are embeddings by the teacher, too. The teacher thereby
+    decides which words are related to houses.
     """
     order = np.argsort(-(vectors @ anchors.T).max(axis=1), kind="stable")
     tables = (ROOM_NAMES, ROOM_ACTIVITIES, ROOM_THINGS, OBJECT_NAMES)
@@ -101,7 +102,7 @@ def compositions(words: Sequence[str], near: Sequence[str], count: int, rng: np.
 
 
 def room_scenes(count: int, rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw `count` captions with a trained name of a room and one or two of the room's things. Duplicates are removed."""
+    """Draw `count` captions with a trained name of a room and one or two things of the room. Duplicates are removed."""
     labels = tuple(ROOM_NAMES)
     return tuple(dict.fromkeys(_scene(labels[int(rng.integers(len(labels)))], rng) for _ in range(count)))
 

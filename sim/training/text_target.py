@@ -1,4 +1,4 @@
-"""The targets of the text tower: the teacher's embeddings after a fixed linear map that separates room labels better.
+"""The training targets of the text tower: the teacher's embeddings after a linear map that separates room labels better.
 
 The map is fitted in two steps:
 
@@ -33,7 +33,7 @@ _TABLES = ((ROOM_NAMES, TEMPLATES, 0.6), (ROOM_ACTIVITIES, PLACE_FRAMES, 0.2), (
 
 @dataclass(frozen=True, eq=False)
 class LabelledCaptions:
-    """Captions with the room that each describes. The weights sum to one, and every room has the same total weight."""
+    """Captions with the room that each describes. Their weights sum to 1, and every room has the same total weight."""
 
     texts: tuple[str, ...]
     rooms: Int[np.ndarray, "n"]
@@ -42,18 +42,21 @@ class LabelledCaptions:
 
 @dataclass(frozen=True, eq=False)
 class TargetMap:
-    """The linear map x -> unit((x - mean) @ matrix), where unit scales to unit norm."""
+    """The map x -> unit((x - mean) @ matrix) of embeddings, where unit(...) scales to unit norm."""
 
     mean: Float32[np.ndarray, "d"]
     matrix: Float32[np.ndarray, "d e"]
 
     def __call__(self, embeddings: Float32[np.ndarray, "n d"]) -> Float32[np.ndarray, "n e"]:
-        """Convert the teacher's embeddings to targets, unit norm."""
+        """Convert the teacher's embeddings to targets of the text tower, of unit norm."""
         return _units((embeddings - self.mean) @ self.matrix)
 
 
 def labelled_captions() -> LabelledCaptions:
-    """Every trained name, activity and thing of every room in every trained frame; rooms are numbered as in `ROOM_NAMES`."""
+    """Return each trained name, activity and thing of each room in each trained sentence frame (template).
+
+    Rooms are numbered in the order of `ROOM_NAMES`.
+    """
     texts, rooms, weights = [], [], []
     for table, frames, share in _TABLES:
         for room, label in enumerate(ROOM_NAMES):
@@ -70,12 +73,12 @@ def fit_target_map(
     everything: Float32[np.ndarray, "m d"],
     dimensions: int,
 ) -> TargetMap:
-    """Fit the target map; see the module's docstring for the steps.
+    """Fit the map from the teacher's embeddings to targets, in the two steps of the module's docstring.
 
     Args:
         embeddings: the teacher's embeddings of `captions`, for step 1.
         captions: captions with their rooms and weights.
-        everything: the teacher's embeddings of all texts, for step 2.
+        everything: the teacher's embeddings of all training texts, for step 2.
         dimensions: number of directions to keep.
     """
     weighted = embeddings * captions.weights[:, None]

@@ -2,7 +2,7 @@
 
 The tower is open_clip's text transformer with CLIP's vocabulary. It learns to reproduce the teacher's embeddings (after the
 map of `text_target`) of single words, random compositions and captions. So words that occur in no caption get meaningful
-embeddings too. Later the image tower is aligned with the text tower, which stays fixed (`align`).
+embeddings, too. Later the image tower is aligned with the text tower, which then stays fixed (`align`).
 """
 
 import logging
@@ -42,13 +42,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class DistilConfig:
-    """Amount of text, length of training and parameters of the optimiser."""
+    """Settings of training the text tower: amount of text, length of training and parameters of the optimiser."""
 
     compositions: int = 250_000
     scenes: int = 15_000
     near: int = 2_500
-    """Number of words, nearest to room captions by the teacher's embeddings, from which most words of the random
-    compositions are drawn."""
+    """Number of words from which most words of the random compositions are drawn. They are the words that are most similar
+    to captions of rooms, according to the teacher."""
     epochs: int = 3
     batch: int = 512
     learning_rate: float = 2e-3
@@ -58,16 +58,16 @@ class DistilConfig:
 
 @dataclass(frozen=True)
 class DistilProgress:
-    """The progress of distillation that is reported after an epoch."""
+    """The progress of training the text tower, as it is reported after an epoch."""
 
     epoch: int
     cosine: float
-    """Cosine similarity between the tower's output and the target, averaged over the epoch during training."""
+    """Cosine similarity between the tower's outputs and their targets, averaged over the epoch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """Training data of the tower: tokenised texts and their targets."""
+    """Training data of the text tower: tokenised texts and the target embedding of each text."""
 
     tokens: Int[Tensor, "n t"]
     targets: Float[Tensor, "n e"]
@@ -82,7 +82,7 @@ def distil(
     text_cfg: Mapping[str, int] = TEXT_CFG,
     embed_dim: int = EMBED_DIM,
 ) -> TextTransformer:
-    """Train a text tower. With one torch thread, every run gives the same weights."""
+    """Train a text tower to imitate `teacher`. With one torch thread, every run gives the same weights."""
     lesson = prepare(teacher, config, text_cfg["context_length"], embed_dim)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
@@ -106,7 +106,7 @@ def distil(
 
 
 def prepare(teacher: SentenceEncoder, config: DistilConfig, context_length: int, embed_dim: int) -> Lesson:
-    """Draw the texts, compute the teacher's embeddings of all of them, and fit the target map."""
+    """Draw the training texts, and compute their targets from the teacher's embeddings."""
     rng = np.random.default_rng([config.seed, 0])
     words = plain_words(teacher.words)
     vectors = _ask(teacher, words)
@@ -122,12 +122,12 @@ def prepare(teacher: SentenceEncoder, config: DistilConfig, context_length: int,
 
 @cache
 def tokenizer(context_length: int) -> open_clip.tokenizer.SimpleTokenizer:
-    """CLIP's tokenizer. It is cached, since reading its vocabulary takes a third of a second."""
+    """Return CLIP's tokenizer. It is cached, since reading its vocabulary takes a third of a second."""
     return open_clip.tokenizer.SimpleTokenizer(context_length=context_length)
 
 
 def encode(tower: TextTransformer, tokens: Int[Tensor, "n t"]) -> Float[Tensor, "n e"]:
-    """Compute `tower(tokens)` without the padding, which has no influence, since attention is causal."""
+    """Compute `tower(tokens)` faster, without the padding. Padding has no influence, since attention is causal."""
     length = int((tokens != 0).sum(dim=1).max())
     tokens = tokens[:, :length]
     x = tower.token_embedding(tokens) + tower.positional_embedding[:length]
@@ -136,7 +136,7 @@ def encode(tower: TextTransformer, tokens: Int[Tensor, "n t"]) -> Float[Tensor, 
 
 
 def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.ndarray, "n e"]:
-    """Return unit embeddings of texts by the text tower."""
+    """Return the embeddings of texts by the text tower, scaled to unit norm."""
     tokens = tokenizer(tower.context_length)(list(texts))
     with torch.inference_mode():
         parts = [nn.functional.normalize(encode(tower, part), dim=-1) for part in tokens.split(512)]
@@ -144,13 +144,13 @@ def encode_texts(tower: TextTransformer, texts: Sequence[str]) -> Float32[np.nda
 
 
 def save_text_tower(tower: TextTransformer, path: Path) -> None:
-    """Write the tower in half precision; parameters have the same names as in an open_clip model."""
+    """Write a text tower to a safetensors file, in half precision. Parameters are named as in an open_clip model."""
     with replaced_file(path) as beside:
         save_file({name: value.half().contiguous() for name, value in tower.state_dict().items()}, beside)
 
 
 def load_text_tower(path: Path) -> TextTransformer:
-    """Load a tower that `save_text_tower` wrote. Raises `SimError` for a damaged file, or a tower of another shape."""
+    """Load a text tower that `save_text_tower` wrote. Raises `SimError` for a damaged file or another architecture."""
     tower = TextTransformer(output_dim=EMBED_DIM, **TEXT_CFG).eval()
     try:
         tower.load_state_dict({name: value.float() for name, value in load_file(path).items()})
@@ -177,7 +177,7 @@ def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
 
 
 def _whole_word_of() -> Int[Tensor, "vocabulary"]:
-    """Map every token of a word piece ("bath" in "bathtub") to the token of the word "bath"; without a word, to itself."""
+    """Map the token of each word piece ("bath" in "bathtub") to the token of the same word ("bath"), or else to itself."""
     index = open_clip.tokenizer.SimpleTokenizer().encoder
     return torch.tensor([index.get(token + "</w>", own) for token, own in index.items()])
 
@@ -196,9 +196,9 @@ def _centres(rows: Float32[np.ndarray, "n d"], groups: Int[np.ndarray, "n"]) -> 
 
 
 def _groups(tower: nn.Module, weight_decay: float) -> list[dict[str, object]]:
-    """Parameter groups: weight decay for matrices, none for biases and norms.
+    """Return the optimiser's parameter groups: matrices have weight decay, biases and norms have none.
 
-    Token embeddings have none either, since most of them occur rarely and would decay between their occurrences.
+    Token embeddings have none, too, since most tokens occur rarely, and their embeddings would decay in between.
     """
     named = list(tower.named_parameters())
     decayed = [p for name, p in named if p.ndim > 1 and "embedding" not in name]

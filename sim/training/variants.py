@@ -1,7 +1,7 @@
-"""Held-out colours of furniture, one of every palette, which never occur in training frames.
+"""Held-out colours of furniture, one of each palette, which never occur in training frames.
 
-The look of a piece of furniture follows from the piece's seed. So a house is repainted by giving pieces other seeds, without
-moving them.
+The look of a piece of furniture follows from the piece's seed. A house is therefore repainted by giving pieces other seeds.
+The pieces are not moved.
 """
 
 from dataclasses import replace
@@ -17,17 +17,18 @@ _TRIES = 64
 
 
 def repainted(house: House, held_out: bool) -> House:
-    """Return the house with furniture in trained colours only, or, with `held_out`, in held-out colours if a kind has any.
+    """Return the house with repainted furniture.
 
-    With trained colours, pieces for which no trained look is found, e.g. a shelf of many bright things, are left out. The
-    result is deterministic.
+    If `held_out`, each piece shows a held-out colour, where its kind has one. Otherwise, no piece shows a held-out colour.
+    Pieces for which no such look is found, such as a shelf of many bright things, are then left out. The result is
+    deterministic.
     """
     pieces = (_with(piece, held_out) for piece in house.furniture)
     return replace(house, furniture=tuple(piece for piece in pieces if piece is not None))
 
 
 def shows_held_out(piece: Furniture) -> bool:
-    """Whether any part of the piece has a held-out colour."""
+    """Return whether any part of a piece of furniture has a held-out colour."""
     return any(part.colour in HELD_OUT_COLOURS for part in piece.parts)
 
 

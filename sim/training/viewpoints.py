@@ -1,4 +1,4 @@
-"""Viewpoints of training frames: along tours, in pairs of similar views, from which place recognition is learned."""
+"""Chooses viewpoints of training frames along tours, in pairs of similar views, so that place recognition is learned."""
 
 from dataclasses import dataclass
 
@@ -24,12 +24,12 @@ _SECOND_M, _SECOND_YAW = (0.1, 0.9), 0.2
 
 @dataclass(frozen=True)
 class ViewpointConfig:
-    """Number, spacing and size of the frames that are taken of a house."""
+    """Number, spacing and image size of the frames that are rendered in a house."""
 
     size: tuple[int, int] = IMAGE_SIZE
-    """Width and height of the images that are kept [px]."""
+    """Width and height of the images of the frames [px]."""
     rendered: tuple[int, int] = (480, 360)
-    """Width and height of the rendered images, which are then scaled to `size` [px]; default: LEXIS's image size."""
+    """Width and height at which images are rendered [px], before they are scaled to `size`. Default: LEXIS's image size."""
     spacing_m: float = 2.0
     """Distance between pairs of frames along the tour [m]."""
     most: int = 110
@@ -38,18 +38,18 @@ class ViewpointConfig:
 
 TRAINING_VIEWS = ViewpointConfig()
 LEXIS_VIEWS = ViewpointConfig(size=(480, 360))
-"""Configuration of frames in the size of LEXIS's images."""
+"""Settings for frames in the size of LEXIS's images."""
 
 
 def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: int) -> Int[np.ndarray, "k"]:
-    """Indices of points that are `spacing_m` apart along a path, or farther if that would give more than `most` points."""
+    """Return indices of points `spacing_m` apart along a path, or farther apart if these would exceed `most` points."""
     path = _path_m(positions)
     spacing_m = max(spacing_m, path[-1] / most)
     return np.unique(np.searchsorted(path, np.arange(0.0, path[-1], spacing_m)))
 
 
 def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
-    """`T_W_B` of pairs of views from nearby points of a tour; none if no tour through the house is found."""
+    """Return poses `T_W_B` along a tour, in consecutive pairs of nearby, similar views; none if no tour is found."""
     try:
         tour = plan_tour(house, Walkable(house), rng, TourConfig())
     except SimError:
@@ -62,7 +62,7 @@ def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Genera
 
 
 def _path_m(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
-    """Length of the path up to every point [m]."""
+    """Return the length of the path up to each point [m]."""
     return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)))
 
 

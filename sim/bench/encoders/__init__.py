@@ -2,7 +2,7 @@
 
 `measure` computes the figures of one encoder on the walks of `runs`: labels, `retrieval` of revisited places and answers to
 `questions`. `ceiling` estimates the best accuracy that single images allow, `times` measures inference, and `table` prints
-and plots the paper's Table I. `texts` embeds every text once.
+and plots a table like Table I of the LEXIS paper. `texts` caches the embeddings of texts.
 """
 
 import lazy_loader

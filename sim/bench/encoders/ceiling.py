@@ -1,9 +1,10 @@
 """The ceiling: the label accuracy that a single frame allows, estimated by a random forest on ground truth.
 
 The input of the forest is the true share of the image that shows each kind of thing. A perfect score is impossible: a camera
-that looks through an opening shows mostly the next room, but by the paper's definition only the room that contains the
-camera is right. So the benchmark groups frames by the share of the image that the camera's room fills. It also reports the
-score of an ideal observer, which knows the room label of every pixel and names the label that fills most of the image.
+that looks through an opening shows mostly the next room, but by the LEXIS paper's definition only the room that
+contains the camera is right. So the benchmark groups frames by the share of the image that the camera's room fills. It
+also reports the score of an ideal observer, which knows the room label of every pixel and names the label that fills most
+of the image.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +24,8 @@ Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
 """A function that predicts for every frame the label of the camera's room, as an index into `ROOM_LABELS`. It chooses only
 among labels of rooms in which at least one of the frames was taken."""
 OWN_ROOM = (0.25, 0.5, 0.75)
-"""Limits between bands of frames, by the share of the image that shows rooms with the label of the camera's room."""
+"""Frames are grouped by the share of the image that shows rooms with the label of the camera's room. These shares are the
+limits between the groups (`Band`)."""
 _TREES = 100
 
 
@@ -74,12 +76,12 @@ def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
 
 
 def own_room_prevails(frames: Frames) -> Bool[np.ndarray, "n"]:
-    """For each frame, whether no other label's rooms fill more of the image than rooms with the camera room's label."""
+    """For each frame, whether the rooms that fill the largest share of the image have the label of the camera's room."""
     return np.asarray(own_room(frames) >= frames.views.max(axis=1))
 
 
 def by_own_room(own: Float[np.ndarray, "n"], right: Mapping[str, Bool[np.ndarray, "n"]]) -> list[Band]:
-    """Compute the shares of right answers for each band between the limits `OWN_ROOM`, and last for all frames together."""
+    """Compute the shares of right answers for each `Band` between the limits `OWN_ROOM`, and last for all frames."""
     edges: Sequence[float] = (0.0, *OWN_ROOM, 1.0)
     inside = [(low, high, np.digitize(own, OWN_ROOM) == i) for i, (low, high) in enumerate(pairwise(edges))]
     return [

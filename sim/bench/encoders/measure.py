@@ -42,8 +42,8 @@ class EncoderRow:
     held_out_names: float
     """Mean label accuracy if rooms are given random names that were never used in training."""
     things: float | None
-    """Share of right answers to questions for a thing that the house has in rooms of one label only. An answer is right if
-    the room that is ranked first has this label."""
+    """Share of right answers to questions for a thing that stands in rooms of one label only. An answer is right if the room
+    that is ranked first has this label."""
     typical_things: float | None
     """Share of right answers to questions for things typical of a room label: the room ranked first has this label."""
     activities: float | None
@@ -55,7 +55,7 @@ class EncoderRow:
     held_out_looks: float
     """Label accuracy with the same textures and lightings, but in pairs that never occur together in training."""
     trained_variants: float
-    """Label accuracy with furniture in trained colours only."""
+    """Label accuracy with furniture only in colours that occur in training."""
     held_out_variants: float
     """Label accuracy with furniture in colours that never occur in training."""
     recall: float | None
@@ -85,10 +85,11 @@ class EncoderFigures:
     own_room: Float[np.ndarray, "n"]
     """For each frame, the share of the image that shows rooms with the label of the camera's room."""
     prevails: Bool[np.ndarray, "n"]
-    """For each frame, whether no other label's rooms fill more of the image than rooms with the camera room's label."""
+    """For each frame, whether the rooms that fill the largest share of the image have the label of the camera's room."""
     asked: Sequence[AnsweredQuestion]
     held_out_losses: Mapping[tuple[str, str], float]
-    """Loss of label accuracy if only the rooms of one label get another name; the keys are (label, held-out name)."""
+    """Loss of label accuracy if the rooms of one label get another name, and all others keep theirs; the keys are (label,
+    held-out name)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +190,7 @@ def _renamed(
     table: Table,
     seed: int,
 ) -> float:
-    """Mean label accuracy over lists of room names in which every label is replaced by a random name of the table."""
+    """Mean label accuracy over several lists of names, in which every label has a random name from the table."""
     rng = np.random.default_rng(seed)
     lists = [[table[name][int(rng.integers(len(table[name])))] for name in names] for _ in range(_NAME_SETS)]
     return float(np.mean([((images @ texts.rooms(chosen).T).argmax(axis=1) == own).mean() for chosen in lists]))
@@ -202,7 +203,7 @@ def _held_out_losses(
     own: Int[np.ndarray, "n"],
     similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    """The losses of `EncoderFigures.held_out_losses`; `similarities` compare images with all rooms by their own labels."""
+    """Compute `EncoderFigures.held_out_losses`. `similarities` compare the images with all labels of the house."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):

@@ -44,7 +44,7 @@ THING, TYPICAL, ACTIVITY = TOPICS = "thing", "typical thing", "activity"
 
 
 class RoomQuestion(NamedTuple):
-    """A question with one right answer."""
+    """A question to which the rooms of one label are the right answers."""
 
     topic: str
     wording: str
@@ -94,7 +94,7 @@ def ask(run: EncoderRun, images: Float32[np.ndarray, "n d"], texts: EmbeddedText
 
 
 def questions_of(run: EncoderRun) -> Iterator[RoomQuestion]:
-    """Yield the questions with exactly one right label in the house."""
+    """Yield the questions to which rooms of exactly one label of the house are right answers."""
     for kind, label in standing_in_one(run).items():
         names, held_out = OBJECT_NAMES.get(kind, (kind,)), HELD_OUT_OBJECTS.get(kind, ())
         yield from _worded(THING, kind, names, held_out, label, (THING_FRAMES, HELD_OUT_THING_FRAMES))

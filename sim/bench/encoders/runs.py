@@ -49,7 +49,7 @@ class EncoderRun:
     held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
     """Images of the keyframes `looked_at` with furniture in colours that never occur in training."""
     trained_variants: UInt8[np.ndarray, "1 k h w 3"]
-    """Images of the keyframes `looked_at` with furniture in trained colours only."""
+    """Images of the keyframes `looked_at` with furniture only in colours that occur in training."""
 
     @property
     def T_W_B(self) -> Poses:
@@ -58,7 +58,7 @@ class EncoderRun:
 
     @property
     def house(self) -> House:
-        """The house, which is built again at each access, since a run does not store it."""
+        """The house. It is built again at each access, since a run does not store it."""
         return build_house(self.draw.spec())
 
 
@@ -82,7 +82,7 @@ def encoder_runs(preset: str, seeds: Sequence[int], folder: Path | None = None) 
 
 
 def keyframes_along(positions: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "k"]:
-    """Indices of frames that are the keyframe spacing apart along the path, or farther so that there are at most 400."""
+    """Indices of frames that are LEXIS's keyframe spacing apart along the path, or farther so that there are at most 400."""
     return evenly_along(positions, KeyframeConfig().spacing_m, _MOST)
 
 

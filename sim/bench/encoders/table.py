@@ -1,4 +1,4 @@
-"""Accuracy and inference time of every encoder on our presets, as in the paper's Table I: rows, CSV file and plot."""
+"""Accuracy and inference time of every encoder on our presets, as in Table I of the LEXIS paper: rows, CSV file and plot."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -101,7 +101,7 @@ def import_matplotlib() -> Any:
 
 
 def _mark(axes: Any, row: TableRow) -> None:
-    """Write the encoder's name at its time."""
+    """Write the encoder's name into the plot, at its time; with random weights, also draw a tick on the time axis."""
     if row.cpu is None:
         return
     if row.weights == RANDOM:

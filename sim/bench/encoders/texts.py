@@ -1,4 +1,4 @@
-"""The interface of an encoder in the benchmark, and a cache of text embeddings, since many houses share their texts."""
+"""The interface of an encoder in the benchmark, and a cache of text embeddings, since many houses use the same texts."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias, runtime_checkable

@@ -42,11 +42,11 @@ class Timing:
     text_ms: float
     """Time for one room name, whose five prompts are encoded as one batch [ms]."""
     loading_s: float
-    """Time for loading the model in a process that has imported everything, including compilation [s]."""
+    """Time for loading the model, with compilation but without importing libraries [s]."""
 
 
 def timed(model: str, way: str, image: Image) -> Timing | str:
-    """Times of a model with the options `WAYS[way]`, or the reason why the model does not run with them on this machine."""
+    """Measure a model with the options `WAYS[way]`; return its times, or the reason why it cannot run with them here."""
     options = WAYS[way]
     if options.device != "cpu" and not torch.cuda.is_available():
         return "no GPU"
@@ -59,9 +59,9 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """Measure an open_clip architecture with random weights.
+    """Measure an open_clip architecture with random weights, with the options of each name in `ways`.
 
-    The keys are the names `ways`. A value is a text with the reason if the architecture could not be measured in that way.
+    Returns the times by these names, or in their place the reason why the architecture could not be measured.
     """
     try:
         with random_weights(architecture) as model:
@@ -78,7 +78,7 @@ def timing(encoder: OpenClipEncoder, image: Image, loading_s: float) -> Timing:
 
 
 def example_image() -> Image:
-    """An image of noise in LEXIS's image size. Networks take as long for it as for an image of a house."""
+    """An image of noise in LEXIS's image size. Networks take as long for noise as for an image of a house."""
     return np.random.default_rng(0).integers(0, 256, (360, 480, 3), np.uint8)
 
 

@@ -14,12 +14,13 @@ from sim.harness.estimate import Estimate
 ROOM_M = 5.0
 """Largest distance between two keyframes of one room [m]."""
 CLIMB_M = 0.25
-"""Least difference in height between the keyframes before and after a keyframe on stairs [m]; they are 1 m of path apart."""
+"""A keyframe is on stairs if the heights of the keyframes before and after it differ by at least this [m]. These two are 1 m
+of path apart."""
 STOREY_M = 0.6
 """Level stretches of the walk count as one floor or landing if their heights differ by less than this [m]."""
 LANDING_SHARE = 0.05
-"""Keyframes of equal height are a landing of the stairs, not a floor, if they are less than this share of all keyframes off
-the steps."""
+"""Keyframes of equal height are a landing of the stairs, not a floor, if they are fewer than this share of all keyframes
+that are not on steps."""
 STAIRS = -1
 """Floor number of a keyframe on stairs, in an estimate."""
 
@@ -28,7 +29,7 @@ class GeometricRooms:
     """Claims the odometry's poses, floors by height and room instances by position, but no labels.
 
     Poses show no walls or doors, so the rule is simple: on each floor, and on the stairs, keyframes form rooms in which no
-    two keyframes are more than `ROOM_M` apart. The rule splits longer rooms, merges small rooms side by side, and fails on
+    two keyframes are more than `ROOM_M` apart. This rule splits longer rooms, merges small rooms side by side, and fails on
     walks so long that the drift of the height hides the storeys.
     """
 
@@ -41,7 +42,7 @@ class GeometricRooms:
         self._odometry.start(camera, room_names)
 
     def process(self, observation: Observation) -> None:
-        """Add an odometry pose. Raises `ObservationError` for a frame out of order or a pose that is not a rigid motion."""
+        """Take the next odometry pose. Raises `ObservationError` for frames out of order and poses that are not rigid."""
         self._odometry.process(observation)
 
     def finish(self) -> Estimate:
@@ -68,13 +69,13 @@ def floors_by_height(heights: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
 
 
 def _climbs(heights: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
-    """Whether the height changes by `CLIMB_M` from the keyframe before to the keyframe after."""
+    """For every keyframe, whether the heights of the keyframes before and after it differ by at least `CLIMB_M`."""
     padded = np.pad(heights, 1, mode="edge")
     return np.asarray(np.abs(padded[2:] - padded[:-2]) >= CLIMB_M)
 
 
 def rooms_by_distance(positions: Float64[np.ndarray, "n 3"], floors: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Compute a room number for every keyframe: clusters on one floor, at most `ROOM_M` wide (complete linkage)."""
+    """Compute a room number for every keyframe. Rooms are clusters on one floor, up to `ROOM_M` wide (complete linkage)."""
     rooms = np.zeros(len(floors), int)
     count = 0
     for floor in np.unique(floors):

@@ -37,7 +37,7 @@ class Lexis:
         verifier: Verifier | None = None,
         labeller: Labeller | None = None,
     ) -> None:
-        """Prepare a run; an encoder that is given by name is loaded once, when the first run starts.
+        """Prepare a run. An encoder that is given by name is loaded once, when it is first needed.
 
         Each of the last three arguments replaces a stage of `Slam`. Without a `verifier`, PnP verifies loops in runs on
         images, and the feature sensor verifies them in runs on percepts.
@@ -92,7 +92,7 @@ class Lexis:
         self._slam = Slam(camera, self.encoder, room_names, self.config, *stages)
 
     def process(self, observation: Observation) -> None:
-        """Map the next observation."""
+        """Add the next observation to the map."""
         self._running.process(observation)
 
     def finish(self) -> Estimate:
@@ -147,7 +147,7 @@ def load(name: str) -> Encoder:
 
 
 def _switched(config: Config, loops: bool, refine: bool) -> Config:
-    """The settings with loop closure or refinement switched off."""
+    """The settings, without loop closure unless `loops`, and without label refinement unless `refine`."""
     if not loops:
         config = replace(config, place_recognition=replace(config.place_recognition, candidates=0))
     if not refine:

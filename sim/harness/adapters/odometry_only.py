@@ -15,7 +15,7 @@ SPACING_M = 0.5
 
 
 class OdometryOnly:
-    """Claims the odometry's pose of a keyframe every `SPACING_M` of the path, and nothing else.
+    """Claims the odometry's poses of keyframes that are `SPACING_M` of path apart, and nothing else.
 
     It fails where the odometry drifts, because its error is the odometry's error in every house.
     """
@@ -34,7 +34,7 @@ class OdometryOnly:
         self._path_m = 0.0
 
     def process(self, observation: Observation) -> None:
-        """Add an odometry pose. Raises `ObservationError` for a frame out of order or a pose that is not a rigid motion."""
+        """Take the next odometry pose. Raises `ObservationError` for frames out of order and poses that are not rigid."""
         if not is_pose(observation.T_O_B):
             raise ObservationError(f"observation {observation.index}: T_O_B is unusable; valid: a finite rigid motion")
         if self._last is not None:

@@ -19,7 +19,7 @@ from sim.harness.walk import walk
 from worlds.truth import room_at
 
 _INLIERS = 1000
-"""Number of inliers that a true loop edge states; it is large, so that LEXIS accepts the edge."""
+"""Number of inliers that is stated for true loop edges. It is so large that LEXIS accepts the edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class TrueStages:
     def _compared(
         self, query: Keyframe, others: Sequence[Keyframe]
     ) -> tuple[Float64[np.ndarray, "n"], Bool[np.ndarray, "n"]]:
-        """True distance of other keyframes from the query [m], and whether they are at one place and look the same way."""
+        """True distance of other keyframes from the query [m], and whether each has the query's place and direction."""
         frames = _frames(others)
         distances_m, angles_rad = separation(self.T_W_B, np.full_like(frames, query.observation_index), frames)
         return distances_m, (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
