@@ -69,7 +69,7 @@ def _status(path: Path, kind: FileKind) -> os.stat_result:
 
 
 def read_bytes(path: Path, kind: FileKind) -> bytes:
-    """The content of a file. Raises the error of `kind`, also if the file grows beyond `max_bytes` while it is read."""
+    """The content of a file. Raises the error of `kind` if the file cannot be read or is larger than `kind.max_bytes`."""
     with open_file(path, kind) as file:
         try:
             content = file.read(kind.max_bytes + 1)

@@ -21,7 +21,7 @@ from sim.harness.scenario import Scenario
 from worlds.truth import boundary_openness, room_graph
 
 Bug = Callable[[Run], Estimate]
-"""Makes claims about a finished run. The estimate of that run contains only its frames."""
+"""Makes the claims of a faulty SLAM from a finished run, which knows the truth. The run's own estimate claims nothing."""
 
 _OPEN_SHARE = 0.5
 _SMALL_M2 = 6.0

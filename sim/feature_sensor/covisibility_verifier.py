@@ -144,7 +144,10 @@ class CovisibilityVerifier:
         self._model, self._view_of, self._seed = model, view_of, seed
 
     def renumbered(self, original: Callable[[int], int]) -> "CovisibilityVerifier":
-        """Return this verifier for a SLAM that gets observations under other indices, which `original` maps to the true ones."""
+        """Return this verifier for a SLAM that gets the observations under other indices.
+
+        `original` maps the SLAM's index of an observation to the index in the tour.
+        """
         return CovisibilityVerifier(self._model, lambda index: self._view_of(original(index)), self._seed)
 
     def __call__(

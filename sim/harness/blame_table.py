@@ -119,7 +119,10 @@ def _lexis_of(scenario: Scenario, test: FailureTest) -> Lexis:
 
 
 def substitutions(scenario: Scenario, lexis: Lexis | None) -> Iterator[Substitution]:
-    """Yield substitutions of parts outside the SLAM, and for LEXIS also of its stages."""
+    """Yield runs in which the truth or a simpler case takes the place of one part: first parts outside the SLAM.
+
+    These are the odometry, the faults, the light and so on. With `lexis`, stages of LEXIS follow.
+    """
     yield from _outside(scenario)
     if lexis is not None:
         yield from _of_lexis(scenario, lexis)

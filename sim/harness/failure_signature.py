@@ -24,7 +24,7 @@ class Signature:
     what: str
     """The claim that is true, or what the SLAM did, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
-    """Value of the figure that the claim is about, in the run that showed the failure; None without a claim."""
+    """Value of the figure in the claim `what`, in the run that failed; None if `what` is an exception."""
 
     def __str__(self) -> str:
         return self.what

@@ -72,7 +72,10 @@ def watched(last: LastRun) -> Iterator[None]:
 
 @contextmanager
 def noted() -> Iterator[LastRun]:
-    """Record the runs that begin in the block, in the record of a surrounding `watched` or a new one; yield this record."""
+    """Record the runs that begin in the block, and yield the record.
+
+    Inside a block of `watched`, the record is that block's; elsewhere it is a new record.
+    """
     last = _WATCHED.get() or LastRun()
     with watched(last):
         yield last

@@ -124,7 +124,7 @@ def no_drift(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
-    """Yield the scenario without sway and start manoeuvre, on a tour of the kind "rooms"; then with each change alone."""
+    """Yield simpler scenarios: with no sway, no start manoeuvre and a tour of kind "rooms", then with one of these alone."""
     plain = replace(scenario, sway="none", start_manoeuvre=False, tour_kind="rooms")
     each = (replace(scenario, **{name: getattr(plain, name)}) for name in ("sway", "start_manoeuvre", "tour_kind"))
     yield from dict.fromkeys(other for other in (plain, *each) if other != scenario)

@@ -87,7 +87,7 @@ def pytest_configure_node(node: Any) -> None:
 
 
 def pytest_report_header(config: pytest.Config) -> str:
-    """Return a line for pytest's header that says how the houses of this session are drawn."""
+    """Return a line for pytest's header with the seed of the random houses and the folder for failures."""
     seed, profile = config.stash[SEED], config.option.lexis_profile
     return f"lexis: --lexis-seed {seed} ({profile}), failures go to {config.option.lexis_out}"
 

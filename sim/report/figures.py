@@ -29,7 +29,7 @@ class Figure:
 _SHARE, _COUNT, _METRES, _SECONDS, _SCORE = "{:.1%}", "{:,}", "{:.3f} m", "{:.2f} s", "{:.3f}"
 _SIGNED = "{:+d}"
 PLACES = "place_recognition"
-"""Section of result.json on place recognition. Its keys are not names of figures, but numbers N of matches per query."""
+"""Section of result.json on place recognition. Its keys are the numbers of best matches that are considered per query."""
 
 SECTIONS: dict[str, dict[str, Definition]] = {
     "coverage": {

@@ -1,4 +1,4 @@
-"""`Agreement`: how well two estimates of one run agree, which needs no ground truth."""
+"""`ClaimAgreement`: how well two estimates of one run agree, which needs no ground truth."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from sim.harness.estimate import Estimate
 
 
 @dataclass(frozen=True)
-class Agreement:
+class ClaimAgreement:
     """How well two estimates agree on the frames that both cover; None for a claim that one of them does not make."""
 
     frames: float
@@ -29,11 +29,11 @@ class Agreement:
     """Largest distance between the two positions of a frame, after the trajectories are aligned [m]."""
 
 
-def agreement(first: Estimate, second: Estimate) -> Agreement:
+def agreement(first: Estimate, second: Estimate) -> ClaimAgreement:
     """Compare two estimates of one run. Their frames are matched by `Observation.index`."""
     frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
     union = len(first.frames) + len(second.frames) - len(frames)
-    return Agreement(
+    return ClaimAgreement(
         frames=len(frames) / union,
         labels=_equal_share(first.labels, second.labels, rows_a, rows_b),
         rooms=_rand_index(first.rooms, second.rooms, rows_a, rows_b),

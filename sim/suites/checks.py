@@ -17,7 +17,7 @@ from sim.harness.results import RunResult
 from sim.harness.runner import Run, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest
-from sim.suites.agreement import Agreement, agreement
+from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.stream_changes import StreamChange, changed
 from worlds.errors import WorldsError
 
@@ -96,7 +96,7 @@ class SameClaims:
     says: str
     change: StreamChange
     least: float = 1.0
-    """Least agreement of frames, labels, rooms, floors and loops, in [0, 1]; see `Agreement`."""
+    """Least agreement of frames, labels, rooms, floors and loops, in [0, 1]; see `ClaimAgreement`."""
     position_m: float = 1e-3
     """Largest difference between the positions of a frame [m]."""
     rate: float = ALWAYS
@@ -107,7 +107,7 @@ class SameClaims:
         found = agreement(base.run.estimate, second.estimate)
         return Finding(self._holds(found), _written(found))
 
-    def _holds(self, found: Agreement) -> bool:
+    def _holds(self, found: ClaimAgreement) -> bool:
         shares = (found.frames, found.labels, found.rooms, found.floors, found.loops)
         near = found.position_m is None or found.position_m <= self.position_m
         return near and all(share is None or share >= self.least - 1e-9 for share in shares)
@@ -154,9 +154,7 @@ def frozen(**tolerances: float) -> Mapping[str, float]:
     return MappingProxyType({name.replace("__", "."): value for name, value in tolerances.items()})
 
 
-def _written(found: Agreement) -> str:
+def _written(found: ClaimAgreement) -> str:
     shares = {name: getattr(found, name) for name in ("frames", "labels", "rooms", "floors", "loops")}
     text = ", ".join(f"{name} {share:.3g}" for name, share in shares.items() if share is not None)
     return text if found.position_m is None else f"{text}, positions within {found.position_m:.2g} m"
-
-

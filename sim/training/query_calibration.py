@@ -58,9 +58,10 @@ def asked_in(
 
 
 def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Calibration:
-    """Fit a calibration by logistic regression of the truth on similarity and on the familiarity of the question.
+    """Fit a calibration by logistic regression.
 
-    Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
+    It predicts whether a room is a true answer from two numbers: the similarity of the room's images with the question, and
+    how familiar the words of the question are to the encoder. Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
     how well the fit holds for all rooms. Raises `SimError` if `asked` is empty.
     """
     if not asked:

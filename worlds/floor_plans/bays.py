@@ -61,9 +61,8 @@ def _small_size(bay: Bay, i: int, depth: int) -> tuple[int, int]:
 def bay_rooms(bay: Bay, edge: Edge, start: int, width: int, depth: int) -> list[tuple[Rect, ...]]:
     """Return the rectangles in the plan [cm] for every room of a bay, the main room first.
 
-    The bay stands along `edge`, from `start` to `start + width`, and is `depth` deep. The code writes each `Bay.form` in the
-    bay's own coordinates: the first runs along the corridor, the second away from it. `_placed` moves the rectangles to the
-    plan.
+    The bay stands along `edge`, from `start` to `start + width`, and is `depth` deep. Inside this function, rectangles have
+    coordinates of the bay: x runs along `edge`, and y away from it. `_placed` converts them to coordinates of the plan.
     """
     cut = [_small_size(bay, i, depth) for i in range(1, len(bay.labels))]
     rooms: list[tuple[Rect, ...]]

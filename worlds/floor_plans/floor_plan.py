@@ -46,8 +46,8 @@ class PlanStyle:
     """Range from which a limit is drawn [m]. If no storey's rooms, put side by side, reach this length, all rooms stand on
     one side of the spine (the corridor)."""
     winged_m: float = 26.0
-    """Least total length of a storey's rooms, put side by side, at which a plan may get a second wing (a second corridor
-    with rooms along it) [m]."""
+    """A plan may get a second wing (a second corridor with rooms along it) if the rooms of its largest storey, put side by
+    side along one corridor, would be at least this long in total [m]."""
     wings: float = 0.7
     """Share of plans with a second wing if the rooms of the largest storey, put side by side, are `winged_m` to 40 m long.
     If they are longer, the plan always has a second wing."""

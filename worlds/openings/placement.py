@@ -34,7 +34,7 @@ _DRAWS = 7
 """Number of random numbers that each link uses."""
 
 Span = tuple[Boundary, float, float]
-"""A free stretch of a wall between two rooms: the wall, and the stretch's lower and upper end along it [m]."""
+"""A stretch of a wall between two rooms without an opening: the wall, and the coordinates of both ends along it [m]."""
 
 
 def place_openings(layout: StoreyLayout, rng: Generator) -> tuple[OpeningSpec, ...]:

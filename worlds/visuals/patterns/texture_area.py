@@ -71,7 +71,7 @@ class Courses:
     """A surface laid in rows (courses) of pieces such as bricks, tiles or planks; the pieces of a row are numbered."""
 
     row_of: Int64[np.ndarray, " height"]
-    """Row that each line of pixels belongs to."""
+    """For every y of the texture, the number of the course that this line of pixels lies in."""
     piece_of: Int64[np.ndarray, "rows width"]
     """Number of the piece within its row, for each row and each column of pixels."""
     line_joint: Bool[np.ndarray, " height"]

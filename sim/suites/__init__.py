@@ -1,0 +1,23 @@
+"""Suites: ready-made checks of any SLAM, by claims about its figures and by laws that relate two runs.
+
+    from sim import check_slam
+
+    report = check_slam(MySlam, suite="open-plan")
+    assert report.ok, report
+
+Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
+with their `checks`. `laws` lists the laws; they use the changes of the SLAM's input in `stream_changes` and compare claims
+by their `agreement`. `examination` runs the scenarios in several processes, `report` gives the verdicts, and `slam_checks`
+makes a test for pytest.
+
+Glossary:
+
+- claim: a statement about a figure of one run, such as "rooms.pq >= 0.5".
+- law: a statement about two runs, such as "in the mirrored house the figures are similar". It needs no threshold for how
+  good a SLAM is.
+- check: a claim or a law, with the share of scenarios in which it has to hold.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,172 @@
+"""`SuiteReport`: the verdicts of a suite about a SLAM, with their confidence, and the scenarios in which a check failed."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+from sim.harness.results import RunResult
+from sim.suites.checks import ALWAYS, NewSlam
+from sim.suites.examination import COMPLETES, Examination, Job, examinations, jobs_of
+from sim.suites.suite import Part, Suite
+from sim.verdicts.rate import RateVerdict
+
+CONFIDENCE = 0.95
+SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed"]
+_EXAMPLES = 3
+"""Number of failing scenarios that the text of a report names for each check."""
+
+
+@dataclass(frozen=True, eq=False)
+class CheckVerdict:
+    """The verdict about one check of one part, over all its scenarios so far."""
+
+    part: str
+    check: str
+    says: str
+    rate: float
+    examined: tuple[Examination, ...]
+    """The scenarios in which the check said something."""
+
+    @property
+    def name(self) -> str:
+        """Part and check, such as "stairs: floors.accuracy >= 0.9"."""
+        return f"{self.part}: {self.check}"
+
+    @property
+    def failures(self) -> tuple[Examination, ...]:
+        """The scenarios in which the check fails."""
+        return tuple(each for each in self.examined if each.findings[self.check].holds is False)
+
+    @property
+    def verdict(self) -> RateVerdict:
+        """The sequential test of the rate at which the check holds."""
+        return RateVerdict(self.rate, CONFIDENCE, len(self.examined) - len(self.failures), len(self.examined))
+
+    @property
+    def outcome(self) -> SuiteOutcome:
+        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario."""
+        return self.verdict.outcome if self.examined else "not claimed"
+
+    def __str__(self) -> str:
+        if not self.examined:
+            return f"{self.name}: not claimed"
+        lines = [f"{self.name} {self.verdict}"]
+        for each in self.failures[:_EXAMPLES] if self.outcome == "fails" else ():
+            lines.append(f"    scenario {each.number} ({each.scenario.content_hash}): {each.findings[self.check].measured}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class SuiteReport:
+    """What a suite found out about a SLAM. `ok` says whether no check fails."""
+
+    suite: Suite
+    seed: int
+    examined: tuple[Examination, ...]
+
+    @cached_property
+    def verdicts(self) -> tuple[CheckVerdict, ...]:
+        """One verdict for each check of each part, in the order of the suite."""
+        return tuple(verdict for part in self.suite.parts for verdict in self._of_part(part))
+
+    @property
+    def failed(self) -> tuple[CheckVerdict, ...]:
+        """The verdicts of the checks that fail."""
+        return tuple(each for each in self.verdicts if each.outcome == "fails")
+
+    @property
+    def ok(self) -> bool:
+        """Whether no check fails. An undecided check does not count as failed: too few scenarios speak against it."""
+        return not self.failed
+
+    @property
+    def results(self) -> tuple[RunResult, ...]:
+        """The figures of all unchanged runs that completed."""
+        return tuple(each.result for each in self.examined if each.result is not None)
+
+    def data(self) -> dict[str, Any]:
+        """The verdicts as plain data for JSON."""
+        return {
+            "suite": self.suite.name,
+            "seed": self.seed,
+            "ok": self.ok,
+            "checks": [_check_data(each) for each in self.verdicts],
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.verdicts))
+
+    def _of_part(self, part: Part) -> Iterator[CheckVerdict]:
+        own = tuple(each for each in self.examined if each.part == part.name)
+        rows = [(COMPLETES, "The SLAM raises no exception, and its claims are valid.", ALWAYS)]
+        for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
+            told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
+            yield CheckVerdict(part.name, name, says, rate, told)
+
+
+def check_slam(
+    new_slam: NewSlam, suite: Suite | str = "pr", seed: int = 0, workers: int = 1, stop_at_failure: bool = False
+) -> SuiteReport:
+    """Check a SLAM by a suite.
+
+    Args:
+        new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
+        suite: a suite, or the name of one in `SUITES`.
+        seed: seed of all scenarios.
+        workers: number of processes; with more than one, `new_slam` has to be picklable.
+        stop_at_failure: whether to stop when the first check fails.
+
+    Raises:
+        SimError: the suite is unknown.
+    """
+    from sim.suites.catalogue import suite_named  # the catalogue imports this package's other modules
+
+    chosen = suite_named(suite) if isinstance(suite, str) else suite
+    report = SuiteReport(chosen, seed, ())
+    for report in reports(chosen, new_slam, seed, workers):
+        if stop_at_failure and not report.ok:
+            break
+    return report
+
+
+def reports(suite: Suite, new_slam: NewSlam, seed: int, workers: int) -> Iterator[SuiteReport]:
+    """Yield the report after each scenario, until all scenarios are examined."""
+    examined: list[Examination] = []
+    with closing(examinations(jobs_of(suite, seed), new_slam, workers)) as found:
+        for each in found:
+            examined.append(each)
+            yield SuiteReport(suite, seed, tuple(examined))
+
+
+def verdict_of(part: Part, check: str, jobs: Iterable[Job], new_slam: NewSlam) -> CheckVerdict:
+    """Examine scenarios of a part by one check, until its answer is known or there are no more."""
+    found: list[Examination] = []
+    one = Suite(part.name, part.about, (part,), 0.0)
+    verdict = _named(SuiteReport(one, 0, ()).verdicts, check)
+    for job in jobs:
+        found.extend(examinations([job], new_slam, 1))
+        verdict = _named(SuiteReport(one, job.seed, tuple(found)).verdicts, check)
+        if verdict.outcome in ("fails", "holds"):
+            break
+    return verdict
+
+
+def _named(verdicts: Sequence[CheckVerdict], check: str) -> CheckVerdict:
+    return next(each for each in verdicts if each.check == check)
+
+
+def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
+    return {
+        "part": each.part,
+        "check": each.check,
+        "says": each.says,
+        "rate": each.rate,
+        "outcome": each.outcome,
+        "scenarios": len(each.examined),
+        "failures": [
+            {"number": f.number, "scenario": f.scenario.content_hash, "measured": f.findings[each.check].measured}
+            for f in each.failures
+        ],
+    }

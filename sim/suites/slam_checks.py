@@ -1,0 +1,96 @@
+"""`slam_checks`: a test for pytest that checks a SLAM by a suite, one item for each claim and each law.
+
+from sim import slam_checks
+from my_slam import MySlam
+
+test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a pause": "the clock is not yet handled"})
+"""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+from sim.errors import SimError
+from sim.harness.last_run import LastRun, watched
+from sim.suites.catalogue import suite_named
+from sim.suites.checks import NewSlam
+from sim.suites.examination import COMPLETES, Job
+from sim.suites.report import verdict_of
+from sim.suites.suite import Part, Suite
+from worlds.valid_names import did_you_mean
+
+if TYPE_CHECKING:
+    import pytest
+
+_NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
+
+
+class Item(NamedTuple):
+    """One check of one part, which becomes one item of pytest."""
+
+    part: Part
+    check: str
+
+    @property
+    def name(self) -> str:
+        """Part and check, as `expected_failures` names them."""
+        return f"{self.part.name}: {self.check}"
+
+
+def slam_checks(
+    new_slam: NewSlam,
+    suite: Suite | str = "pr",
+    expected_failures: Mapping[str, str] = _NONE_EXPECTED,
+    seed: int = 0,
+) -> Callable[..., None]:
+    """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
+
+    An item fails if its check fails with 95 % confidence, and is skipped if the SLAM does not make the claims that the check
+    is about. It stops at the first scenario after which its answer is known.
+
+    Args:
+        new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
+        suite: a suite, or the name of one.
+        expected_failures: the reason for each check that is known to fail, by "part: check". These items are strict: they
+            fail if their check does not fail.
+        seed: seed of all scenarios.
+
+    Raises:
+        SimError: the suite or the name of a check is unknown.
+    """
+    import pytest
+
+    chosen = suite_named(suite) if isinstance(suite, str) else suite
+    items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
+    _check_names(expected_failures, items)
+    parameters = [pytest.param(item, id=item.name, marks=_marks(item, expected_failures)) for item in items]
+
+    @pytest.mark.parametrize("item", parameters)
+    def test(item: Item) -> None:
+        __tracebackhide__ = True
+        with watched(LastRun()):  # an item runs many scenarios, of which the plugin would report the last one
+            verdict = verdict_of(
+                item.part, item.check, (Job(item.part, k, seed, item.check) for k in range(item.part.n)), new_slam
+            )
+        if verdict.outcome == "not claimed":
+            pytest.skip(str(verdict))
+        assert verdict.outcome != "fails", str(verdict)
+
+    return test
+
+
+def _marks(item: Item, expected: Mapping[str, str]) -> "tuple[pytest.MarkDecorator, ...]":
+    import pytest
+
+    tier = pytest.mark.render if item.part.name == "images" else pytest.mark.features
+    if item.name not in expected:
+        return (tier,)
+    return (tier, pytest.mark.xfail(strict=True, reason=expected[item.name], raises=AssertionError))
+
+
+def _check_names(expected: Mapping[str, str], items: list[Item]) -> None:
+    names = [item.name for item in items]
+    for name in expected:
+        if name not in names:
+            guess = did_you_mean(name, names)
+            raise SimError(f"slam_checks: no check {name!r:.80}{guess}; valid: {'; '.join(names)}")
