@@ -1,7 +1,7 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
 import multiprocessing
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import chain, zip_longest
@@ -85,7 +85,7 @@ def examine(job: Job, new_slam: NewSlam) -> Examination:
     return Examination(job.part.name, job.number, scenario, base.result, findings)
 
 
-def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Iterator[Examination]:
+def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Generator[Examination, None, None]:
     """Examine scenarios in several processes; yield the results in the order of the jobs.
 
     `new_slam` has to be picklable if there are several workers. A consumer that stops early has to close the iterator.

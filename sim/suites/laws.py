@@ -78,9 +78,7 @@ def twice_as_long(scenario: Scenario) -> Scenario:
 LAWS: Mapping[str, SameClaims | SimilarFigures] = {
     law.name: law
     for law in (
-        SameClaims(
-            "same run twice", "Two runs on the same observations give the same claims: nothing is random.", Nothing()
-        ),
+        SameClaims("same run twice", "Two runs on the same observations give the same claims.", Nothing()),
         SameClaims(
             "origin of the odometry",
             "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding.",

@@ -61,7 +61,9 @@ def fit_calibration(encoder: TextEncoder, asked: Sequence[QuestionBatch]) -> Cal
     """Fit a calibration by logistic regression.
 
     It predicts whether a room is a true answer from two numbers: the similarity of the room's images with the question, and
-    how familiar the words of the question are to the encoder. Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
+    how familiar the words of the question are to the encoder.
+
+    Only the room that is most similar to each question is used, since it decides whether an answer is given. `measure` tells
     how well the fit holds for all rooms. Raises `SimError` if `asked` is empty.
     """
     if not asked:
