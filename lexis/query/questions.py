@@ -89,7 +89,7 @@ _SERVED_BY = (
 
 
 class Question(NamedTuple):
-    """A question as captions for an encoder."""
+    """A user's question, rewritten as image captions, which an encoder compares with the images of rooms."""
 
     readings: tuple[Captions, ...]
     """Captions for the question taken literally, then captions for each room or thing that serves the same need. A room need

@@ -100,7 +100,10 @@ def _config(spec: HouseSpec) -> Scenario:
 def compare_fidelities(
     configs: Sequence[tuple[str, Scenario]], encoder: Encoder, feature_model: Path | None = None
 ) -> Iterator[HousePair]:
-    """Run LEXIS on every scenario in both fidelities, and yield the figures. `configs` are pairs (group, scenario)."""
+    """Run LEXIS on every scenario twice, on rendered images and on features, and yield the figures of both runs.
+
+    `configs` are pairs (name of a group of scenarios, scenario).
+    """
     for group, config in configs:
         figures = []
         for fidelity in FIDELITIES:

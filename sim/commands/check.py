@@ -1,4 +1,4 @@
-"""`lexis-sim check`: run any SLAM on a scenario, and exit with status 1 if it crashes or if a figure fails a condition."""
+"""`lexis-sim check`: run any SLAM on a scenario or a suite, and exit with status 1 if it crashes or a check fails."""
 
 import argparse
 import sys
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from lexis.command_line import MAX_LINE, Commands, add_command, warn_of_replacement
 from lexis.errors import one_line
 from sim.commands.arguments import add_scenario, folder, scenario_of_arguments
+from sim.commands.check_suite import add_suite, refuse_suite_options, run_suite
 from sim.commands.run import print_result, progress_bar
 from sim.commands.slams import add_slam, check_claimable, replay_of, runner_of
 
@@ -23,16 +24,20 @@ def add_to(commands: Commands) -> None:
         commands,
         "check",
         _check,
-        "put a SLAM to the test in one run: exit status 1 if it crashes or if a figure fails",
+        "put a SLAM to the test in one run or in a suite: exit status 1 if it crashes or if a figure fails",
         'lexis-sim check --fidelity features --slam sim.harness.adapters:GeometricRooms --fails "floors.accuracy < 0.5"',
     )
     add_scenario(check)
     add_slam(check)
+    add_suite(check)
     check.add_argument("--fails", action="append", default=[], metavar="FIGURE", help=FAILS_HELP)
     check.add_argument("--out", type=folder, metavar="DIR", help="folder for the result and its report (default: none)")
 
 
 def _check(arguments: argparse.Namespace) -> int:
+    if arguments.suite is not None:
+        return run_suite(arguments)
+    refuse_suite_options(arguments)
     from sim.harness import Claim, evaluate, write_run
     from sim.harness.crash import Crash, attempt, attempt_plans
     from sim.harness.outputs import MARKERS

@@ -4,6 +4,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lexis.errors import one_line
@@ -98,8 +99,24 @@ def _limits(arguments: argparse.Namespace) -> tuple[str, float, float]:
     return arguments.format or "euroc", arguments.timeout or TIMEOUT_S, arguments.memory or MEMORY_MB
 
 
-def slam_factory(text: str) -> "Callable[[], SlamUnderTest]":
+@dataclass(frozen=True)
+class SlamFactory:
+    """Makes SLAMs of the class that is named MODULE:CLASS. Unlike the class, it can be pickled."""
+
+    text: str
+
+    def __call__(self) -> "SlamUnderTest":
+        """Make a SLAM. Raises `SimError` if its class cannot be imported or called, or is no SLAM."""
+        return _made(self.text, _imported(self.text))
+
+
+def slam_factory(text: str) -> SlamFactory:
     """Return a function that makes the SLAM named MODULE:CLASS. Raises `SimError` if it cannot be imported or is no SLAM."""
+    _imported(text)
+    return SlamFactory(text)
+
+
+def _imported(text: str) -> "Callable[[], SlamUnderTest]":
     module_name, colon, class_name = text.partition(":")
     if not (module_name and colon and class_name):
         raise SimError(f"--slam {text!r:.80}: is no MODULE:CLASS; valid: such as my_slam:MySlam")
@@ -112,7 +129,7 @@ def slam_factory(text: str) -> "Callable[[], SlamUnderTest]":
         raise SimError(f"--slam {text!r:.80}: cannot be imported: {reason}; valid: a module here or on the path") from None
     if not callable(found):
         raise SimError(f"--slam {text!r:.80}: the module has no class {class_name}; valid: the name of a class in it")
-    return lambda: _made(text, found)
+    return found  # type: ignore[no-any-return]
 
 
 def _made(text: str, make: "Callable[[], SlamUnderTest]") -> "SlamUnderTest":

@@ -26,7 +26,7 @@ It is lower than in OpenVINS's settings for EuRoC, since a walker starts more ge
 
 
 def write_settings(folder: Path, take: Take) -> None:
-    """Write the settings of all systems to a new folder. Raises OSError.
+    """Write the settings files of other SLAM systems, such as ORB-SLAM3, for a recording. Raises OSError.
 
     Nothing is written unless cam0 and cam1 are parallel, as in a stereo pair.
     """

@@ -6,9 +6,10 @@
     assert report.ok, report
 
 Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
-with their `checks`. `laws` lists the laws; they use the changes of the SLAM's input in `stream_changes` and compare claims
-by their `agreement`. `examination` runs the scenarios in several processes, `report` gives the verdicts, and `slam_checks`
-makes a test for pytest.
+with their `checks`. `laws` lists the laws. `stream_changes` holds the changes that they make to the SLAM's input, and
+`agreement` tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in several processes, `report` gives the verdicts, `smallest` finds
+the smallest scenario in which a check fails, `openness_chart` draws room quality against openness, and `slam_checks` makes a
+test for pytest.
 
 Glossary:
 

@@ -39,7 +39,8 @@ class Finding(NamedTuple):
     """What a check found in one scenario."""
 
     holds: bool | None
-    """None: the check says nothing about this scenario, for example because the SLAM makes no such claim."""
+    """Whether the check holds in this scenario. None: it cannot be decided, for example because the SLAM does not report what
+    the check is about."""
     measured: str
     """The measured values, for the report."""
 
@@ -98,7 +99,7 @@ class SameClaims:
     least: float = 1.0
     """Least agreement of frames, labels, rooms, floors and loops, in [0, 1]; see `ClaimAgreement`."""
     position_m: float = 1e-3
-    """Largest difference between the positions of a frame [m]."""
+    """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
     rate: float = ALWAYS
 
     def examine(self, base: Examined, new_slam: NewSlam) -> Finding:

@@ -85,6 +85,14 @@ def examine(job: Job, new_slam: NewSlam) -> Examination:
     return Examination(job.part.name, job.number, scenario, base.result, findings)
 
 
+def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> Finding:
+    """Run a SLAM on a scenario and make one check; None stands for the check that the run completes."""
+    base = _examined(scenario, new_slam)
+    if isinstance(base, Finding):
+        return base if check is None else Finding(None, base.measured)
+    return Finding(True, "") if check is None else _found(check, base, new_slam)
+
+
 def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Generator[Examination, None, None]:
     """Examine scenarios in several processes; yield the results in the order of the jobs.
 

@@ -22,9 +22,13 @@ _FILE = FileKind("a file of results, as `lexis-sim check --json` writes it, or r
 
 def save_results(results: Sequence[RunResult], path: Path) -> None:
     """Write results to one JSON file. Raises `LexisError` if the file cannot be written."""
-    data = {"format": FORMAT, "results": [result.data() for result in results]}
     with replaced_file(path) as beside:
-        beside.write_text(json.dumps(data, indent=1) + "\n")
+        beside.write_text(json.dumps(results_data(results), indent=1) + "\n")
+
+
+def results_data(results: Sequence[RunResult]) -> dict[str, Any]:
+    """Return the contents of a file of results, as `save_results` writes them; a file may hold more entries beside them."""
+    return {"format": FORMAT, "results": [result.data() for result in results]}
 
 
 def load_results(path: Path) -> tuple[RunResult, ...]:

@@ -24,7 +24,8 @@ _HUBS = ("corridor", "entrance hall", "lobby", "open-plan office", "living room"
 _SIDE_M = 0.05
 _FLIGHT_M = 0.9
 Side = tuple[int, bool]
-"""A side of a rectangle: the axis that it runs along (0: x, 1: y), and whether it is at the larger coordinate across."""
+"""A side of a rectangle: the axis that it runs along (0: x, 1: y), and whether it is the one of the two parallel sides with
+the larger coordinate on the other axis."""
 _SIDES: tuple[Side, ...] = ((0, False), (0, True), (1, False), (1, True))
 
 

@@ -1,0 +1,124 @@
+"""`lexis-sim check --suite`: checks a SLAM by all claims and laws of a suite."""
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lexis.files.replace import replaced_file
+from sim.commands.run import progress_bar
+from sim.commands.slams import slam_factory
+from sim.errors import SimError
+
+if TYPE_CHECKING:
+    from sim.suites.checks import NewSlam
+    from sim.suites.report import CheckVerdict, SuiteReport
+
+SUITE_HELP = "check by a suite of scenarios in place of one run: {}"
+EXIT_HELP = "with --suite: stop when the first check fails"
+JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
+LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.9; may be repeated"
+PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
+WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
+_OPTIONS = ("exitfirst", "json", "limit", "picture", "workers")
+_EXAMPLES = 3
+_MOST_WORKERS = 256
+
+
+def add_suite(parser: argparse.ArgumentParser) -> None:
+    """Add the options for suites."""
+    names = "pr, open-plan, homes, twins, stairs, revisits, language, faults, long, images"
+    parser.add_argument("--suite", metavar="NAME", help=SUITE_HELP.format(names))
+    parser.add_argument("-x", "--exitfirst", action="store_true", default=None, help=EXIT_HELP)
+    parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
+    parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
+    parser.add_argument("--workers", type=_workers, metavar="N", help=WORKERS_HELP)
+
+
+def refuse_suite_options(arguments: argparse.Namespace) -> None:
+    """Raise SimError if an option for suites is given without a suite."""
+    for option in _OPTIONS:
+        if getattr(arguments, option) is not None:
+            raise SimError(f"--{option} is for suites; valid: with --suite")
+
+
+def run_suite(arguments: argparse.Namespace) -> int:
+    """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
+    from sim.suites.catalogue import suite_named
+    from sim.suites.openness_chart import openness_chart
+    from sim.suites.report import reports
+
+    _refuse_scenario_options(arguments)
+    suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
+    new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
+    total, report = sum(part.n for part in suite.parts), None
+    with progress_bar("checking by the suite") as progress:
+        for report in reports(suite, new_slam, arguments.seed, workers):
+            progress(len(report.examined) / total)
+            if arguments.exitfirst and not report.ok:
+                break
+    assert report is not None
+    print(*map(_line, report.verdicts), sep="\n")
+    if arguments.json is not None:
+        _write_json(report, arguments.json)
+    if arguments.picture is not None:
+        with replaced_file(arguments.picture) as beside:
+            beside.write_text(openness_chart(report, workers))
+    print(*map(_failure, report.failed), sep="\n", end="\n" if report.failed else "", file=sys.stderr)
+    return 0 if report.ok else 1
+
+
+def _line(verdict: "CheckVerdict") -> str:
+    held = len(verdict.examined) - len(verdict.failures)
+    return f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} {verdict.name}"
+
+
+def _failure(verdict: "CheckVerdict") -> str:
+    """One line about a failed check, and a line for each of the first scenarios in which it fails."""
+    lines = [f"failed: {verdict.name} {verdict.verdict}"]
+    for each in verdict.failures[:_EXAMPLES]:
+        lines.append(f"  scenario {each.number}: {each.findings[verdict.check].measured}")
+    return "\n".join(lines)
+
+
+def _write_json(report: "SuiteReport", path: Path) -> None:
+    from sim.verdicts.stored_results import results_data
+
+    with replaced_file(path) as beside:
+        beside.write_text(json.dumps(results_data(report.results) | report.data(), indent=1) + "\n")
+
+
+def _new_slam(arguments: argparse.Namespace) -> "NewSlam":
+    from sim.harness import Lexis
+
+    if arguments.program is not None:
+        raise SimError("--suite needs a SLAM in Python, because laws change its observations one by one; valid: with --slam")
+    return Lexis if arguments.slam is None else slam_factory(arguments.slam)
+
+
+def _refuse_scenario_options(arguments: argparse.Namespace) -> None:
+    """Raise SimError for an option that describes a single run, except the seed."""
+    given = [n for n, value in arguments.defaults_of_a_run.items() if n != "seed" and getattr(arguments, n) != value]
+    given += ["scenario"] if arguments.scenario is not None else []
+    given += ["fails"] if arguments.fails else []
+    given += ["out"] if arguments.out is not None else []
+    if given:
+        option = f"--{given[0].replace('_', '-')}"
+        raise SimError(f"{option} is given beside --suite; valid: one of the two, since a suite has scenarios of its own")
+
+
+def _limit(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r:.60} is no limit; valid: such as labels.accuracy=0.9") from None
+
+
+def _workers(text: str) -> int:
+    if not text.isdigit() or not 1 <= int(text) <= _MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f"{text!r:.60} is no number of processes; valid: 1 to {_MOST_WORKERS}")
+    return int(text)

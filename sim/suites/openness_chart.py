@@ -1,0 +1,93 @@
+"""`openness_chart`: draws room quality against the openness of the house, for a SLAM and for the shipped plain SLAMs.
+
+Every point is the mean over the houses of one openness, with the interval that bootstrapping the houses gives.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+
+import numpy as np
+from scipy.stats import bootstrap
+
+from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.results import RunResult
+from sim.suites.examination import Job, examinations, jobs_of
+from sim.suites.report import CONFIDENCE, SuiteReport
+
+_FIGURES = {"rooms.pq": "panoptic quality of rooms", "labels.accuracy_graded": "graded label accuracy"}
+_COLOURS = ("#1f5fa8", "#c2571a", "#2f8a4a")
+_WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 360.0, 260.0, 52.0, 48.0, 70.0
+_STEP = 0.25
+"""Houses are grouped by their openness, rounded to a multiple of this."""
+
+
+def openness_chart(report: SuiteReport, workers: int) -> str:
+    """Return the chart as the text of an SVG file. The plain SLAMs are run on the scenarios of the report."""
+    examined = {(each.part, each.number) for each in report.examined}
+    jobs = [job for job in jobs_of(report.suite, report.seed) if (job.part.name, job.number) in examined]
+    bare = [Job(job.part, job.number, job.seed, only="") for job in jobs]
+    runs: dict[str, Sequence[RunResult]] = {_name(report.results): report.results}
+    for slam in (GeometricRooms, OdometryOnly):
+        found = [each.result for each in examinations(bare, slam, workers)]
+        runs[slam.__name__] = [result for result in found if result is not None]
+    return _drawn(runs)
+
+
+def _name(results: Sequence[RunResult]) -> str:
+    return results[0].slam if results else "no run completed"
+
+
+def _drawn(runs: Mapping[str, Sequence[RunResult]]) -> str:
+    width, height = 2 * (_LEFT + _WIDTH) + _GAP, _TOP + _HEIGHT + 56
+    body = [f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>']
+    for k, (figure, title) in enumerate(_FIGURES.items()):
+        body += _panel(_LEFT + k * (_LEFT + _WIDTH + _GAP / 2), figure, title, runs)
+    for k, name in enumerate(runs):
+        body.append(f'<circle cx="{_LEFT + 150 * k:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
+        body.append(f'<text x="{_LEFT + 150 * k + 10:.0f}" y="18">{escape(name)}</text>')
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" font-family="sans-serif" font-size="12"'
+    return f'{head} role="img" aria-label="room quality against openness">\n' + "\n".join(body) + "\n</svg>\n"
+
+
+def _panel(x0: float, figure: str, title: str, runs: Mapping[str, Sequence[RunResult]]) -> Iterator[str]:
+    yield f'<text x="{x0:.0f}" y="{_TOP - 10:.0f}" font-weight="bold">{title}</text>'
+    for value in (0.0, 0.25, 0.5, 0.75, 1.0):
+        y, x = _TOP + _HEIGHT * (1 - value), x0 + _WIDTH * value
+        yield f'<line x1="{x0:.1f}" x2="{x0 + _WIDTH:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="#dddddd"/>'
+        yield f'<text x="{x0 - 8:.1f}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>'
+        yield f'<text x="{x:.1f}" y="{_TOP + _HEIGHT + 18:.1f}" text-anchor="middle">{value:g}</text>'
+    yield f'<text x="{x0 + _WIDTH / 2:.1f}" y="{_TOP + _HEIGHT + 38:.1f}" text-anchor="middle">openness</text>'
+    for colour, shift, results in zip(_COLOURS, (-4, 0, 4), runs.values(), strict=True):
+        yield from _curve(x0 + shift, figure, results, colour)
+
+
+def _curve(x0: float, figure: str, results: Sequence[RunResult], colour: str) -> Iterator[str]:
+    points = []
+    for openness, values in _grouped(figure, results).items():
+        low, high = _interval(values)
+        x, y = x0 + _WIDTH * openness, _TOP + _HEIGHT * (1 - float(np.mean(values)))
+        top, bottom = _TOP + _HEIGHT * (1 - high), _TOP + _HEIGHT * (1 - low)
+        points.append(f"{x:.1f},{y:.1f}")
+        yield f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{top:.1f}" y2="{bottom:.1f}" stroke="{colour}" stroke-width="1.5"/>'
+        mean = f"{openness:g}: {np.mean(values):.3f} ({low:.3f} to {high:.3f}), {len(values)} houses"
+        yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"><title>{mean}</title></circle>'
+    if points:
+        yield f'<polyline points="{" ".join(points)}" fill="none" stroke="{colour}" stroke-width="2"/>'
+
+
+def _grouped(figure: str, results: Sequence[RunResult]) -> dict[float, list[float]]:
+    """The values of a figure by openness, in ascending order of openness; results without the figure are left out."""
+    groups: dict[float, list[float]] = {}
+    for result in sorted(results, key=lambda each: each.house.openness):
+        if result[figure] is not None:
+            groups.setdefault(_STEP * round(result.house.openness / _STEP), []).append(result[figure])
+    return groups
+
+
+def _interval(values: Sequence[float]) -> tuple[float, float]:
+    if len(values) < 2 or np.ptp(values) == 0.0:
+        return float(np.mean(values)), float(np.mean(values))
+    low, high = bootstrap(
+        (values,), np.mean, confidence_level=CONFIDENCE, n_resamples=2000, method="percentile", rng=0
+    ).confidence_interval
+    return float(low), float(high)
