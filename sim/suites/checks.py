@@ -39,8 +39,8 @@ class Finding(NamedTuple):
     """What a check found in one scenario."""
 
     holds: bool | None
-    """Whether the check holds in this scenario. None: it cannot be decided, for example because the SLAM does not report what
-    the check is about."""
+    """Whether the check holds in this scenario. None: it cannot be decided, for example because the SLAM does not report the
+    figure."""
     measured: str
     """The measured values, for the report."""
 

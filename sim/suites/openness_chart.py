@@ -45,8 +45,9 @@ def _drawn(runs: Mapping[str, Sequence[RunResult]]) -> str:
     for k, name in enumerate(runs):
         body.append(f'<circle cx="{_LEFT + 150 * k:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
         body.append(f'<text x="{_LEFT + 150 * k + 10:.0f}" y="18">{escape(name)}</text>')
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" font-family="sans-serif" font-size="12"'
-    return f'{head} role="img" aria-label="room quality against openness">\n' + "\n".join(body) + "\n</svg>\n"
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
+    font = 'aria-label="room quality against openness" font-family="sans-serif" font-size="12">'
+    return "\n".join([head + font, *body, "</svg>", ""])
 
 
 def _panel(x0: float, figure: str, title: str, runs: Mapping[str, Sequence[RunResult]]) -> Iterator[str]:

@@ -47,7 +47,7 @@ class NearbyBoxes:
         return NearbyBoxes(self.points, self.point[keep], self.centre[keep], self.half[keep], self.axes[keep])
 
     def distance(self, places: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
-        """Return the distance from each path point, if it is moved to `places`, to its nearest box [m]; infinite without boxes."""
+        """Return the distance from each path point, if moved to `places`, to its nearest box [m]; infinite without boxes."""
         least = np.full(self.points, np.inf)
         np.minimum.at(least, self.point, np.linalg.norm(self._offset(places), axis=1))
         return least

@@ -28,7 +28,7 @@ def slab_parts(slabs: Sequence[Slab], frame: CellFrame, floor_m: float) -> tuple
 def rail_parts(rails: Sequence[Rail], frame: CellFrame, floor_m: float) -> tuple[Part, ...]:
     """A hand rail on posts for each railing; `floor_m` is the height of the lower storey's floor in W [m].
 
-    Each hand rail is thin and centred on the edge of the floor slab that it guards, so that it does not obstruct the walking line.
+    Each hand rail is thin and centred on the edge of the floor slab that it guards. It does not obstruct the walking line.
     """
     return tuple(part for rail in rails for part in _railing(rail, frame, floor_m))
 
