@@ -152,8 +152,8 @@ def _by_length(spans: Sequence[Span], share: float) -> Span:
 def make_opening(kind: OpeningKind, span: Span, low: float, high: float, storey_m: float) -> OpeningDraft:
     """An opening in the wall of `span`, with the usual height of its kind.
 
-    `low` and `high` are the coordinates of its ends along the wall [m]. Its upper edge stays at least 5 cm below the ceiling,
-    which is `storey_m` above the floor [m].
+    `low` and `high` are the coordinates of its ends along the wall [m]. The ceiling is `storey_m` above the floor [m], and
+    the upper edge of the opening stays at least 5 cm below it.
     """
     wall = span[0]
     crown = {"arch": 2.3, "cased": 2.1}.get(kind, 2.05)
