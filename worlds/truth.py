@@ -24,7 +24,8 @@ from worlds.walls import Boundary
 AMBIGUITY_BAND_M = 0.75
 """Greatest distance from an open boundary at which the labels of both rooms count as correct [m]."""
 AMBIGUOUS_FRAME_M = 1.2
-"""Least width at which a cased opening or an arch counts as an open boundary [m]."""
+"""Least width at which a cased opening or an arch counts as an open boundary [m]. Near an open boundary the true label is
+ambiguous; near a narrower opening it is not."""
 NOWHERE = -1
 FLOOR_TOLERANCE_M = 1e-6
 """Greatest depth below a floor at which a point counts as on the floor [m]; it covers rounding errors of heights."""
@@ -41,7 +42,7 @@ class BoundaryLine:
     """Ids of the rooms (in `house.rooms`) on both sides; None: outside."""
     kind: OpeningKind | Literal["wall"]
     line: LineString
-    """The stretch along the wall's centre line, in W [m]."""
+    """The part of the wall's centre line that the boundary takes, in W [m]."""
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ def count_matches(
     The paper: "If N matches were situated within a distance/angle threshold, we counted it as a true positive; otherwise, a
     false positive". Here, a query is a true positive if at least N of all matches proposed for it are right. It is a false
     positive otherwise, also if fewer than N matches were proposed. A query without proposals counts as neither. Most queries
-    of a walk are at a place for the first time, so only `possible` of them can be true positives.
+    of a walk are at a place for the first time and cannot be true positives; `Counts.possible` counts those that can.
 
     Args:
         candidates: the query keyframes, each with the keyframes proposed for it.

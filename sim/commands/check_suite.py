@@ -1,4 +1,4 @@
-"""`lexis-sim check --suite`: checks a SLAM by all claims and laws of a suite."""
+"""`lexis-sim check --suite`: checks a SLAM in many scenarios, by claims about single runs and laws that relate two runs."""
 
 import argparse
 import json

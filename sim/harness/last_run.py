@@ -33,7 +33,7 @@ class LastRun:
     result: "RunResult | None" = None
     """The figures of `run`, if they were computed."""
     trials: "Sequence[Trial]" = ()
-    """The plans of `run` that were driven before the figures were computed."""
+    """The plans on the map of `run` that the simulated robot has driven; they are part of the figures."""
 
     def begin(self, scenario: "Scenario") -> "Scenario":
         """Record that a run begins, and forget the previous run.

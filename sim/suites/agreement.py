@@ -18,11 +18,11 @@ class ClaimAgreement:
     frames: float
     """Number of frames that both estimates cover, as a share of those that at least one covers."""
     labels: float | None
-    """Share of the common frames with equal labels."""
+    """Share of the frames in both estimates that have the same label in both."""
     rooms: float | None
     """Adjusted Rand index of the two partitions into rooms: 1 if equal, about 0 if unrelated."""
     floors: float | None
-    """Share of the common frames with equal floors."""
+    """Share of the frames in both estimates that have the same floor in both."""
     loops: float | None
     """Number of loop closures that both estimates claim, as a share of those that at least one claims; 1 without loops."""
     position_m: float | None

@@ -38,7 +38,7 @@ class Nothing:
         return tuple(room_names)
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
-        """Yield the observation."""
+        """Yield the observation unchanged."""
         yield observation
 
 

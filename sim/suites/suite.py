@@ -28,7 +28,7 @@ class Part:
     """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property."""
 
     def with_limits(self, limits: Mapping[str, float]) -> "Part":
-        """Return the part with other limits in its claims, by the name of the figure."""
+        """Return the part with new limits; `limits` maps the name of a figure to the new limit of the claims about it."""
         return replace(self, checks=tuple(_with_limit(check, limits) for check in self.checks))
 
 

@@ -64,17 +64,17 @@ class Size(NamedTuple):
 
     @property
     def x(self) -> Range:
-        """Interval in x over the whole width [m]."""
+        """Interval in x from the left to the right end of the piece, -width / 2 to width / 2 [m]."""
         return self.left, self.right
 
     @property
     def y(self) -> Range:
-        """Interval in y over the whole depth [m]."""
+        """Interval in y from the back to the front of the piece, -depth / 2 to depth / 2 [m]."""
         return self.back, self.front
 
     @property
     def z(self) -> Range:
-        """Interval in z over the whole height [m]."""
+        """Interval in z from the foot to the top of the piece, 0 to height [m]."""
         return 0.0, self.height
 
 
@@ -108,7 +108,8 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
+    """Placement on top of another piece, the host, of a kind in `hosts`. The numbers in `Kind.rooms` are then pieces per host,
+    not pieces per room."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"

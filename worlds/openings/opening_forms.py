@@ -88,7 +88,7 @@ def fully_open(task: Task) -> Gaps:
 
 
 def closed(task: Task) -> Gaps:
-    """Close the partition, but leave a door if one could walk through before, so that the rooms stay connected.
+    """Close the partition. If a person could walk through it before, it gets a door, so that the rooms stay connected.
 
     Existing doors stay. If there are none, a door is placed in the longest free span of wall, if possible not where
     furniture stands. If no span is long enough, the door takes the place of the widest opening that one could walk through.
