@@ -1,0 +1,387 @@
+"""The planted bugs: mistakes that a programmer of a SLAM makes easily. Most of them leave every single run plausible.
+
+They follow the stages of `lexis/slam.py`. A bug that crashes at once is of no interest and not listed.
+"""
+
+from sim.bench.mutation.planting import Mutant
+
+_KEYFRAMES = (
+    Mutant(
+        "the covariance of a step is never reset",
+        "keyframes.py",
+        "            self._covariance = np.zeros((6, 6))\n            return frame",
+        "            return frame",
+    ),
+    Mutant(
+        "keyframes are spaced in half metres instead of metres",
+        "keyframes.py",
+        "reaches(self._path_since_keyframe, self._config.spacing_m)",
+        "reaches(self._path_since_keyframe, 4.0 * self._config.spacing_m)",
+    ),
+    Mutant(
+        "the path between keyframes ignores all axes but x",
+        "keyframes.py",
+        "distance = float(np.linalg.norm(increment[:3, 3]))",
+        "distance = float(abs(increment[0, 3]))",
+    ),
+    Mutant(
+        "a keyframe gets the index of the observation after it",
+        "keyframe_window.py",
+        "observation_index=observation.index,",
+        "observation_index=observation.index + 1,",
+    ),
+    Mutant(
+        "the last keyframes are lost at the end of the walk",
+        "keyframe_window.py",
+        "        self._entries.clear()\n        return ready",
+        "        self._entries.clear()\n        return ready[:0]",
+    ),
+    Mutant(
+        "a keyframe gets the embedding of the latest frame",
+        "keyframe_window.py",
+        "            embedding=entry.embedding,",
+        "            embedding=next(e.embedding for e in reversed(self._entries) if e.embedding is not None),",
+    ),
+)
+
+_MATHS = (
+    Mutant(
+        "relative poses are composed in the wrong order",
+        "maths/se3.py",
+        "return np.asarray(inverse(T_a_b) @ T_a_c)",
+        "return np.asarray(T_a_c @ inverse(T_a_b))",
+    ),
+    Mutant(
+        "covariances are added without rotating them",
+        "maths/se3.py",
+        "return np.asarray(Ad @ first @ Ad.T + second)",
+        "return np.asarray(first + second)",
+    ),
+    Mutant(
+        "angles are half as large",
+        "maths/se3.py",
+        "return np.asarray(np.arctan2(np.sqrt(x * x + y * y + z * z), trace - 1.0))",
+        "return np.asarray(0.5 * np.arctan2(np.sqrt(x * x + y * y + z * z), trace - 1.0))",
+    ),
+    Mutant(
+        "the nearest neighbours of a keyframe include the keyframe itself",
+        "maths/ties.py",
+        "order = np.lexsort((indices, distances), axis=1)[:, 1:wanted]",
+        "order = np.lexsort((indices, distances), axis=1)[:, : wanted - 1]",
+    ),
+)
+
+_GRAPH = (
+    Mutant(
+        "odometry is added in the world frame",
+        "pose_graph.py",
+        "self._T_W_B.append(self.T_W_B[-1] @ step)",
+        "self._T_W_B.append(step @ self.T_W_B[-1])",
+    ),
+    Mutant(
+        "new keyframes start at the odometry pose, not at the corrected one",
+        "pose_graph.py",
+        "self._T_W_B.append(self.T_W_B[-1] @ step)",
+        "self._T_W_B.append(keyframe.T_O_B)",
+    ),
+    Mutant(
+        "the graph is never optimised",
+        "pose_graph.py",
+        "if not self._unused_loops or not (waited or final):",
+        "if True:",
+    ),
+    Mutant(
+        "the last loops are not used, because the final optimisation is forgotten",
+        "pose_graph.py",
+        "if not self._unused_loops or not (waited or final):",
+        "if not self._unused_loops or not waited:",
+    ),
+    Mutant(
+        "the optimised poses are thrown away",
+        "pose_graph.py",
+        "self._T_W_B.replace(self._optimiser.optimise())",
+        "self._optimiser.optimise()",
+    ),
+    Mutant(
+        "stamps are taken for milliseconds",
+        "pose_graph.py",
+        "self._stamps.append(keyframe.stamp)",
+        "self._stamps.append(1000.0 * keyframe.stamp)",
+    ),
+    Mutant(
+        "the path of the graph counts the displacement along x only",
+        "pose_graph.py",
+        "np.linalg.norm(step[:3, 3])",
+        "abs(step[0, 3])",
+    ),
+    Mutant(
+        "loop edges have no robust kernel",
+        "graph_optimisation.py",
+        "noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))",
+        "noise = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)",
+    ),
+    Mutant(
+        "loop edges are added the wrong way round",
+        "graph_optimisation.py",
+        "gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise)",
+        "gtsam.BetweenFactorPose3(loop.query, loop.match, gtsam.Pose3(loop.T_match_query), noise)",
+    ),
+    Mutant(
+        "rotation and translation are swapped in the covariances of loops",
+        "graph_optimisation.py",
+        "gtsam.noiseModel.Gaussian.Covariance(loop.covariance))",
+        "gtsam.noiseModel.Gaussian.Covariance(np.roll(loop.covariance, 3, (0, 1))))",
+    ),
+    Mutant(
+        "the covariances of the odometry are taken for information matrices",
+        "graph_optimisation.py",
+        "noise = gtsam.noiseModel.Gaussian.Covariance(covariance + self._min_covariance)",
+        "noise = gtsam.noiseModel.Gaussian.Information(covariance + self._min_covariance)",
+    ),
+    Mutant(
+        "every optimisation stops after one iteration",
+        "graph_optimisation.py",
+        "parameters.setMaxIterations(self._config.max_iterations)",
+        "parameters.setMaxIterations(1)",
+    ),
+    Mutant(
+        "the threshold of the robust kernel is squared",
+        "graph_optimisation.py",
+        "self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)",
+        "self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs**2)",
+    ),
+)
+
+_PLACES = (
+    Mutant(
+        "loop candidates come from all rooms, whatever the image shows",
+        "place_recognition.py",
+        "for room in rooms if room.label == label}",
+        "for room in rooms}",
+    ),
+    Mutant(
+        "loop candidates come from the farthest room",
+        "place_recognition.py",
+        "closest = eligible[int(distances.argmin())]",
+        "closest = eligible[int(distances.argmax())]",
+    ),
+    Mutant(
+        "the least similar candidates are proposed",
+        "place_recognition.py",
+        'np.argsort(-rounded(similarity), kind="stable")',
+        'np.argsort(rounded(similarity), kind="stable")',
+    ),
+    Mutant(
+        "only one loop candidate is proposed",
+        "place_recognition.py",
+        "[: config.candidates]",
+        "[: min(1, config.candidates)]",
+    ),
+    Mutant(
+        "the previous keyframes count as old enough for a loop",
+        "place_recognition.py",
+        "reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0)",
+        "(seconds > 0)",
+    ),
+    Mutant(
+        "places are compared by odometry poses instead of corrected ones",
+        "place_recognition.py",
+        "position = graph.T_W_B[query.id, :3, 3]",
+        "position = graph.keyframes[query.id].T_O_B[:3, 3]",
+    ),
+    Mutant(
+        "loops are not compared with the current estimate",
+        "verification.py",
+        "return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)",
+        "return True",
+    ),
+    Mutant(
+        "the largest distance of a loop from the estimate is taken for centimetres",
+        "verification.py",
+        "near = distance <= config.gate_m + config.gate_share * path_m",
+        "near = distance <= 0.01 * (config.gate_m + config.gate_share * path_m)",
+    ),
+    Mutant(
+        "the loops with the fewest inliers are kept",
+        "verification.py",
+        "key=lambda edge: -edge.inliers",
+        "key=lambda edge: edge.inliers",
+    ),
+    Mutant(
+        "PnP returns the pose of the camera instead of the body",
+        "verification.py",
+        "T_match_query = inverse(T_C_match) @ inverse(self._camera.T_B_C)",
+        "T_match_query = inverse(T_C_match)",
+    ),
+    Mutant(
+        "landmarks of neighbouring keyframes are not moved into the frame of the candidate",
+        "verification.py",
+        "points.append(transform(T_match_neighbour, keyframe.landmarks.points[pairs[:, 1]]))",
+        "points.append(keyframe.landmarks.points[pairs[:, 1]])",
+    ),
+    Mutant(
+        "verified loops are not added to the graph",
+        "slam.py",
+        "        self._graph.add_loops(loops)",
+        "        del loops",
+    ),
+)
+
+_IMAGES = (
+    Mutant(
+        "images are passed to the encoder as BGR",
+        "perception.py",
+        "encoder.encode_image(seen)).copy()",
+        "encoder.encode_image(seen[..., ::-1].copy())).copy()",
+    ),
+    Mutant(
+        "the pose of the camera on the body is forgotten in the triangulation",
+        "landmarks.py",
+        "T_O_C = np.stack([view.T_O_B @ camera.T_B_C for view in (reference, *supports)])",
+        "T_O_C = np.stack([view.T_O_B for view in (reference, *supports)])",
+    ),
+    Mutant(
+        "x and y of key points are swapped",
+        "features.py",
+        "np.array([keypoint.pt for keypoint in keypoints], np.float32)",
+        "np.array([keypoint.pt[::-1] for keypoint in keypoints], np.float32)",
+    ),
+    Mutant(
+        "landmarks stay in the frame of the camera",
+        "landmarks.py",
+        "return Landmarks(transform(camera.T_B_C, _points(theta[good])), ids[good])",
+        "return Landmarks(_points(theta[good]), ids[good])",
+    ),
+)
+
+_LABELS = (
+    Mutant(
+        "labels of single images are not refined by their neighbours",
+        "room_labels.py",
+        "refined[level] = propagate(image_labels, rooms_only[level], positions[level], config.neighbours)",
+        "refined[level] = image_labels",
+    ),
+    Mutant(
+        "a keyframe that sees stairs is labelled as stairs",
+        "room_labels.py",
+        "    rooms_only[:, stairs] = -np.inf\n",
+        "",
+    ),
+    Mutant(
+        "the least similar room name is the label",
+        "room_labels.py",
+        "baseline = similarities.argmax(axis=1)",
+        "baseline = similarities.argmin(axis=1)",
+    ),
+    Mutant(
+        "neighbours vote with the index of the room name instead of its label",
+        "room_labels.py",
+        "np.where(most_common[np.arange(n), labels], labels, resemblance.argmax(axis=1))",
+        "np.sort(labels[nearest], axis=1)[:, labels[nearest].shape[1] // 2]",
+    ),
+    Mutant(
+        "only climbing upwards counts as stairs",
+        "stairs.py",
+        "np.where(np.abs(change) >= config.stairs_min_height_m, np.sign(change), 0.0)",
+        "np.where(change >= config.stairs_min_height_m, np.sign(change), 0.0)",
+    ),
+    Mutant(
+        "the height change before a keyframe alone decides on stairs",
+        "stairs.py",
+        "change = np.interp(path + half, path, height) - np.interp(path - half, path, height)",
+        "change = np.interp(path, path, height) - np.interp(path - 2 * half, path, height)",
+    ),
+)
+
+_ROOMS = (
+    Mutant(
+        "the labels of keyframes are ignored in the clustering",
+        "room_segmentation.py",
+        "kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)",
+        "kinds = np.unique(np.stack([0 * labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)",
+    ),
+    Mutant(
+        "the floors of keyframes are ignored in the clustering",
+        "room_segmentation.py",
+        "kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)",
+        "kinds = np.unique(np.stack([labels, 0 * floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)",
+    ),
+    Mutant(
+        "the mean of a cluster is never updated",
+        "room_segmentation.py",
+        "            joined.add(position)",
+        "            joined.count += 1",
+    ),
+    Mutant(
+        "a keyframe joins the first cluster of its label, however far it is",
+        "room_segmentation.py",
+        "        if nearest <= distance_m:",
+        "        if nearest < np.inf:",
+    ),
+    Mutant(
+        "adjacent clusters are not merged",
+        "room_segmentation.py",
+        "pairs = np.concatenate([consecutive, _adjacent(clusters, kinds, positions, adjacency_m)])",
+        "pairs = consecutive[:0]",
+    ),
+    Mutant(
+        "all consecutive keyframes are merged, whatever their labels",
+        "room_segmentation.py",
+        "    consecutive = consecutive[kinds[consecutive[:, 0]] == kinds[consecutive[:, 1]]]\n",
+        "",
+    ),
+    Mutant(
+        "rooms of one label are merged although another room lies between them",
+        "room_segmentation.py",
+        "free = [bool((kinds[inside] == kinds[i]).all()) for inside, i in zip(between, pairs[:, 0], strict=True)]",
+        "free = [True for inside, i in zip(between, pairs[:, 0], strict=True)]",
+    ),
+    Mutant(
+        "floors are told by absolute height",
+        "floors.py",
+        "        floors[run.slice] = int(np.abs(levels - h).argmin())",
+        "        floors[run.slice] = max(0, int(height[run.start] // 3.0))",
+    ),
+    Mutant(
+        "drift on level floors adds up in the heights of floors",
+        "floors.py",
+        "steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]",
+        "steps = [height[b.start] - height[a.start] for a, b in pairwise(stretches)]",
+    ),
+    Mutant(
+        "the gap between floors is taken for centimetres",
+        "floors.py",
+        "np.diff(ordered) > STOREY_GAP_M)",
+        "np.diff(ordered) > 0.01 * STOREY_GAP_M)",
+    ),
+    Mutant(
+        "rooms are only updated after an optimisation",
+        "slam.py",
+        "if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:",
+        "if optimised:",
+    ),
+    Mutant(
+        "the finished map keeps the rooms of the last update",
+        "slam.py",
+        "        return self._map(self._derive_semantics())",
+        "        return self._map(replace(self._derive_semantics(), rooms=self._rooms))",
+    ),
+)
+
+_PLANNER = (
+    Mutant(
+        "paths end at the other end of the goal",
+        "planner.py",
+        "best = int(np.argmax(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
+        "best = int(np.argmin(rounded(np.where(evidence > 0.0, evidence * margins, evidence))))",
+    ),
+    Mutant(
+        "paths take shortcuts of three metres through walls",
+        "planner.py",
+        "        _within_rooms(map, positions, config.shortcut_m),",
+        '        _pairs_within(cKDTree(positions).query_pairs(3.0, output_type="ndarray"), positions, 3.0),',
+    ),
+)
+
+MUTANTS: tuple[Mutant, ...] = (*_KEYFRAMES, *_MATHS, *_GRAPH, *_PLACES, *_IMAGES, *_LABELS, *_ROOMS, *_PLANNER)
+"""All mutants, in the order of the stages."""

@@ -1,0 +1,54 @@
+"""`planted`: a copy of LEXIS in which the text of one module is changed."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import lexis
+from sim.errors import SimError
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A plausible bug of a SLAM, as a change of the text of one module of LEXIS."""
+
+    name: str
+    """What a programmer has done wrong, in a few words."""
+    file: str
+    """Path of the module in the package `lexis`."""
+    before: str
+    """Text that occurs exactly once in the module."""
+    after: str
+    """Text that takes its place."""
+
+    def applied(self, text: str) -> str:
+        """Return the changed text of the module. Raises `SimError` unless `before` occurs exactly once."""
+        if (count := text.count(self.before)) != 1:
+            raise SimError(f"mutant {self.name!r}: its text occurs {count} times in {self.file}; valid: once")
+        return text.replace(self.before, self.after)
+
+
+@contextmanager
+def planted(mutant: Mutant | None) -> Iterator[Path]:
+    """Yield a folder that holds a copy of the package `lexis` with a mutant in it; None: an unchanged copy.
+
+    Python imports this copy if the folder comes first on its path. All files but the changed module are links. The folder is
+    deleted at the end of the block.
+    """
+    source = Path(lexis.__file__).parent
+    with TemporaryDirectory(prefix="lexis-mutant-") as folder:
+        copy = Path(folder) / "lexis"
+        shutil.copytree(source, copy, copy_function=_linked, ignore=shutil.ignore_patterns("__pycache__"))
+        if mutant is not None:
+            module = copy / mutant.file
+            text = mutant.applied(module.read_text())
+            module.unlink()
+            module.write_text(text)
+        yield Path(folder)
+
+
+def _linked(source: str, target: str) -> None:
+    Path(target).symlink_to(source)
