@@ -1,4 +1,4 @@
-"""One way to run everything: `nox -s demo | tests | nightly | lint | bench`, with `-- ARGUMENTS` passed through.
+"""One way to run everything: `nox -s demo | tests | nightly | lint | bench | mutation`, with `-- ARGUMENTS` passed through.
 
 All sessions share one environment (torch makes it several gigabytes). The session `env` makes it of the versions in
 tests/constraints.txt, so that figures repeat, and is a no-op until that file or pyproject.toml changes.
@@ -75,6 +75,12 @@ def lint(session: nox.Session) -> None:
 def bench(session: nox.Session) -> None:
     """Benchmarks; `nox -s bench -- encoders` and so on."""
     run(session, "lexis-sim", "bench", *(session.posargs or ["speed"]))
+
+
+@nox.session(venv_backend="none", requires=["env"])
+def mutation(session: nox.Session) -> None:
+    """Plant bugs into LEXIS, one at a time, and see which of them the suite `pr` finds."""
+    run(session, "lexis-sim", "bench", "mutation", *session.posargs)
 
 
 @nox.session(venv_backend="uv|virtualenv", reuse_venv=True)

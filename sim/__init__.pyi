@@ -24,6 +24,8 @@ from .render import make_rig as make_rig
 from .report import ReportData as ReportData
 from .report import write_report as write_report
 from .session import Session as Session
+from .suites import check_slam as check_slam
+from .suites import slam_checks as slam_checks
 from .tours import TourConfig as TourConfig
 from .tours import plan_tour as plan_tour
 from .truth import Truth as Truth

@@ -197,6 +197,25 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
     yield failures
 
 
+def _mutation(arguments: argparse.Namespace) -> int:
+    """Print a line for each mutant as soon as it is graded, and a summary; return 1 if unchanged LEXIS fails a check."""
+    from sim.bench.mutation import MUTANTS, grade
+
+    chosen = [mutant for mutant in MUTANTS if arguments.only in mutant.name]
+    grades = []
+    for mutant in chosen:
+        grades.append(found := grade(mutant, arguments.seed, arguments.suite))
+        verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
+        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {mutant.name}: {verdict}", flush=True)
+    alarms = [grade(None, arguments.seed + k, arguments.suite) for k in range(arguments.unchanged)]
+    for k, found in enumerate(alarms):
+        verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
+        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {arguments.seed + k}: {verdict}")
+    caught = sum(found.is_caught for found in grades)
+    print(f"{caught} of {len(grades)} mutants are caught; {sum(found.is_caught for found in alarms)} false alarms")
+    return int(any(found.is_caught for found in alarms))
+
+
 def _shrinking(arguments: argparse.Namespace) -> int:
     """Print a line for each broken law and a table of the families of bugs; return 1 if a law is broken, else 0."""
     from sim.bench.shrinking import ProofPlan, folder_of, prove, summaries
@@ -290,6 +309,18 @@ _BENCHMARKS = (
             _OPENNESS,
             _ENCODER,
             argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
+            SEED,
+        ),
+    ),
+    Action(
+        "mutation",
+        _mutation,
+        "planted bugs of LEXIS that a suite finds; exit status 1 if unchanged LEXIS fails a check",
+        "lexis-sim bench mutation --only loop",
+        (
+            argument("--only", default="", metavar="TEXT", help="mutants whose name contains this text (default: all)"),
+            argument("--suite", default="pr", metavar="NAME", help="the suite (default: %(default)s)"),
+            argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),
             SEED,
         ),
     ),

@@ -9,7 +9,7 @@ Read `catalogue` first: it lists the suites, with the scenarios of each. A `suit
 with their `checks`. `laws` lists the laws. `stream_changes` holds the changes that they make to the SLAM's input, and
 `agreement` tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in several processes,
 `report` gives the verdicts, `smallest` finds the smallest scenario in which a check fails, `openness_chart` draws room
-quality against openness, and `slam_checks` makes a test for pytest.
+quality against openness, and `pytest_items` makes a test for pytest.
 
 Glossary:
 

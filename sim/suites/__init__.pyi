@@ -1,7 +1,7 @@
 from .catalogue import SUITES as SUITES
 from .laws import LAWS as LAWS
+from .pytest_items import slam_checks as slam_checks
 from .report import SuiteReport as SuiteReport
 from .report import check_slam as check_slam
-from .slam_checks import slam_checks as slam_checks
-from .suite import Part as Part
+from .suite import SuitePart as SuitePart
 from .suite import Suite as Suite

@@ -12,7 +12,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
 from sim.suites.laws import LAWS
-from sim.suites.suite import Part, Suite, claims
+from sim.suites.suite import SuitePart, Suite, claims
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
 from worlds.variant import variant
@@ -90,7 +90,7 @@ def _laws(*names: str) -> tuple[Check, ...]:
 _EXACT = _laws("same run twice", "origin of the odometry", "zero of the clock", "order of the room names")
 _MAP = ("floors.accuracy >= 0.95", "floors.count_error == 0", "coverage.path_covered >= 0.9")
 
-HOMES = Part(
+HOMES = SuitePart(
     "homes",
     "Homes of one storey and three to five rooms. LEXIS does well there, so all laws are checked in them.",
     small_home,
@@ -105,7 +105,7 @@ HOMES = Part(
     ),
     n=12,
 )
-OPEN_PLAN = Part(
+OPEN_PLAN = SuitePart(
     "open-plan",
     "Homes whose inner walls are opened step by step, from closed rooms to one space. Graded accuracy allows the labels of "
     "both sides near an open boundary.",
@@ -117,14 +117,14 @@ OPEN_PLAN = Part(
     n=60,
     group=len(OPENNESS),
 )
-TWINS = Part(
+TWINS = SuitePart(
     "twins",
     "Offices with rooms that look alike, some of them above one another. False loop closures must not bend the map.",
     twins,
     (*claims(0.9, "loops.precision >= 0.75", "trajectory.ate_m <= 0.16", *_MAP), *claims(0.7, "rooms.pq >= 0.4")),
     n=20,
 )
-STAIRS = Part(
+STAIRS = SuitePart(
     "stairs",
     "Homes of two and three storeys. Floors have to be told apart, and no room may span two of them.",
     stairs,
@@ -135,7 +135,7 @@ STAIRS = Part(
     ),
     n=20,
 )
-REVISITS = Part(
+REVISITS = SuitePart(
     "revisits",
     "Homes that are walked through in both directions with odometry that drifts much. Loop closures have to mend the drift.",
     revisits,
@@ -145,14 +145,14 @@ REVISITS = Part(
     ),
     n=20,
 )
-LANGUAGE = Part(
+LANGUAGE = SuitePart(
     "language",
     "Homes with other room names: in another order, or with names of rooms that no house has.",
     small_home,
     _laws("order of the room names", "irrelevant room names"),
     n=20,
 )
-FAULTS = Part(
+FAULTS = SuitePart(
     "faults",
     "Homes with one fault each: lost, frozen, late, swapped or wrongly stamped frames, a robot that is carried away, or "
     "covariances that are too small.",
@@ -161,14 +161,14 @@ FAULTS = Part(
      *claims(0.6, "trajectory.ate_m <= 0.12")),
     n=28,
 )  # fmt: skip
-LONG = Part(
+LONG = SuitePart(
     "long",
     "Walks of 400 m through homes of eight rooms and more, up and down. The map must not get worse with time.",
     long_walk,
     claims(0.9, "labels.accuracy >= 0.8", "rooms.pq >= 0.5", "trajectory.ate_m <= 0.12", "loops.precision >= 0.9", *_MAP),
     n=6,
 )
-IMAGES = Part(
+IMAGES = SuitePart(
     "images",
     "Short walks through two rooms on rendered images, whose plans a robot drives.",
     images,
@@ -181,11 +181,11 @@ IMAGES = Part(
 )
 
 
-def _suite(part: Part, budget_s: float) -> Suite:
+def _suite(part: SuitePart, budget_s: float) -> Suite:
     return Suite(part.name, part.about, (part,), budget_s)
 
 
-def _first(part: Part, n: int) -> Part:
+def _first(part: SuitePart, n: int) -> SuitePart:
     return replace(part, n=n)
 
 

@@ -35,7 +35,7 @@ class Examined(NamedTuple):
     result: RunResult
 
 
-class Finding(NamedTuple):
+class CheckFinding(NamedTuple):
     """What a check found in one scenario."""
 
     holds: bool | None
@@ -60,7 +60,7 @@ class Check(Protocol):
     def rate(self) -> float:
         """Share of scenarios in which the check has to hold, in (0, 1)."""
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> Finding:
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Examine one scenario, of which `base` is the unchanged run. Laws make a second run."""
 
 
@@ -81,12 +81,12 @@ class ClaimCheck:
         """The claim and its rate."""
         return f"{self.claim} in {self.rate:.0%} of the scenarios"
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> Finding:
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Compare the figure of the unchanged run with the limit."""
         value = self.claim.value(base.result)
         if value is None:
-            return Finding(None, f"{self.claim.figure} is null")
-        return Finding(self.claim.outcome(base.result) == "holds", f"{self.claim.figure} is {value:.3g}")
+            return CheckFinding(None, f"{self.claim.figure} is null")
+        return CheckFinding(self.claim.outcome(base.result) == "holds", f"{self.claim.figure} is {value:.3g}")
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,11 @@ class SameClaims:
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
     rate: float = ALWAYS
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> Finding:
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims."""
         second = run(base.run.scenario, changed(new_slam(), self.change))
         found = agreement(base.run.estimate, second.estimate)
-        return Finding(self._holds(found), _written(found))
+        return CheckFinding(self._holds(found), _written(found))
 
     def _holds(self, found: ClaimAgreement) -> bool:
         shares = (found.frames, found.labels, found.rooms, found.floors, found.loops)
@@ -128,22 +128,22 @@ class SimilarFigures:
     """Whether a figure may not be better by more than the tolerance, either, because the change is neutral."""
     rate: float = 0.7
 
-    def examine(self, base: Examined, new_slam: NewSlam) -> Finding:
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed scenario, and compare the figures."""
         try:
             scenario = self.change(base.run.scenario)
             second = evaluate(run(scenario, new_slam()))
         except (WorldsError, SimError) as error:
-            return Finding(None, f"the change is impossible: {error}")
+            return CheckFinding(None, f"the change is impossible: {error}")
         pairs = {
             name: (before, after)
             for name in self.tolerances
             if (before := base.result[name]) is not None and (after := second[name]) is not None
         }
         if not pairs:
-            return Finding(None, "no figure in both runs")
+            return CheckFinding(None, "no figure in both runs")
         holds = all(self._within(name, *pair) for name, pair in pairs.items())
-        return Finding(holds, ", ".join(f"{name} {a:.3g} -> {b:.3g}" for name, (a, b) in pairs.items()))
+        return CheckFinding(holds, ", ".join(f"{name} {a:.3g} -> {b:.3g}" for name, (a, b) in pairs.items()))
 
     def _within(self, name: str, before: float, after: float) -> bool:
         worse = after - before if name.startswith(_SMALLER_IS_BETTER) else before - after

@@ -17,8 +17,8 @@ from sim.harness.results import RunResult
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
-from sim.suites.checks import Check, Examined, Finding, NewSlam
-from sim.suites.suite import Part, Suite
+from sim.suites.checks import Check, CheckFinding, Examined, NewSlam
+from sim.suites.suite import SuitePart, Suite
 from worlds.errors import WorldsError
 
 COMPLETES = "the run completes"
@@ -31,7 +31,7 @@ _DRAWS = 20
 class Job:
     """One scenario of a suite, to be examined by all checks of its part, or by one."""
 
-    part: Part
+    part: SuitePart
     number: int
     """Number of the scenario in its part, counted from 0."""
     seed: int
@@ -49,7 +49,7 @@ class Examination:
     scenario: Scenario
     result: RunResult | None
     """Figures of the unchanged run; None if it did not complete."""
-    findings: Mapping[str, Finding]
+    findings: Mapping[str, CheckFinding]
     """The findings by the name of the check."""
 
 
@@ -76,21 +76,21 @@ def examine(job: Job, new_slam: NewSlam) -> Examination:
     """Run a SLAM on one scenario and make all checks. Raises `SimError` if no scenario can be drawn."""
     scenario = scenario_of(job)
     base = _examined(scenario, new_slam)
-    if isinstance(base, Finding):
+    if isinstance(base, CheckFinding):
         return Examination(job.part.name, job.number, scenario, None, {COMPLETES: base})
-    findings = {COMPLETES: Finding(True, "")}
+    findings = {COMPLETES: CheckFinding(True, "")}
     for check in job.part.checks:
         if job.only in (None, check.name):
             findings[check.name] = _found(check, base, new_slam)
     return Examination(job.part.name, job.number, scenario, base.result, findings)
 
 
-def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> Finding:
+def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> CheckFinding:
     """Run a SLAM on a scenario and make one check; None stands for the check that the run completes."""
     base = _examined(scenario, new_slam)
-    if isinstance(base, Finding):
-        return base if check is None else Finding(None, base.measured)
-    return Finding(True, "") if check is None else _found(check, base, new_slam)
+    if isinstance(base, CheckFinding):
+        return base if check is None else CheckFinding(None, base.measured)
+    return CheckFinding(True, "") if check is None else _found(check, base, new_slam)
 
 
 def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Generator[Examination, None, None]:
@@ -109,20 +109,20 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
         pool.shutdown(cancel_futures=True)
 
 
-def _examined(scenario: Scenario, new_slam: NewSlam) -> Examined | Finding:
+def _examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
     """Run the SLAM; return a finding that fails if the SLAM raised an exception or made claims that are not valid."""
     try:
         finished = attempt(lambda same, progress: run(same, new_slam(), progress), scenario)
         if isinstance(finished, Crash):
-            return Finding(False, f"the SLAM {finished.what}: {finished.message}")
+            return CheckFinding(False, f"the SLAM {finished.what}: {finished.message}")
         trials = try_plans(finished) if scenario.fidelity == "render" else ()
         return Examined(finished, evaluate(finished, trials))
     except (SimError, LexisError) as error:
-        return Finding(False, one_line(error, 160))
+        return CheckFinding(False, one_line(error, 160))
 
 
-def _found(check: Check, base: Examined, new_slam: NewSlam) -> Finding:
+def _found(check: Check, base: Examined, new_slam: NewSlam) -> CheckFinding:
     try:
         return check.examine(base, new_slam)
     except Exception as error:  # a SLAM may raise anything on the changed input
-        return Finding(False, one_line(f"the changed run raises {type(error).__name__}: {error}", 160))
+        return CheckFinding(False, one_line(f"the changed run raises {type(error).__name__}: {error}", 160))

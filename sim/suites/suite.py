@@ -13,7 +13,7 @@ from worlds.valid_names import did_you_mean
 
 
 @dataclass(frozen=True)
-class Part:
+class SuitePart:
     """Scenarios of one distribution, with their checks."""
 
     name: str
@@ -27,7 +27,7 @@ class Part:
     group: int = 1
     """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property."""
 
-    def with_limits(self, limits: Mapping[str, float]) -> "Part":
+    def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
         """Return the part with new limits; `limits` maps the name of a figure to the new limit of the claims about it."""
         return replace(self, checks=tuple(_with_limit(check, limits) for check in self.checks))
 
@@ -38,7 +38,7 @@ class Suite:
 
     name: str
     about: str
-    parts: tuple[Part, ...]
+    parts: tuple[SuitePart, ...]
     budget_s: float
     """Time that the whole suite takes LEXIS on two processor cores [s]."""
 

@@ -15,8 +15,8 @@ from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES, Job
-from sim.suites.report import verdict_of
-from sim.suites.suite import Part, Suite
+from sim.suites.report import SEED, verdict_of
+from sim.suites.suite import SuitePart, Suite
 from worlds.valid_names import did_you_mean
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ _NONE_EXPECTED: Mapping[str, str] = MappingProxyType({})
 class Item(NamedTuple):
     """One check of one part, which becomes one item of pytest."""
 
-    part: Part
+    part: SuitePart
     check: str
 
     @property
@@ -41,7 +41,7 @@ def slam_checks(
     new_slam: NewSlam,
     suite: Suite | str = "pr",
     expected_failures: Mapping[str, str] = _NONE_EXPECTED,
-    seed: int = 0,
+    seed: int = SEED,
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 

@@ -1,0 +1,68 @@
+"""Every mutant fits the present code, and planting changes exactly one module."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lexis
+from sim.bench.mutation import MUTANTS, Mutant
+from sim.bench.mutation.grading import _graded
+from sim.bench.mutation.planting import planted
+from sim.errors import SimError
+
+SOURCE = Path(lexis.__file__).parent
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.name)
+def test_every_mutant_is_another_valid_program(mutant):
+    text = (SOURCE / mutant.file).read_text()
+    changed = mutant.applied(text)
+    assert changed != text
+    compile(changed, mutant.file, "exec")
+
+
+def test_there_are_many_different_mutants():
+    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS) >= 40
+    assert len({(mutant.file, mutant.before, mutant.after) for mutant in MUTANTS}) == len(MUTANTS)
+
+
+def test_a_text_that_is_not_there_once_is_refused():
+    with pytest.raises(SimError, match=r"its text occurs 0 times in floors\.py; valid: once"):
+        Mutant("no bug", "floors.py", "there is no such text", "").applied("def floors(): ...")
+
+
+def test_planting_changes_one_module_of_a_copy_and_nothing_else():
+    mutant = MUTANTS[0]
+    with planted(mutant) as folder:
+        copies = {path.relative_to(folder / "lexis"): path for path in (folder / "lexis").rglob("*") if path.is_file()}
+        changed = [str(name) for name, path in copies.items() if path.read_bytes() != (SOURCE / name).read_bytes()]
+        assert changed == [mutant.file]
+    assert not folder.exists()
+
+
+def test_python_imports_the_copy_with_the_mutant():
+    mutant = Mutant("three floors", "floors.py", "NO_FLOOR = -1\n", "NO_FLOOR = -3\n")
+    with planted(mutant) as folder:
+        code = "import sim.harness, lexis.floors; print(lexis.floors.NO_FLOOR, lexis.floors.__file__)"
+        shown = subprocess.run(
+            [sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True, env={"PYTHONPATH": str(folder)}
+        ).stdout.split()
+    assert shown == ["-3", str(folder / "lexis" / "floors.py")]
+
+
+def test_a_grade_names_the_first_check_that_failed():
+    failure = {"number": 0, "scenario": "0" * 16, "measured": "floors 0.4"}
+    checks = [
+        {"part": "homes", "check": "the run completes", "outcome": "undecided", "failures": []},
+        {"part": "homes", "check": "origin", "outcome": "fails", "failures": [failure]},
+    ]
+    graded = _graded("a mutant", {"results": [{}] * 3, "checks": checks}, 12.0)
+    assert (graded.is_caught, graded.caught_by, graded.scenarios, graded.measured) == (
+        True,
+        "homes: origin",
+        3,
+        "floors 0.4",
+    )
+    assert not _graded("a mutant", {"results": [{}], "checks": checks[:1]}, 1.0).is_caught

@@ -1,0 +1,200 @@
+"""`check_slam` gives verdicts about any SLAM: they follow from the findings, and bugs are found."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.open_flat import OPEN_FLAT
+
+from sim.cli import main
+from sim.errors import SimError
+from sim.harness import Lexis, Scenario
+from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.suites.catalogue import OPENNESS, SUITES, suite_named
+from sim.suites.checks import ALWAYS, SameClaims
+from sim.suites.examination import COMPLETES, examinations, jobs_of, scenario_of
+from sim.suites.laws import LAWS
+from sim.suites.pytest_items import slam_checks
+from sim.suites.report import check_slam
+from sim.suites.smallest import smallest_failure
+from sim.suites.stream_changes import MovedOrigin
+from sim.suites.suite import SuitePart, Suite, claims
+from sim.verdicts import load_results
+
+
+def flat(rng: np.random.Generator, number: int) -> Scenario:
+    """A walk with the oracle through a flat of two rooms."""
+    return replace(OPEN_FLAT, seed=int(rng.integers(1000)))
+
+
+ORIGIN = SameClaims("origin", "The claims do not depend on the origin.", MovedOrigin())
+PART = SuitePart(
+    "flat", "A flat.", flat, (*claims(0.9, "labels.accuracy >= 0.8"), *claims(0.9, "floors.accuracy >= 0.9"), ORIGIN), n=4
+)
+FLAT = Suite("flat", "A flat.", (PART,), 60.0)
+
+
+class Oracle(Lexis):
+    """LEXIS with the encoder that is told the truth."""
+
+    def __init__(self):
+        super().__init__("oracle")
+
+
+class FloorsByHeight(OdometryOnly):
+    """Claims floors by the absolute height in the odometry frame."""
+
+    def finish(self):
+        claims = super().finish()
+        return replace(claims, floors=np.floor(claims.T_W_B[:, 2, 3] / 3.0).astype(int).clip(0))
+
+
+class Broken(OdometryOnly):
+    """Raises an exception at the 20th observation."""
+
+    def process(self, observation):
+        if observation.index == 20:
+            raise RuntimeError("lost")
+        super().process(observation)
+
+
+def outcomes(report):
+    return {verdict.check: verdict.outcome for verdict in report.verdicts}
+
+
+def test_a_good_slam_passes():
+    report = check_slam(Oracle, FLAT)
+    assert report.ok and len(report.results) == 4
+    assert set(outcomes(report).values()) == {"undecided"}  # four houses cannot show a rate of 0.9
+
+
+def test_what_a_slam_does_not_claim_is_not_judged():
+    report = check_slam(OdometryOnly, FLAT)
+    assert outcomes(report)["labels.accuracy >= 0.8"] == "not claimed" and report.ok
+
+
+def test_a_bug_that_no_figure_shows_is_found_by_a_law():
+    report = check_slam(FloorsByHeight, FLAT, stop_at_failure=True)
+    assert [verdict.check for verdict in report.failed] == ["origin"]
+    assert len(report.examined) == 1  # one failure of an exact law decides
+    assert "floors 0" in str(report)
+
+
+def test_a_crash_fails_the_suite():
+    report = check_slam(Broken, FLAT, stop_at_failure=True)
+    assert [verdict.check for verdict in report.failed] == [COMPLETES]
+    assert "RuntimeError: lost" in str(report)
+
+
+def test_the_findings_do_not_depend_on_the_number_of_processes():
+    few = replace(FLAT, parts=(replace(PART, n=2),))
+    one, two = (check_slam(GeometricRooms, few, workers=workers) for workers in (1, 2))
+    assert one.data() == two.data()
+
+
+def test_parts_take_turns_and_draws_do_not_depend_on_other_parts():
+    other = replace(PART, name="other", n=2)
+    jobs = jobs_of(Suite("two", "", (PART, other), 0.0), seed=3)
+    assert [(job.part.name, job.number) for job in jobs[:4]] == [("flat", 0), ("other", 0), ("flat", 1), ("other", 1)]
+    alone = jobs_of(FLAT, seed=3)
+    assert [scenario_of(job) for job in jobs if job.part is PART] == [scenario_of(job) for job in alone]
+
+
+def test_limits_can_be_set_by_figure():
+    strict = FLAT.with_limits({"labels.accuracy": 1.1})
+    assert outcomes(check_slam(Oracle, strict, stop_at_failure=True))["labels.accuracy >= 1.1"] == "fails"
+    with pytest.raises(SimError, match=r"suite flat: has no claim about 'labels.acuracy' \(did you mean .*valid: floors"):
+        FLAT.with_limits({"labels.acuracy": 0.5})
+
+
+def test_the_smallest_failure_of_a_law_fails_by_it_as_well():
+    reduction = smallest_failure(ORIGIN, OPEN_FLAT, FloorsByHeight, deadline_s=30.0)
+    old, new = reduction.sizes
+    assert new.rooms == 1 < old.rooms and reduction.signature.what == "origin"
+
+
+def test_an_unknown_suite_is_refused():
+    with pytest.raises(SimError, match=r"unknown suite 'open-plane' \(did you mean 'open-plan'\?\)"):
+        suite_named("open-plane")
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_every_suite_can_draw_its_first_scenarios(name):
+    for part in SUITES[name].parts:
+        first = jobs_of(Suite(name, "", (part,), 0.0), seed=0)[:2]
+        assert all(isinstance(scenario_of(job), Scenario) for job in first)
+
+
+def test_the_open_plan_suite_opens_the_same_house_step_by_step():
+    jobs = jobs_of(SUITES["open-plan"], seed=0)[: len(OPENNESS)]
+    specs = [scenario_of(job).house for job in jobs]
+    assert len({tuple(room.id for room in spec.storeys[0].rooms) for spec in specs}) == 1
+    assert len({spec.to_json() for spec in specs}) == len(OPENNESS)
+
+
+def test_all_checks_of_a_suite_have_different_names():
+    for suite in SUITES.values():
+        for part in suite.parts:
+            names = [check.name for check in part.checks]
+            assert len(names) == len(set(names)), part.name
+
+
+def test_every_law_says_what_it_demands():
+    for law in LAWS.values():
+        assert law.says.endswith(".") and 0.5 < law.rate <= ALWAYS
+
+
+def test_an_iterator_that_is_closed_early_stops_its_processes():
+    found = examinations(jobs_of(FLAT, seed=0), OdometryOnly, workers=2)
+    assert next(found).number == 0
+    found.close()
+
+
+def test_slam_checks_makes_an_item_for_every_check():
+    test = slam_checks(OdometryOnly, suite=FLAT, expected_failures={"flat: origin": "for the test"})
+    (mark,) = test.pytestmark
+    names = [parameter.id for parameter in mark.args[1]]
+    assert names == [
+        "flat: the run completes",
+        "flat: labels.accuracy >= 0.8",
+        "flat: floors.accuracy >= 0.9",
+        "flat: origin",
+    ]
+    with pytest.raises(SimError, match=r"no check 'flat: orign' \(did you mean 'flat: origin'\?\)"):
+        slam_checks(OdometryOnly, suite=FLAT, expected_failures={"flat: orign": "a typing error"})
+
+
+test_oracle = slam_checks(Oracle, suite=replace(FLAT, parts=(replace(PART, n=1),)))
+"""The ready test, used as a user would."""
+
+test_floors_by_height = slam_checks(
+    FloorsByHeight, suite=replace(FLAT, parts=(replace(PART, n=1),)), expected_failures={"flat: origin": "absolute heights"}
+)
+
+
+def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(vars(__import__("sim.suites.catalogue", fromlist=["x"])), "SUITES", {"flat": FLAT})
+    slam = ["--slam", "sim.harness.adapters:GeometricRooms", "--workers", "1"]
+    assert main(["check", "--suite", "flat", *slam, "--json", str(tmp_path / "all.json")]) == 0
+    assert "undecided     4 of 4   flat: the run completes" in capsys.readouterr().out
+    assert len(load_results(tmp_path / "all.json")) == 4
+    assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
+    assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
+    assert "failed: flat: floors.accuracy >= 1.1 in 0 of 2 houses" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--suite", "flats"], "unknown suite 'flats'"),
+        (["--suite", "homes", "--preset", "ori"], "--preset is given beside --suite"),
+        (["--suite", "homes", "--fails", "rooms.pq < 1"], "--fails is given beside --suite"),
+        (["--suite", "homes", "--command", "x {dataset} {out}"], "--suite needs a SLAM in Python"),
+        (["--suite", "homes", "--limit", "rooms.qp=1"], "has no claim about 'rooms.qp'"),
+        (["-x"], "--exitfirst is for suites; valid: with --suite"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(options, message, capsys):
+    assert main(["check", *options]) == 2
+    assert message in capsys.readouterr().err
