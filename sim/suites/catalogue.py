@@ -12,7 +12,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
 from sim.suites.laws import LAWS
-from sim.suites.suite import SuitePart, Suite, claims
+from sim.suites.suite import Suite, SuitePart, claims
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
 from worlds.variant import variant

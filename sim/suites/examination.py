@@ -18,7 +18,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from sim.suites.checks import Check, CheckFinding, Examined, NewSlam
-from sim.suites.suite import SuitePart, Suite
+from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
 
 COMPLETES = "the run completes"

@@ -16,7 +16,7 @@ from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES, Job
 from sim.suites.report import SEED, verdict_of
-from sim.suites.suite import SuitePart, Suite
+from sim.suites.suite import Suite, SuitePart
 from worlds.valid_names import did_you_mean
 
 if TYPE_CHECKING:

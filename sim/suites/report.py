@@ -9,7 +9,7 @@ from typing import Any, Literal
 from sim.harness.results import RunResult
 from sim.suites.checks import ALWAYS, NewSlam
 from sim.suites.examination import COMPLETES, Examination, Job, examinations, jobs_of
-from sim.suites.suite import SuitePart, Suite
+from sim.suites.suite import Suite, SuitePart
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.95

@@ -19,7 +19,7 @@ from sim.suites.pytest_items import slam_checks
 from sim.suites.report import check_slam
 from sim.suites.smallest import smallest_failure
 from sim.suites.stream_changes import MovedOrigin
-from sim.suites.suite import SuitePart, Suite, claims
+from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
 
 
