@@ -58,7 +58,7 @@ ODOMETRY_PRESETS = {
     "openvins": _preset(0.012, 0.17, 0.001, 0.001, 0.007, 0.38),
 }
 """Presets of the odometry by name. The table shows, for tours of 100 m, the mean relative pose errors over 8, 24 and 48 m of
-path and the ATE (absolute trajectory error). All values are averages over runs, which a test checks:
+path and the ATE (absolute trajectory error). All values are averages over runs; a test checks the relative pose errors:
 
 ============  =================  =================  =================  ========
 preset        8 m                24 m               48 m               ATE
