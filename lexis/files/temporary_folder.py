@@ -44,7 +44,8 @@ def temporary_folder(place: Path) -> Iterator[Path]:
 def remove_abandoned(place: Path) -> None:
     """Remove the temporary folders that killed processes left in `place`.
 
-    If a killed process had moved old content into its temporary folder and the target is missing, the content is moved back.
+    A process that replaces a file first moves the old content into its temporary folder. If it was killed before the new
+    content was in place, the old content is moved back.
     """
     with suppress(OSError):
         for folder in place.iterdir():

@@ -54,7 +54,7 @@ class HousePair:
     baseline: tuple[float, float]
     """Label accuracy before refinement."""
     pq: tuple[float, float]
-    """Panoptic quality of rooms."""
+    """Panoptic quality of rooms: on rendered images, on features."""
 
 
 @dataclass(frozen=True)

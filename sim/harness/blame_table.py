@@ -171,7 +171,7 @@ def _judged(substitution: Substitution, test: FailureTest, signature: Signature 
 
 
 def without_clutter(spec: HouseSpec) -> HouseSpec:
-    """Remove the pieces of furniture whose sides are all at most `SMALL_M` long. The house has to list its furniture."""
+    """Remove the pieces of furniture whose sides are all at most `SMALL_M` long. The spec has to list all furniture."""
     pieces = [piece for storey in spec.storeys for piece in storey.furniture or ()]
     return keep_furniture(spec, {piece.id for piece in pieces if max(piece.size_m) > SMALL_M})
 

@@ -58,7 +58,8 @@ class Execution:
     def tested(self) -> "Scenario | None":
         """The scenario in which the test was executed.
 
-        For a test that is not decorated, it is the scenario of its last run; None if the SLAM was not started in it.
+        A test without the decorator `worlds` may start several runs. The result is then the scenario of the last run, or
+        None if the SLAM was not started in that run.
         """
         if self.world is not None:
             return self.scenario

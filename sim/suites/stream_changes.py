@@ -10,11 +10,19 @@ from typing import Protocol
 
 import numpy as np
 
-from lexis.maths.se3 import exp
-from lexis.types import Camera, Observation, Pose
+from lexis.config import VerificationConfig
+from lexis.maths.se3 import between, exp
+from lexis.pose_graph import PoseGraph
+from lexis.types import Camera, Keyframe, LoopEdge, Observation, Pose
+from lexis.verification import Verifier
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
+
+_SURE = np.repeat([0.01, 0.04], 3) ** 2
+"""Variances that a false loop states, as small as those of a true loop: rotation, then translation [rad², m²]."""
+_INLIERS = 40
+"""Number of inliers that a false loop states."""
 
 
 class StreamChange(Protocol):
@@ -26,6 +34,10 @@ class StreamChange(Protocol):
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
         """Yield what the SLAM gets in place of the observation with this number, counted from 0."""
+        ...
+
+    def features(self, features: FeatureInput) -> FeatureInput:
+        """Return what takes the place of images in runs on features."""
         ...
 
 
@@ -40,6 +52,10 @@ class Nothing:
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
         """Yield the observation unchanged."""
         yield observation
+
+    def features(self, features: FeatureInput) -> FeatureInput:
+        """Return the input unchanged."""
+        return features
 
 
 @dataclass(frozen=True)
@@ -116,6 +132,46 @@ class MoreNames(Nothing):
         return (*room_names, *self.more)
 
 
+@dataclass(frozen=True)
+class FalseLoops(Nothing):
+    """Loop verification confirms some loops with a wrong relative pose, as it does where two places look alike.
+
+    SLAM systems that verify loops on their own are not affected.
+    """
+
+    share: float = 0.1
+    """Share of the keyframes with loop candidates that get a false loop."""
+    error_m: float = 2.0
+    """Distance by which the relative pose of a false loop is wrong [m]."""
+    seed: int = 0
+
+    def features(self, features: FeatureInput) -> FeatureInput:
+        """Return the input with a verifier that makes mistakes."""
+        return replace(features, verifier=_Mistaken(features.verifier, self))
+
+
+@dataclass(frozen=True, eq=False)
+class _Mistaken:
+    """A loop verifier that adds false loops to those of another verifier."""
+
+    verifier: Verifier
+    mistakes: FalseLoops
+
+    def __call__(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> list[LoopEdge]:
+        """Return the confirmed loops, and for some queries one more that is wrong."""
+        edges = self.verifier(query, candidates, graph, camera, config)
+        rng = np.random.default_rng((self.mistakes.seed, query.id))
+        if not candidates or rng.random() >= self.mistakes.share:
+            return edges
+        match = int(rng.choice(list(candidates)))
+        wrong = between(graph.T_W_B[match], graph.T_W_B[query.id])
+        angle = rng.uniform(0.0, 2.0 * np.pi)
+        wrong[:2, 3] += self.mistakes.error_m * np.array([np.cos(angle), np.sin(angle)])
+        return [*edges, LoopEdge(query.id, match, wrong, np.diag(_SURE), _INLIERS)]
+
+
 class ChangedStream:
     """A SLAM behind a change of its input. It claims what the SLAM claims, about the unchanged observations."""
 
@@ -159,7 +215,7 @@ class ChangedFeatureStream(ChangedStream):
         if not isinstance(self._slam, AcceptsFeatures):
             raise SimError("SLAM under test: has no method start_on_features(); valid: ChangedStream")
         renumbered = features.renumbered(lambda index: self._given[index])
-        self._slam.start_on_features(camera, self._change.names(room_names), renumbered)
+        self._slam.start_on_features(camera, self._change.names(room_names), self._change.features(renumbered))
 
 
 def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:

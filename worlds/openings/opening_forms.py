@@ -217,5 +217,5 @@ FORMS: dict[str, Callable[[Task], Gaps | None]] = {
 }
 """All forms of opening a partition, by name; the forms that people build most often come first."""
 STYLES = {"open": (0.5, 0.85), "arch": (0.2, 0.5), "cased": (0.2, 0.5), "half wall": (0.5, 0.75), "counter": (0.1, 0.3)}
-"""Names of the forms from which one is drawn for a partition, to be tried first. Each has a range (low, high) from which
-the share of the partition's area that it opens is drawn."""
+"""Forms of openings, by name. For each partition, one form is drawn at random and tried before the others. The values
+(low, high) are the range of the share of the partition's area that the form opens."""

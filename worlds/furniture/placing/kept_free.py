@@ -14,7 +14,8 @@ OPENING_DEPTH_M = 0.9
 OPENING_MARGIN_M = 0.15
 """Width by which the free floor in front of a passage extends beyond the passage on each side [m]."""
 PASSAGE_M = 1.3
-"""Greatest width that stays free at an opening [m]. A wider opening stays free at the end nearer to another passage."""
+"""Greatest width of an opening that is kept free of furniture [m]. Of a wider opening, only a stretch of this width is kept
+free, at the end that is nearer to another passage."""
 SIGHT_DEPTH_M = 0.35
 """Depth of the space in front of a window, half wall or counter that stays free above the sill [m]."""
 _SWING_MARGIN_M = 0.06
