@@ -65,8 +65,8 @@ def outcomes(report):
 
 def test_a_good_slam_passes():
     report = check_slam(Oracle, FLAT)
-    assert report.ok and len(report.results) == 4
-    assert set(outcomes(report).values()) == {"undecided"}  # four houses cannot show a rate of 0.9
+    assert report.ok and len(report.results) == 2
+    assert set(outcomes(report).values()) == {"undecided"}  # two houses cannot show a rate of 0.9
 
 
 def test_what_a_slam_does_not_claim_is_not_judged():
@@ -88,8 +88,7 @@ def test_a_crash_fails_the_suite():
 
 
 def test_the_findings_do_not_depend_on_the_number_of_processes():
-    few = replace(FLAT, parts=(replace(PART, n=2),))
-    one, two = (check_slam(GeometricRooms, few, workers=workers) for workers in (1, 2))
+    one, two = (check_slam(GeometricRooms, FLAT, workers=workers) for workers in (1, 2))
     assert one.data() == two.data()
 
 
@@ -119,10 +118,10 @@ def test_an_unknown_suite_is_refused():
         suite_named("open-plane")
 
 
-@pytest.mark.parametrize("name", SUITES)
+@pytest.mark.parametrize("name", [name for name in SUITES if name != "pr"])
 def test_every_suite_can_draw_its_first_scenarios(name):
     for part in SUITES[name].parts:
-        first = jobs_of(Suite(name, "", (part,), 0.0), seed=0)[:2]
+        first = jobs_of(Suite(name, "", (part,), 0.0), seed=0)[:1]
         assert all(isinstance(scenario_of(job), Scenario) for job in first)
 
 
@@ -177,8 +176,8 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(vars(__import__("sim.suites.catalogue", fromlist=["x"])), "SUITES", {"flat": FLAT})
     slam = ["--slam", "sim.harness.adapters:GeometricRooms", "--workers", "1"]
     assert main(["check", "--suite", "flat", *slam, "--json", str(tmp_path / "all.json")]) == 0
-    assert "undecided     4 of 4   flat: the run completes" in capsys.readouterr().out
-    assert len(load_results(tmp_path / "all.json")) == 4
+    assert "undecided     2 of 2   flat: the run completes" in capsys.readouterr().out
+    assert len(load_results(tmp_path / "all.json")) == 2
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
     assert "failed: flat: floors.accuracy >= 1.1 in 0 of 2 houses" in capsys.readouterr().err
