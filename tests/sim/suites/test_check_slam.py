@@ -30,7 +30,7 @@ def flat(rng: np.random.Generator, number: int) -> Scenario:
 
 ORIGIN = SameClaims("origin", "The claims do not depend on the origin.", MovedOrigin())
 PART = SuitePart(
-    "flat", "A flat.", flat, (*claims(0.9, "labels.accuracy >= 0.8"), *claims(0.9, "floors.accuracy >= 0.9"), ORIGIN), n=4
+    "flat", "A flat.", flat, (*claims(0.9, "labels.accuracy >= 0.8"), *claims(0.9, "floors.accuracy >= 0.9"), ORIGIN), n=2
 )
 FLAT = Suite("flat", "A flat.", (PART,), 60.0)
 
