@@ -5,9 +5,8 @@ must not matter, or that may only help (metamorphic testing; Chen et al., "Metam
 opportunities", ACM Computing Surveys 51, 2018). Each law states its tolerance, and why it needs one.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from sim.errors import SimError
@@ -125,8 +124,8 @@ class SimilarFigures:
     says: str
     change: Callable[[Scenario], Scenario]
     """Returns the changed scenario. Raises `SimError` or `WorldsError` where the change is impossible."""
-    tolerances: Mapping[str, float]
-    """By figure, how much worse it may be after the change."""
+    tolerances: tuple[tuple[str, float], ...]
+    """For each figure, how much worse it may be after the change."""
     both_ways: bool = True
     """Whether a figure may not be better by more than the tolerance, either, because the change is neutral."""
     rate: float = 0.7
@@ -140,7 +139,7 @@ class SimilarFigures:
             return CheckFinding(None, f"the change is impossible: {error}")
         pairs = {
             name: (before, after)
-            for name in self.tolerances
+            for name, _ in self.tolerances
             if (before := base.result[name]) is not None and (after := second[name]) is not None
         }
         if not pairs:
@@ -150,12 +149,8 @@ class SimilarFigures:
 
     def _within(self, name: str, before: float, after: float) -> bool:
         worse = after - before if name.startswith(_SMALLER_IS_BETTER) else before - after
-        return worse <= self.tolerances[name] and (not self.both_ways or -worse <= self.tolerances[name])
-
-
-def frozen(**tolerances: float) -> Mapping[str, float]:
-    """Make a read-only mapping of tolerances; a double underscore in a name stands for a dot."""
-    return MappingProxyType({name.replace("__", "."): value for name, value in tolerances.items()})
+        tolerance = dict(self.tolerances)[name]
+        return worse <= tolerance and (not self.both_ways or -worse <= tolerance)
 
 
 def _written(found: ClaimAgreement) -> str:

@@ -1,6 +1,7 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
 import multiprocessing
+import pickle
 from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -101,12 +102,24 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
     if workers == 1 or len(jobs) == 1:
         yield from (examine(job, new_slam) for job in jobs)
         return
+    _check_picklable(new_slam)
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
     pool = ProcessPoolExecutor(workers, context)
     try:
         yield from pool.map(examine, jobs, [new_slam] * len(jobs))
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _check_picklable(new_slam: NewSlam) -> None:
+    try:
+        pickle.dumps(new_slam)
+    except Exception as error:  # whatever a user's object raises
+        reason = one_line(f"{type(error).__name__}: {error}", 160)
+        raise SimError(
+            f"the SLAM cannot be sent to other processes: {reason}; valid: a class or function at the top of a module, "
+            "or one process (workers=1)"
+        ) from None
 
 
 def _examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:

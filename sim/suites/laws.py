@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from sim.harness.parts import house_spec, tour_config
 from sim.harness.scenario import Scenario
-from sim.suites.checks import SameClaims, SimilarFigures, frozen
+from sim.suites.checks import SameClaims, SimilarFigures
 from sim.suites.stream_changes import (
     FalseLoops,
     MoreNames,
@@ -22,7 +22,7 @@ from sim.suites.stream_changes import (
 )
 from worlds.variant import variant
 
-_NEUTRAL = frozen(labels__accuracy=0.2, floors__accuracy=0.1, trajectory__ate_m=0.15)
+_NEUTRAL = (("labels.accuracy", 0.2), ("floors.accuracy", 0.1), ("trajectory.ate_m", 0.15))
 """Tolerances for a change that makes the scenario neither easier nor harder."""
 _OTHER_SEED = 77
 
@@ -142,27 +142,27 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
             "other furniture",
             "With other furniture, labels stay similar. Furniture is what tells rooms apart, so the tolerance is wide.",
             refurnished,
-            frozen(labels__accuracy=0.3, floors__accuracy=0.1, trajectory__ate_m=0.15),
+            (("labels.accuracy", 0.3), ("floors.accuracy", 0.1), ("trajectory.ate_m", 0.15)),
         ),
         SimilarFigures(
             "one more storey",
             "With one more storey on top, labels and floors are hardly worse. The new rooms have furniture of their own.",
             taller,
-            frozen(labels__accuracy=0.25, floors__accuracy=0.1),
+            (("labels.accuracy", 0.25), ("floors.accuracy", 0.1)),
             both_ways=False,
         ),
         SimilarFigures(
             "daylight",
             "By daylight, labels are not worse than in the dark.",
             in_daylight,
-            frozen(labels__accuracy=0.1, trajectory__ate_m=0.1),
+            (("labels.accuracy", 0.1), ("trajectory.ate_m", 0.1)),
             both_ways=False,
         ),
         SimilarFigures(
             "no drift",
             "With odometry that has no error, the trajectory is not worse. Wrong loop closures may still bend it a little.",
             without_drift,
-            frozen(trajectory__ate_m=0.02, labels__accuracy=0.1),
+            (("trajectory.ate_m", 0.02), ("labels.accuracy", 0.1)),
             both_ways=False,
             rate=0.9,
         ),
@@ -170,13 +170,13 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
             "more frames",
             "Twice the frames per second on the same tour give similar figures. Keyframes fall on other places.",
             with_more_frames,
-            frozen(labels__accuracy=0.15, floors__accuracy=0.1, trajectory__ate_m=0.15),
+            (("labels.accuracy", 0.15), ("floors.accuracy", 0.1), ("trajectory.ate_m", 0.15)),
         ),
         SimilarFigures(
             "second lap",
             "A tour of twice the length does not make the map worse: it visits the same rooms again.",
             twice_as_long,
-            frozen(labels__accuracy=0.15, rooms__pq=0.25, trajectory__ate_m=0.15),
+            (("labels.accuracy", 0.15), ("rooms.pq", 0.25), ("trajectory.ate_m", 0.15)),
             both_ways=False,
         ),
     )

@@ -1,6 +1,7 @@
 """`check_slam` gives verdicts about any SLAM: they follow from the findings, and bugs are found."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -197,3 +198,14 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
 def test_options_that_do_not_go_together_are_refused(options, message, capsys):
     assert main(["check", *options]) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_every_scenario_of_a_suite_can_be_sent_to_another_process(name):
+    for job in jobs_of(SUITES[name].with_size(0.01), seed=0):
+        assert pickle.loads(pickle.dumps(job)) == job
+
+
+def test_a_slam_that_cannot_be_sent_to_another_process_is_refused_at_once():
+    with pytest.raises(SimError, match=r"cannot be sent to other processes: .* valid: a class or function at the top"):
+        check_slam(lambda: OdometryOnly(), FLAT, workers=2)
