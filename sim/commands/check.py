@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from sim.harness import Claim, RunResult
     from sim.harness.crash import Crash
 
+OUT_HELP = "folder for the result and its report; with --suite, for the smallest failing scenarios (default: none)"
 FAILS_HELP = 'when the check fails, such as "labels.accuracy < 0.7"; may be repeated. A figure that is null fails too'
 
 
@@ -31,7 +32,12 @@ def add_to(commands: Commands) -> None:
     add_slam(check)
     add_suite(check)
     check.add_argument("--fails", action="append", default=[], metavar="FIGURE", help=FAILS_HELP)
-    check.add_argument("--out", type=folder, metavar="DIR", help="folder for the result and its report (default: none)")
+    check.add_argument(
+        "--out",
+        type=folder,
+        metavar="DIR",
+        help=OUT_HELP,
+    )
 
 
 def _check(arguments: argparse.Namespace) -> int:

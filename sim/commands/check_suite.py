@@ -11,6 +11,7 @@ from lexis.files.replace import replaced_file
 from sim.commands.run import progress_bar
 from sim.commands.slams import slam_factory
 from sim.errors import SimError
+from sim.harness.world_tests import slug_of
 
 if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
@@ -23,7 +24,6 @@ LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
 _OPTIONS = ("exitfirst", "json", "limit", "picture", "workers")
-_EXAMPLES = 3
 _MOST_WORKERS = 256
 
 
@@ -67,7 +67,10 @@ def run_suite(arguments: argparse.Namespace) -> int:
     if arguments.picture is not None:
         with replaced_file(arguments.picture) as beside:
             beside.write_text(openness_chart(report, workers))
-    print(*map(_failure, report.failed), sep="\n", end="\n" if report.failed else "", file=sys.stderr)
+    for verdict in report.failed:
+        print(f"failed: {verdict}", file=sys.stderr)
+    if arguments.out is not None:
+        _write_failures(report, new_slam, arguments.out)
     return 0 if report.ok else 1
 
 
@@ -76,12 +79,18 @@ def _line(verdict: "CheckVerdict") -> str:
     return f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} {verdict.name}"
 
 
-def _failure(verdict: "CheckVerdict") -> str:
-    """One line about a failed check, and a line for each of the first scenarios in which it fails."""
-    lines = [f"failed: {verdict.name} {verdict.verdict}"]
-    for each in verdict.failures[:_EXAMPLES]:
-        lines.append(f"  scenario {each.number}: {each.findings[verdict.check].measured}")
-    return "\n".join(lines)
+def _write_failures(report: "SuiteReport", new_slam: "NewSlam", out: Path) -> None:
+    """Write the smallest scenario in which each failed check fails, and print how to run it."""
+    from sim.suites.smallest import smallest_failure
+
+    for verdict in report.failed:
+        checks = {check.name: check for part in report.suite.parts if part.name == verdict.part for check in part.checks}
+        reduction = smallest_failure(checks.get(verdict.check), verdict.failures[0].scenario, new_slam)
+        file = out / f"{slug_of(verdict.name)}.json"
+        out.mkdir(parents=True, exist_ok=True)
+        reduction.scenario.save(file)
+        old, new = reduction.sizes
+        print(f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m: {file}")
 
 
 def _write_json(report: "SuiteReport", path: Path) -> None:
@@ -104,7 +113,6 @@ def _refuse_scenario_options(arguments: argparse.Namespace) -> None:
     given = [n for n, value in arguments.defaults_of_a_run.items() if n != "seed" and getattr(arguments, n) != value]
     given += ["scenario"] if arguments.scenario is not None else []
     given += ["fails"] if arguments.fails else []
-    given += ["out"] if arguments.out is not None else []
     if given:
         option = f"--{given[0].replace('_', '-')}"
         raise SimError(f"{option} is given beside --suite; valid: one of the two, since a suite has scenarios of its own")

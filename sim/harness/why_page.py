@@ -1,5 +1,6 @@
 """The page why.md of a failure: what fails, where the run first went wrong, what mends it, and how to replay it."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -57,13 +58,16 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
     return _page(head, wrong_frame_page(smallest.run, figure), _search_sections(reduction, blamed, figure), _WHOLE_RUN)
 
 
-def failed_test_page(name: str, run: Run, reduction: Reduction | None, blamed: BlameTable | None) -> Page:
+def failed_test_page(
+    name: str, run: Run, figure: str | None, reduction: Reduction | None, blamed: BlameTable | None
+) -> Page:
     """Make the page about a test that fails.
 
+    `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
     `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
     failure.
     """
-    return _page([f"# {name} fails"], wrong_frame_page(run), _search_sections(reduction, blamed), _WHOLE_RUN)
+    return _page([f"# {name} fails"], wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:
@@ -198,7 +202,12 @@ def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:
     yield "|---|---|---|"
     for name, old, new in zip(ScenarioSize._fields, before, after, strict=True):
         if name not in _RANKED and (old or new):
-            yield f"| {_UNITS.get(name, name)} | {old:g} | {new:g} |"
+            yield f"| {_UNITS.get(name, name)} | {_size(old)} | {_size(new)} |"
+
+
+def _size(value: object) -> str:
+    """A size as text; an infinite length stands for a tour as long as the house needs."""
+    return "as long as needed" if value == math.inf else f"{value:g}"
 
 
 def _number(value: float | None) -> str:

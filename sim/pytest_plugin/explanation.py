@@ -1,5 +1,6 @@
 """What pytest shows of a failure: what failed, where it first went wrong, the folder of the failure, and the replay."""
 
+import re
 import shlex
 from os.path import relpath
 from pathlib import Path
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from sim.harness.crash import Crash
     from sim.harness.failed_test import FinishedRun, Search
     from sim.harness.scenario import Scenario
+
+_FIGURE = re.compile(r"\b((?:labels|rooms|floors|loops|trajectory)\.\w+)")
+"""The dotted name of a figure in a statement, whatever the test calls its result."""
 
 
 def add_text(item: pytest.Item, execution: Execution, report: pytest.TestReport, search: "Search | None" = None) -> None:
@@ -46,7 +50,7 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
         lines.append("note: a figure is None if the SLAM makes no claim that it could be computed from")
     try:
         outcome = _outcome(execution, scenario)
-        place = _first_wrong(outcome)
+        place = _first_wrong(outcome, _figure(execution))
         lines += [f"first wrong: {place}"] if place else []
         folder = _folder(item, execution, outcome, search)
     except Exception as problem:  # whatever it is, the failure of the test must not be lost
@@ -58,14 +62,20 @@ def _lines(item: pytest.Item, execution: Execution, scenario: "Scenario", search
     return [*lines, f"folder: {shown}", f"replay: {command}"]
 
 
-def _first_wrong(outcome: "FinishedRun | Crash") -> str:
-    """Room and time of the first error; "" if nothing is known about them."""
+def _figure(execution: Execution) -> str | None:
+    """The figure in the failing statement, such as "floors.accuracy" in "assert run.floors.accuracy > 0.9"; None without."""
+    found = None if execution.failure is None else _FIGURE.search(execution.failure.statement)
+    return found and found[1]
+
+
+def _first_wrong(outcome: "FinishedRun | Crash", figure: str | None) -> str:
+    """Room and time of the first error that the figure counts; "" if nothing is known about them."""
     from sim.harness.crash import Crash
     from sim.harness.first_wrong import crash_frame, first_wrong
     from sim.harness.runner import scene_of
 
     if not isinstance(outcome, Crash):
-        return str(first_wrong(outcome.run) or "")
+        return str(first_wrong(outcome.run, figure) or "")
     return "" if outcome.done is None else str(crash_frame(scene_of(outcome.scenario), outcome.done))
 
 
@@ -82,7 +92,7 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
     replayed = _replayed(item, execution)
     if replayed is not None and replayed.parent.name == folder.name:
         return replayed.parent
-    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search)
+    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search, _figure(execution))
     return folder
 
 

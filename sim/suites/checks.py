@@ -154,6 +154,8 @@ class SimilarFigures:
 
 
 def _written(found: ClaimAgreement) -> str:
+    """Write an agreement in one line: the shares that agree, and how far apart the positions are."""
     shares = {name: getattr(found, name) for name in ("frames", "labels", "rooms", "floors", "loops")}
-    text = ", ".join(f"{name} {share:.3g}" for name, share in shares.items() if share is not None)
-    return text if found.position_m is None else f"{text}, positions within {found.position_m:.2g} m"
+    text = ", ".join(f"{share:.1%} of the {name}" for name, share in shares.items() if share is not None)
+    apart = "" if found.position_m is None else f"; positions differ by up to {found.position_m:.2g} m"
+    return f"the run on the changed input agrees on {text}{apart}"

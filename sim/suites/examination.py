@@ -102,7 +102,7 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
     if workers == 1 or len(jobs) == 1:
         yield from (examine(job, new_slam) for job in jobs)
         return
-    _check_picklable(new_slam)
+    _check_picklable(jobs[0], new_slam)
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
     pool = ProcessPoolExecutor(workers, context)
     try:
@@ -111,15 +111,17 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
         pool.shutdown(cancel_futures=True)
 
 
-def _check_picklable(new_slam: NewSlam) -> None:
-    try:
-        pickle.dumps(new_slam)
-    except Exception as error:  # whatever a user's object raises
-        reason = one_line(f"{type(error).__name__}: {error}", 160)
-        raise SimError(
-            f"the SLAM cannot be sent to other processes: {reason}; valid: a class or function at the top of a module, "
-            "or one process (workers=1)"
-        ) from None
+def _check_picklable(job: Job, new_slam: NewSlam) -> None:
+    """Raise SimError for objects that cannot be sent to other processes; the process pool might wait for ever with them."""
+    for what, thing in (("SLAM", new_slam), ("suite", job.part)):
+        try:
+            pickle.dumps(thing)
+        except Exception as error:  # whatever a user's object raises
+            reason = one_line(f"{type(error).__name__}: {error}", 160)
+            raise SimError(
+                f"the {what} cannot be sent to other processes: {reason}; valid: classes and functions at the top of a "
+                "module, or one process (workers=1)"
+            ) from None
 
 
 def _examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:

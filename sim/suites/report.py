@@ -52,11 +52,15 @@ class CheckVerdict:
         return self.verdict.outcome if self.examined else "not claimed"
 
     def __str__(self) -> str:
+        """Part, check and verdict; if the check fails, also what it says and what it measured in the first scenarios."""
         if not self.examined:
             return f"{self.name}: not claimed"
         lines = [f"{self.name} {self.verdict}"]
-        for each in self.failures[:_EXAMPLES] if self.outcome == "fails" else ():
-            lines.append(f"    scenario {each.number} ({each.scenario.content_hash}): {each.findings[self.check].measured}")
+        if self.outcome == "fails":
+            lines.append(f"  {self.says}")
+            lines += [
+                f"  scenario {each.number}: {each.findings[self.check].measured}" for each in self.failures[:_EXAMPLES]
+            ]
         return "\n".join(lines)
 
 

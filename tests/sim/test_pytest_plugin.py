@@ -187,6 +187,37 @@ def test_failures_are_shown_stored_and_replayed(pytester, inner, monkeypatch):
     assert len(list(pytester.path.glob("kept/*"))) == 2 and not (pytester.path / ".lexis-failures").exists()
 
 
+FLOORS = """
+from dataclasses import replace
+
+class OnFloorNine(Stub):
+    def finish(self):
+        return replace(super().finish(), floors=np.full(len(self.frames), 9))
+
+@pytest.fixture
+def slam():
+    return OnFloorNine()
+
+@small
+def test_floors(run):
+    assert run.floors.accuracy > 2.0
+
+@small
+def test_positions(run):
+    assert run.trajectory.ate_m < 0.0
+"""
+
+
+def test_the_first_wrong_frame_is_wrong_for_the_figure_in_the_assertion(pytester, inner):
+    pytester.makepyfile(test_slam=SLAM + FLOORS)
+    result = inner("--no-lexis-shrink", "--lexis-out", "kept")
+    result.assert_outcomes(failed=2)
+    result.stdout.fnmatch_lines(["first wrong: in * at * s: floor 9 claimed, is on floor 0"])
+    result.stdout.fnmatch_lines(["first wrong: in * at * s: the position is * m off*"])
+    pages = [page.read_text() for page in sorted(pytester.path.glob("kept/*/why.md"))]
+    assert "floor 9 claimed" in pages[0] and "m off" in pages[1]
+
+
 DRIFTS = """
 @small
 def test_drift(run):
