@@ -18,5 +18,9 @@ class ProgramError(SimError):
         self.how, self.stderr = how, stderr
 
 
+class ClaimError(SimError):
+    """The claims of a SLAM under test are not valid: they contradict each other, or refer to frames that do not exist."""
+
+
 class GraphicsError(SimError):
     """Off-screen OpenGL is missing or failed."""

@@ -42,10 +42,11 @@ class Claim:
 
     def value(self, result: RunResult) -> float | None:
         """The figure's value in a result; None if the run cannot have it. Raises `SimError` for a name that is no figure."""
+        _check_name(self)
         try:
             value = result[self.figure]
-        except KeyError as error:
-            raise SimError(f"claim {str(self)!r}: {error.args[0]}") from None
+        except KeyError:  # a key of a mapping that this run lacks, such as a label that the house does not have
+            return None
         if value is not None and not isinstance(value, int | float):
             raise SimError(f"claim {str(self)!r}: {self.figure} is no number; valid: the name of a figure below it")
         return None if value is None else float(value)

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int
 
 from lexis.maths.se3 import is_rigid
 from lexis.types import Poses
-from sim.errors import SimError
+from sim.errors import ClaimError
 
 _NO_SECONDS: Mapping[str, float] = MappingProxyType({})
 _RIGID = 1e-3
@@ -45,8 +45,8 @@ class LoopClaims:
 class Estimate:
     """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
 
-    Raises `SimError` for claims that are not arrays of finite numbers, that differ in their number of rows, or that refer to
-    rows that do not exist; for poses that are no rigid motions; and for labels, rooms and floors below -1.
+    Raises `ClaimError` for claims that are not arrays of finite numbers, that differ in their number of rows, or that refer
+    to rows that do not exist; for poses that are no rigid motions; and for labels, rooms and floors below -1.
     """
 
     frames: Int[np.ndarray, "n"]
@@ -79,18 +79,18 @@ class Estimate:
             if (claim := getattr(self, name)) is not None:
                 _check_rows(name, claim, n, kinds, row)
         if self.T_W_B is not None and not (rigid := is_rigid(np.asarray(self.T_W_B, np.float64), _RIGID)).all():
-            raise SimError(
+            raise ClaimError(
                 f"estimate: T_W_B is no rigid motion in row {int(np.argmin(rigid))}; valid: rotation and translation"
             )
         for name in ("labels", "baseline_labels", "rooms", "floors"):
             claim = getattr(self, name)
             if claim is not None and (below := np.flatnonzero(claim < -1)).size:
                 bad = f"{name} has {claim[below[0]]} in row {below[0]}"
-                raise SimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
+                raise ClaimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
         rows += [row for query, matches in self.candidates or () for row in (query, *matches)]
         if rows and not 0 <= min(rows) <= max(rows) < n:
-            raise SimError(f"estimate: loops and candidates refer to rows {min(rows)} to {max(rows)}; valid: 0 to {n - 1}")
+            raise ClaimError(f"estimate: loops and candidates refer to rows {min(rows)} to {max(rows)}; valid: 0 to {n - 1}")
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.
@@ -105,26 +105,26 @@ class Estimate:
 
 
 def _checked_frames(frames: object) -> int:
-    """Return the number of frames. Raises `SimError` unless `frames` contains indices from 0 in ascending order."""
+    """Return the number of frames. Raises `ClaimError` unless `frames` contains indices from 0 in ascending order."""
     if not isinstance(frames, np.ndarray) or frames.dtype.kind not in "iu" or frames.ndim != 1:
-        raise SimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
+        raise ClaimError(f"estimate: frames is {_form_of(frames)}; valid: an array of whole numbers, one for each frame")
     if len(frames) == 0 or (np.diff(frames) <= 0).any() or frames[0] < 0:
-        raise SimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
+        raise ClaimError("estimate: frames must be one or more indices of observations, from 0 and ascending")
     return len(frames)
 
 
 def _check_rows(name: str, claim: object, n: int, kinds: str, row: tuple[int | None, ...]) -> None:
-    """Raise `SimError` unless a claim is an array with `n` finite rows of the given shape."""
+    """Raise `ClaimError` unless a claim is an array with `n` finite rows of the given shape."""
     wanted = "whole numbers" if kinds == "iu" else "numbers"
     if not isinstance(claim, np.ndarray) or claim.dtype.kind not in kinds or claim.ndim != 1 + len(row):
         shape = ", ".join(["n", *("any" if size is None else str(size) for size in row)])
-        raise SimError(f"estimate: {name} is {_form_of(claim)}; valid: an array of {wanted} of shape ({shape})")
+        raise ClaimError(f"estimate: {name} is {_form_of(claim)}; valid: an array of {wanted} of shape ({shape})")
     if len(claim) != n:
-        raise SimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
+        raise ClaimError(f"estimate: {name} has {len(claim)} rows; valid: {n}, one for each of the frames")
     if any(size not in (None, found) for size, found in zip(row, claim.shape[1:], strict=True)):
-        raise SimError(f"estimate: {name} has shape {claim.shape}; valid: {(n, *row)}")
+        raise ClaimError(f"estimate: {name} has shape {claim.shape}; valid: {(n, *row)}")
     if not np.isfinite(claim).all():
-        raise SimError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(claim))[0, 0])}")
+        raise ClaimError(f"estimate: {name} is not finite in row {int(np.argwhere(~np.isfinite(claim))[0, 0])}")
 
 
 def _form_of(value: object) -> str:

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float64, Int
 from lexis.errors import ObservationError
 from lexis.timing import StageTimer
 from lexis.types import Pose
-from sim.errors import SimError
+from sim.errors import ClaimError
 from sim.feature_sensor.model import MINI_FEATURES, FeatureModel, load_features
 from sim.feature_sensor.sensor import FeatureSensor
 from sim.fidelity import ORACLE
@@ -141,7 +141,8 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     """
     last = last_run()
     scenario = last.begin(scenario)
-    slam = slam or Lexis(scenario.encoder)
+    if slam is None:
+        slam = Lexis(scenario.encoder)
     check_slam_methods(slam)
     timed = StageTimer()
     with timed("house_s"):
@@ -172,7 +173,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with timed("slam_s"), last.calling_slam():
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
-        raise SimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
+        raise ClaimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
     seconds = timed.seconds | {"render_s": session.render_seconds}
     _check_estimate(estimate, given, len(walked.house.spec.room_labels))
     last.run = Run(
@@ -212,15 +213,15 @@ def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: Fea
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
-    """Raise SimError for claims about frames that the SLAM was not given, or about room names that do not exist."""
+    """Raise ClaimError for claims about frames that the SLAM was not given, or about room names that do not exist."""
     unknown = [frame for frame in estimate.frames.tolist() if frame not in given]
     if unknown:
-        raise SimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
+        raise ClaimError(f"estimate: frame {unknown[0]} is none; valid: indices of observations that the SLAM was given")
     for name in ("labels", "baseline_labels"):
         claim = getattr(estimate, name)
         if claim is not None and (beyond := np.flatnonzero(claim >= names)).size:
             bad = f"{name} has {claim[beyond[0]]} in row {beyond[0]}"
-            raise SimError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
+            raise ClaimError(f"estimate: {bad}; valid: -1 to {names - 1}, since there are {names} room names")
     columns = names if estimate.similarities is None else estimate.similarities.shape[1]
     if columns != names:
-        raise SimError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")
+        raise ClaimError(f"estimate: similarities has {columns} columns; valid: {names}, one for each room name")

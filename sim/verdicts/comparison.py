@@ -1,6 +1,7 @@
 """`compare`: are a SLAM's figures worse or better than another SLAM's on the same scenarios?
 
-Each scenario gives a pair of results, so that differences between houses cancel. No distribution of the differences is
+Each scenario gives a pair of results, so that differences between houses cancel. Scenarios with one seed, such as a house
+with several values of openness, count as one, because they are not independent. No distribution of the differences is
 assumed: a figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one
 SLAM does better, and ask whether these counts are as unequal as a fair coin hardly makes them. Several figures are compared
 at once, so p-values are corrected by Holm's method: the stated confidence is that of all verdicts together.
@@ -10,11 +11,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.stats import binomtest, bootstrap
+from scipy.stats import binom, binomtest
 
 from sim.errors import SimError
 from sim.harness.claims import Claim
@@ -24,44 +25,57 @@ from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest
 
 Change = Literal["worse", "better", "not shown to differ"]
-FIGURES: Mapping[str, int] = MappingProxyType(
+COMPLETED = "the run completed"
+"""Name of the comparison of the scenarios for which only one of the SLAMs has a result."""
+
+
+class Rule(NamedTuple):
+    """How two values of a figure are compared."""
+
+    sign: int
+    """1 if a larger figure is better, -1 if a smaller one is."""
+    tie: float
+    """Differences up to this size do not matter and count as ties."""
+
+
+FIGURES: Mapping[str, Rule] = MappingProxyType(
     {
-        "labels.accuracy": 1,
-        "rooms.pq": 1,
-        "floors.accuracy": 1,
-        "loops.recall": 1,
-        "loops.false": -1,
-        "trajectory.ate_m": -1,
-        "planning.success": 1,
+        "labels.accuracy": Rule(1, 0.002),
+        "rooms.pq": Rule(1, 0.002),
+        "floors.accuracy": Rule(1, 0.002),
+        "loops.recall": Rule(1, 0.002),
+        "loops.false": Rule(-1, 0.5),
+        "trajectory.ate_m": Rule(-1, 0.001),
+        "planning.success": Rule(1, 0.002),
+        "coverage.path_covered": Rule(1, 0.002),
     }
 )
-"""Figures that are compared by default: 1 if a larger figure is better, -1 if a smaller one is."""
-_ROUNDING = 1e-9
-"""Differences up to this size are ties: the last digits of a figure may differ from machine to machine."""
-_RESAMPLES = 2000
+"""Figures that are compared by default."""
+_Pair = tuple[RunResult, RunResult]
 
 
 @dataclass(frozen=True, eq=False)
 class FigureChange:
-    """How a figure differs between SLAM a and SLAM b, over the scenarios for which both have the figure."""
+    """How a figure differs between SLAM a and SLAM b, over independent scenarios."""
 
     name: str
-    sign: int
-    """1 if a larger figure is better, -1 if a smaller one is."""
+    rule: Rule
     a: Float64[np.ndarray, "n"]
-    """The figure of SLAM a in each scenario."""
+    """The figure of SLAM a in each scenario; NaN if its run cannot have the figure."""
     b: Float64[np.ndarray, "n"]
-    """The figure of SLAM b in each scenario."""
+    """The figure of SLAM b in each scenario; NaN if its run cannot have the figure."""
 
     @property
     def better(self) -> int:
-        """Number of scenarios in which SLAM b does better."""
-        return int((self.sign * (self.b - self.a) > _ROUNDING).sum())
+        """Number of scenarios in which SLAM b does better, or has the figure where SLAM a does not."""
+        gained = np.isnan(self.a) & ~np.isnan(self.b)
+        return int((self.rule.sign * self.changes > self.rule.tie).sum() + gained.sum())
 
     @property
     def worse(self) -> int:
-        """Number of scenarios in which SLAM b does worse."""
-        return int((self.sign * (self.b - self.a) < -_ROUNDING).sum())
+        """Number of scenarios in which SLAM b does worse, or does not have the figure where SLAM a has it."""
+        lost = np.isnan(self.b) & ~np.isnan(self.a)
+        return int((self.rule.sign * self.changes < -self.rule.tie).sum() + lost.sum())
 
     @property
     def p_value(self) -> float:
@@ -69,43 +83,38 @@ class FigureChange:
         return _coin(self.better, self.worse)
 
     @property
-    def mean_change(self) -> float:
-        """Mean of the figure of SLAM b minus that of SLAM a; NaN without scenarios."""
-        return float((self.b - self.a).mean()) if len(self.a) else float("nan")
+    def changes(self) -> Float64[np.ndarray, "k"]:
+        """Figure of SLAM b minus that of SLAM a, in ascending order, for the scenarios in which both have the figure."""
+        both = ~np.isnan(self.a) & ~np.isnan(self.b)
+        return np.sort(self.b[both] - self.a[both])
 
-    def interval(self, confidence: float) -> tuple[float, float]:
-        """Confidence interval of the mean change, by resampling the scenarios (bootstrap).
-
-        If all changes are equal, both ends are that change.
-        """
-        changes = self.b - self.a
-        if len(changes) < 2 or np.ptp(changes) <= _ROUNDING:
-            return self.mean_change, self.mean_change
-        resampled = bootstrap(
-            (changes,), np.mean, n_resamples=_RESAMPLES, confidence_level=confidence, method="percentile", rng=0
-        )
-        low, high = resampled.confidence_interval
-        return float(low), float(high)
+    def interval(self, confidence: float) -> tuple[float, float] | None:
+        """Confidence interval of the median change, which inverts the sign test; None if there are too few scenarios."""
+        changes = self.changes
+        rank = int(binom.ppf((1.0 - confidence) / 2.0, len(changes), 0.5)) if len(changes) else 0
+        if rank < 1:
+            return None
+        return float(changes[rank - 1]), float(changes[-rank])
 
 
 @dataclass(frozen=True)
 class ClaimChange:
-    """In how many scenarios a claim holds for SLAM a, for SLAM b, or for both."""
+    """In how many independent scenarios a claim holds more often for SLAM a, or more often for SLAM b."""
 
     name: str
     only_a: int
     only_b: int
-    both: int
-    neither: int
+    others: int
+    """Number of scenarios in which the claim holds as often for either SLAM."""
 
     @property
     def better(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM b alone."""
+        """Number of scenarios in which the claim holds for SLAM b rather than for SLAM a."""
         return self.only_b
 
     @property
     def worse(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM a alone."""
+        """Number of scenarios in which the claim holds for SLAM a rather than for SLAM b."""
         return self.only_a
 
     @property
@@ -118,8 +127,12 @@ class ClaimChange:
 class Comparison:
     """All changes from SLAM a to SLAM b. The confidence is that of all verdicts together."""
 
+    names: tuple[str, str]
+    """Names of the classes of both SLAMs."""
     scenarios: int
-    """Number of scenarios that both SLAMs have run."""
+    """Number of scenarios for which both SLAMs have a result."""
+    houses: int
+    """Number of independent scenarios among them."""
     figures: tuple[FigureChange, ...]
     claims: tuple[ClaimChange, ...]
     confidence: float
@@ -147,20 +160,20 @@ class Comparison:
         return tuple(name for name, verdict in self.verdicts.items() if verdict == "worse")
 
     def __str__(self) -> str:
-        header = f"{'':22} {'a':>8} {'b':>8}   {'change':<29} {'better/worse':>12}  {'p':>7}  verdict"
+        title = f"a: {self.names[0]}, b: {self.names[1]}; {self.scenarios} scenarios in {self.houses} houses"
+        confidence = f"verdicts with {self.confidence:.0%} confidence together, intervals of the median change each"
+        header = f"{'':22} {'mean a':>8} {'mean b':>8}   {'median change':<28} {'better/worse':>12}  {'p':>7}  verdict"
         rows = [self._figure_row(each) for each in self.figures] + [self._claim_row(each) for each in self.claims]
-        return "\n".join([f"{self.scenarios} scenarios, {self.confidence:.0%} confidence", header, *rows])
+        return "\n".join([title, confidence, header, *rows])
 
     def _figure_row(self, change: FigureChange) -> str:
-        if not len(change.a):
-            return f"{change.name:22} {'-':>8} {'-':>8}   no scenario in which both have the figure"
-        low, high = change.interval(self.confidence)
-        effect = f"{change.mean_change:+.3f} ({low:+.3f} to {high:+.3f})"
-        return f"{change.name:22} {change.a.mean():8.3f} {change.b.mean():8.3f}   {effect:<29} {self._counts(change)}"
+        within = change.interval(self.confidence)
+        median = f"{np.median(change.changes):+.3f}" if len(change.changes) else ""
+        effect = f"{median} ({within[0]:+.3f} to {within[1]:+.3f})" if within else median
+        return f"{change.name:22} {_mean(change.a):>8} {_mean(change.b):>8}   {effect:<28} {self._counts(change)}"
 
     def _claim_row(self, change: ClaimChange) -> str:
-        a, b = change.only_a + change.both, change.only_b + change.both
-        return f"{change.name:22} {a:8} {b:8}   {f'{b - a:+d} scenarios':<29} {self._counts(change)}"
+        return f"{change.name:42} {'':<28} {self._counts(change)}"
 
     def _counts(self, change: FigureChange | ClaimChange) -> str:
         counts = f"{change.better}/{change.worse}"
@@ -172,45 +185,49 @@ def compare(
     b: Callable[[], SlamUnderTest],
     scenarios: Iterable[Scenario],
     claims: Sequence[Claim | str] = (),
+    figures: Mapping[str, Rule] = FIGURES,
     confidence: float = 0.95,
 ) -> Comparison:
-    """Run two SLAMs on the same scenarios and compare their results.
+    """Run two SLAMs on the same scenarios and compare their results. An exception of a SLAM ends the comparison.
 
     Args:
         a: makes the SLAM to compare with, such as a class that takes no arguments.
         b: makes the SLAM that is judged.
         scenarios: the scenarios; each is run twice.
         claims: claims such as "rooms.pq >= 0.6" that are compared besides the figures.
+        figures: the figures to compare, by dotted name.
         confidence: 1 minus the largest probability that a difference is stated where there is none, in (0.5, 1).
 
     Raises:
         SimError: an argument is not valid, or a scenario cannot be run.
     """
+    wanted = _checked(claims, figures, confidence)
     pairs = [(check(scenario, a()), check(scenario, b())) for scenario in scenarios]
-    return compare_results([first for first, _ in pairs], [second for _, second in pairs], claims, confidence=confidence)
+    return compare_results([first for first, _ in pairs], [second for _, second in pairs], wanted, figures, confidence)
 
 
 def compare_results(
     a: Sequence[RunResult],
     b: Sequence[RunResult],
     claims: Sequence[Claim | str] = (),
-    figures: Mapping[str, int] = FIGURES,
+    figures: Mapping[str, Rule] = FIGURES,
     confidence: float = 0.95,
 ) -> Comparison:
-    """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair, and others are ignored.
+    """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair.
+
+    A scenario for which only one of the SLAMs has a result counts under "the run completed".
 
     Args:
         a: results of the SLAM to compare with, at most one for each scenario.
         b: results of the SLAM that is judged, at most one for each scenario.
-        claims: claims that are compared besides the figures. A claim about an unknown figure counts as one that fails.
-        figures: figures to compare by dotted name: 1 if a larger figure is better, -1 if a smaller one is.
+        claims: claims that are compared besides the figures. A claim about a null figure counts as one that fails.
+        figures: the figures to compare, by dotted name. A figure that neither SLAM has is left out.
         confidence: see `compare`.
 
     Raises:
         SimError: no scenario is common to both, a scenario occurs twice on one side, or an argument is not valid.
     """
-    if not 0.5 < confidence < 1.0:
-        raise SimError(f"compare: confidence is {confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+    wanted = _checked(claims, figures, confidence)
     first, second = _by_scenario(a), _by_scenario(b)
     common = [scenario for scenario in first if scenario in second]
     if not common:
@@ -218,23 +235,45 @@ def compare_results(
             f"compare: the results of a ({len(first)} scenarios) and of b ({len(second)}) have no scenario in common; "
             "valid: results of two SLAMs on the same scenarios"
         )
-    pairs = [(first[scenario], second[scenario]) for scenario in common]
-    parsed = [Claim.parse(claim) if isinstance(claim, str) else claim for claim in claims]
-    changes = tuple(_figure_change(name, sign, pairs) for name, sign in figures.items())
-    return Comparison(len(pairs), changes, tuple(_claim_change(claim, pairs) for claim in parsed), confidence)
+    groups: dict[int, list[_Pair]] = {}
+    for scenario in common:
+        groups.setdefault(first[scenario].seed, []).append((first[scenario], second[scenario]))
+    houses = list(groups.values())
+    changes = (_figure_change(name, rule, houses) for name, rule in figures.items())
+    completed = ClaimChange(COMPLETED, len(first) - len(common), len(second) - len(common), len(common))
+    return Comparison(
+        (a[0].slam, b[0].slam),
+        len(common),
+        len(houses),
+        tuple(change for change in changes if not np.isnan([*change.a, *change.b]).all()),
+        (completed, *(_claim_change(claim, houses) for claim in wanted)),
+        confidence,
+    )
 
 
-def _figure_change(name: str, sign: int, pairs: Sequence[tuple[RunResult, RunResult]]) -> FigureChange:
-    claim = Claim.parse(f"{name} >= 0")  # checks the name
-    values = [(claim.value(a), claim.value(b)) for a, b in pairs]
-    known = np.array([(x, y) for x, y in values if x is not None and y is not None], float).reshape(-1, 2)
-    return FigureChange(name, sign, known[:, 0], known[:, 1])
+def _checked(claims: Sequence[Claim | str], figures: Mapping[str, Rule], confidence: float) -> list[Claim]:
+    """Return the claims, each once. Raises SimError for a claim, a figure or a confidence that is not valid."""
+    if not 0.5 < confidence < 1.0:
+        raise SimError(f"compare: confidence is {confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+    for name in figures:
+        Claim.parse(f"{name} >= 0")
+    return list(dict.fromkeys(Claim.parse(claim) if isinstance(claim, str) else claim for claim in claims))
 
 
-def _claim_change(claim: Claim, pairs: Sequence[tuple[RunResult, RunResult]]) -> ClaimChange:
-    held = [(claim.outcome(a) == "holds", claim.outcome(b) == "holds") for a, b in pairs]
-    counts = [held.count(case) for case in ((True, False), (False, True), (True, True), (False, False))]
-    return ClaimChange(str(claim), *counts)
+def _figure_change(name: str, rule: Rule, houses: Sequence[Sequence[_Pair]]) -> FigureChange:
+    claim = Claim(name, ">=", 0.0)
+
+    def values(side: int) -> Float64[np.ndarray, "n"]:
+        found = ([value for pair in house if (value := claim.value(pair[side])) is not None] for house in houses)
+        return np.array([np.mean(each) if each else np.nan for each in found], float)
+
+    return FigureChange(name, rule, values(0), values(1))
+
+
+def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChange:
+    counts = [[sum(claim.outcome(pair[side]) == "holds" for pair in house) for side in (0, 1)] for house in houses]
+    only_a, only_b = sum(a > b for a, b in counts), sum(b > a for a, b in counts)
+    return ClaimChange(str(claim), only_a, only_b, len(houses) - only_a - only_b)
 
 
 def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:
@@ -244,6 +283,10 @@ def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:
             raise SimError(f"compare: scenario {result.scenario} has two results on one side; valid: one result a scenario")
         found[result.scenario] = result
     return found
+
+
+def _mean(values: Float64[np.ndarray, "n"]) -> str:
+    return "-" if np.isnan(values).all() else f"{np.nanmean(values):.3f}"
 
 
 def _coin(first: int, second: int) -> float:

@@ -22,6 +22,8 @@ from sim.harness.claims import Claim
 from sim.harness.results import RunResult
 
 RateOutcome = Literal["holds", "fails", "undecided"]
+_LOWEST = 1e-9
+"""Smallest rate, and smallest distance of a rate from 1, among which confidence bounds are searched."""
 _PRIOR = 0.5
 """Both parameters of the beta distribution over rates by which the alternatives are weighted (Jeffreys' prior)."""
 
@@ -50,38 +52,40 @@ class RateVerdict:
     @property
     def outcome(self) -> RateOutcome:
         """Whether the rate is at least `p` ("holds"), below `p` ("fails"), or not yet known ("undecided")."""
-        above, below = self._log_evidence()
+        above, below = _log_evidence(self.p, self.held, self.houses - self.held)
         enough = -math.log1p(-self.confidence)
         return "holds" if above >= enough else "fails" if below >= enough else "undecided"
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Confidence interval of the rate. It covers the true rate after all houses at once with the given confidence."""
+        """Lower and upper confidence bound of the rate: the wanted rates below the first hold, those above the second fail.
+
+        Each bound is wrong after any number of houses with a probability of at most 1 - `confidence`.
+        """
         enough = -math.log1p(-self.confidence)
-        failed, share = self.houses - self.held, self.held / max(self.houses, 1)
 
-        def excess(rate: float) -> float:
-            mixture = betaln(self.held + _PRIOR, failed + _PRIOR) - betaln(_PRIOR, _PRIOR)
-            return float(mixture - xlogy(self.held, rate) - xlog1py(failed, -rate)) - enough
+        def excess(rate: float, side: int) -> float:
+            return _log_evidence(rate, self.held, self.houses - self.held)[side] - enough
 
-        low = brentq(excess, 1e-12, share) if self.held else 0.0
-        high = brentq(excess, share, 1.0 - 1e-12) if failed else 1.0
-        return float(low), float(high)
+        low, high = _LOWEST, 1.0 - _LOWEST
+        lower = 0.0 if excess(low, 0) < 0.0 else brentq(excess, low, high, args=(0,))
+        upper = 1.0 if excess(high, 1) < 0.0 else brentq(excess, low, high, args=(1,))
+        return float(lower), float(upper)
 
     def __str__(self) -> str:
         low, high = self.interval
-        rate = f"rate {low:.2f} to {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
+        rate = f"rate at least {low:.2f}, at most {high:.2f} with {self.confidence:.0%} confidence; wanted: {self.p:g}"
         return f"in {self.held} of {self.houses} houses ({rate}): {self.outcome}"
 
-    def _log_evidence(self) -> tuple[float, float]:
-        """Logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
-        a, b = self.held + _PRIOR, self.houses - self.held + _PRIOR
-        at_p = xlogy(self.held, self.p) + xlog1py(self.houses - self.held, -self.p)
-        whole = betaln(a, b) - betaln(_PRIOR, _PRIOR) - at_p
-        with np.errstate(divide="ignore"):  # data that exclude a side give it the evidence 0, whose logarithm is -inf
-            above = whole + np.log(betaincc(a, b, self.p) / betaincc(_PRIOR, _PRIOR, self.p))
-            below = whole + np.log(betainc(a, b, self.p) / betainc(_PRIOR, _PRIOR, self.p))
-        return float(above), float(below)
+
+def _log_evidence(p: float, held: int, failed: int) -> tuple[float, float]:
+    """Logarithms of the evidence for a rate above `p`, and for a rate below `p`."""
+    a, b = held + _PRIOR, failed + _PRIOR
+    whole = betaln(a, b) - betaln(_PRIOR, _PRIOR) - xlogy(held, p) - xlog1py(failed, -p)
+    with np.errstate(divide="ignore"):  # data that exclude a side give it the evidence 0, whose logarithm is -inf
+        above = whole + np.log(betaincc(a, b, p) / betaincc(_PRIOR, _PRIOR, p))
+        below = whole + np.log(betainc(a, b, p) / betainc(_PRIOR, _PRIOR, p))
+    return float(above), float(below)
 
 
 def assert_rate(

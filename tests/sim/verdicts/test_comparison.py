@@ -10,18 +10,17 @@ from scipy.stats import binom
 
 from sim.errors import SimError
 from sim.harness.adapters import OdometryOnly
-from sim.verdicts.comparison import compare, compare_results
+from sim.verdicts.comparison import FigureChange, Rule, compare, compare_results
 
 
 def results(accuracies, pqs=None):
     """Results of as many scenarios as there are label accuracies."""
     pqs = [0.7] * len(accuracies) if pqs is None else pqs
-    return [
-        replace(
-            RESULT, scenario=f"{i:016x}", labels=replace(RESULT.labels, accuracy=each), rooms=replace(RESULT.rooms, pq=pq)
-        )
-        for i, (each, pq) in enumerate(zip(accuracies, pqs, strict=True))
-    ]
+    found = []
+    for i, (accuracy, pq) in enumerate(zip(accuracies, pqs, strict=True)):
+        labels, rooms = replace(RESULT.labels, accuracy=accuracy), replace(RESULT.rooms, pq=pq)
+        found.append(replace(RESULT, scenario=f"{i:016x}", seed=i, labels=labels, rooms=rooms))
+    return found
 
 
 def noisy(rng, houses, drop=0.0, noise=0.05):
@@ -59,6 +58,17 @@ def test_exchanging_the_slams_exchanges_the_verdicts():
     assert (low, high) == pytest.approx((-back_high, -back_low))
 
 
+def test_the_interval_of_the_median_change_covers_it():
+    rng = np.random.default_rng(2)
+    covered = []
+    for _ in range(400):
+        change = FigureChange("labels.accuracy", Rule(1, 0.0), np.zeros(25), rng.exponential(1.0, 25) - np.log(2.0))
+        low, high = change.interval(0.9)
+        covered.append(low <= 0.0 <= high)
+    assert np.mean(covered) >= 0.88
+    assert FigureChange("labels.accuracy", Rule(1, 0.0), np.zeros(5), np.ones(5)).interval(0.95) is None
+
+
 def test_the_sign_test_counts_scenarios_without_ties():
     change = compare_results(results([0.5] * 10), results([0.4] * 7 + [0.6] + [0.5] * 2)).figures[0]
     assert (change.better, change.worse) == (1, 7)
@@ -73,20 +83,39 @@ def test_a_smaller_error_is_better():
 
 def test_a_claim_is_compared_by_the_scenarios_in_which_it_holds_for_one_slam_only():
     a, b = results([0.9] * 10), results([0.6] * 8 + [0.9] * 2)
-    (change,) = compare_results(a, b, ["labels.accuracy >= 0.7"]).claims
-    assert (change.only_a, change.only_b, change.both, change.neither) == (8, 0, 2, 0)
+    completed, change = compare_results(a, b, ["labels.accuracy >= 0.7"] * 2).claims
+    assert completed.others == 10
+    assert (change.only_a, change.only_b, change.others) == (8, 0, 2)
     assert change.p_value == pytest.approx(2 * 0.5**8)
 
 
-def test_results_without_a_figure_say_nothing_about_it():
-    a, b = results([0.9, 0.8, 0.7]), results([0.9, None, None])
-    figure = compare_results(a, b).figures[0]
-    assert len(figure.a) == 1
+def test_a_figure_that_is_lost_counts_as_worse():
+    a, b = results([0.9] * 20), results([0.95] * 2 + [None] * 18)
+    assert compare_results(a, b).verdicts["labels.accuracy"] == "worse"
+    assert compare_results(b, a).verdicts["labels.accuracy"] == "better"
 
 
-def test_only_common_scenarios_are_compared():
-    a, b = results([0.9, 0.8, 0.7]), results([0.9, 0.8, 0.7])[1:]
-    assert compare_results(a, b).scenarios == 2
+def test_figures_that_neither_slam_has_are_left_out():
+    a = results([0.9] * 3)
+    assert "loops.recall" not in [change.name for change in compare_results(a, a).figures]
+
+
+def test_scenarios_in_which_only_one_slam_has_a_result_count():
+    a, b = results([0.9] * 20), results([0.9] * 20)[12:]
+    compared = compare_results(a, b)
+    assert compared.scenarios == 8 and compared.worse == ("the run completed",)
+
+
+def test_scenarios_of_one_house_count_as_one():
+    a, b = results([0.9] * 12), results([0.8] * 12)
+    one_house = [[replace(each, seed=5) for each in side] for side in (a, b)]
+    assert compare_results(*one_house).worse == () and compare_results(*one_house).houses == 1
+    assert compare_results(a, b).worse == ("labels.accuracy",)
+
+
+def test_differences_that_do_not_matter_are_ties():
+    a, b = results([0.9] * 20), results([0.8995] * 20)
+    assert compare_results(a, b).figures[0].worse == 0
 
 
 def test_results_that_cannot_be_paired_are_refused():

@@ -7,7 +7,7 @@ import pytest
 from helpers.results import RESULT
 
 from sim.errors import SimError
-from sim.verdicts.rate import RateVerdict, assert_rate
+from sim.verdicts.rate import RateVerdict, _log_evidence, assert_rate
 
 P = (0.5, 0.9, 0.95, 0.99)
 
@@ -51,16 +51,25 @@ def test_the_interval_covers_the_true_rate_after_all_houses_at_once(p, true_rate
     held = np.cumsum(np.random.default_rng(1).random((300, 60)) < true_rate, axis=1)
     known = {(count, n): RateVerdict(p, 0.9, count, n).interval for n in range(1, 61) for count in range(n + 1)}
     covered = [all(known[c, n][0] <= true_rate <= known[c, n][1] for n, c in enumerate(row, 1)) for row in held.tolist()]
-    assert np.mean(covered) >= 0.9
+    assert np.mean(covered) >= 0.8  # two bounds, each with 90 %
 
 
 @pytest.mark.parametrize(("held", "houses"), [(k, n) for n in (1, 7, 30) for k in range(n + 1)])
 def test_the_evidence_is_an_expected_value_of_one_under_the_wanted_rate(held, houses):
-    now = RateVerdict(0.8, 0.95, held, houses)
-    more, less = RateVerdict(0.8, 0.95, held + 1, houses + 1), RateVerdict(0.8, 0.95, held, houses + 1)
+    failed = houses - held
+    now, more, less = (_log_evidence(0.8, *counts) for counts in ((held, failed), (held + 1, failed), (held, failed + 1)))
     for side in (0, 1):
-        after = 0.8 * np.exp(more._log_evidence()[side]) + 0.2 * np.exp(less._log_evidence()[side])
-        assert after == pytest.approx(np.exp(now._log_evidence()[side]), rel=1e-9)
+        after = 0.8 * np.exp(more[side]) + 0.2 * np.exp(less[side])
+        assert after == pytest.approx(np.exp(now[side]), rel=1e-9)
+
+
+@pytest.mark.parametrize("houses", [1, 6, 36, 80])
+@pytest.mark.parametrize("p", P)
+def test_the_bounds_agree_with_the_outcome(p, houses):
+    for held in range(houses + 1):
+        verdict = RateVerdict(p, 0.95, held, houses)
+        low, high = verdict.interval
+        assert verdict.outcome == ("holds" if p <= low else "fails" if p >= high else "undecided")
 
 
 def test_reading_stops_when_the_answer_is_known():
@@ -71,7 +80,7 @@ def test_reading_stops_when_the_answer_is_known():
 
 
 def test_a_missed_rate_says_how_often_the_claim_held():
-    with pytest.raises(AssertionError, match=r"labels.accuracy >= 0.7 in 0 of 2 houses \(rate 0.00 to .*: fails$"):
+    with pytest.raises(AssertionError, match=r"^labels.accuracy >= 0.7 in 0 of 2 houses .* fails$"):
         assert_rate(results(0.6, None, 0.9), "labels.accuracy >= 0.7", p=0.9)
 
 

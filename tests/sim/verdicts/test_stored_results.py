@@ -12,7 +12,9 @@ from sim.harness.results import FaultFigures, MatchFigures
 from sim.verdicts.stored_results import load_results, save_results
 
 MANY = tuple(
-    replace(RESULT, scenario=f"{i:016x}", place_recognition={"1": MatchFigures(1, 2, 3)}, labels=replace(RESULT.labels))
+    replace(
+        RESULT, scenario=f"{i:016x}", seed=i, place_recognition={"1": MatchFigures(1, 2, 3)}, labels=replace(RESULT.labels)
+    )
     for i in range(12)
 )
 WORSE = tuple(replace(each, labels=replace(each.labels, accuracy=0.6)) for each in MANY)
