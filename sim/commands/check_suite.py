@@ -17,20 +17,21 @@ if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
 
-SUITE_HELP = "check by a suite of scenarios in place of one run: {}"
+SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
+IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
 EXIT_HELP = "with --suite: stop when the first check fails"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.9; may be repeated"
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
-_OPTIONS = ("exitfirst", "json", "limit", "picture", "workers")
+_OPTIONS = ("images", "exitfirst", "json", "limit", "picture", "workers")
 _MOST_WORKERS = 256
 
 
 def add_suite(parser: argparse.ArgumentParser) -> None:
     """Add the options for suites."""
-    names = "pr, open-plan, homes, twins, stairs, revisits, language, faults, long, images"
-    parser.add_argument("--suite", metavar="NAME", help=SUITE_HELP.format(names))
+    parser.add_argument("--suite", metavar="NAME", help=SUITE_HELP)
+    parser.add_argument("--images", action="store_true", default=None, help=IMAGES_HELP)
     parser.add_argument("-x", "--exitfirst", action="store_true", default=None, help=EXIT_HELP)
     parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
@@ -49,18 +50,23 @@ def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
     from sim.suites.catalogue import suite_named
     from sim.suites.openness_chart import openness_chart
-    from sim.suites.report import reports
+    from sim.suites.report import SuiteReport, reports
 
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
+    if arguments.images:
+        suite = suite.with_images()
+    for path in (arguments.json, arguments.picture):
+        if path is not None and not path.absolute().parent.is_dir():
+            raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
-    total, report = sum(part.n for part in suite.parts), None
+    total = sum(part.n for part in suite.parts)
+    report = SuiteReport(suite, arguments.seed, ())
     with progress_bar("checking by the suite") as progress:
         for report in reports(suite, new_slam, arguments.seed, workers):
             progress(len(report.examined) / total)
             if arguments.exitfirst and not report.ok:
                 break
-    assert report is not None
     print(*map(_line, report.verdicts), sep="\n")
     if arguments.json is not None:
         _write_json(report, arguments.json)
@@ -84,7 +90,7 @@ def _write_failures(report: "SuiteReport", new_slam: "NewSlam", out: Path) -> No
     from sim.suites.smallest import smallest_failure
 
     for verdict in report.failed:
-        checks = {check.name: check for part in report.suite.parts if part.name == verdict.part for check in part.checks}
+        checks = {check.name: check for check in verdict.part.checks}
         reduction = smallest_failure(checks.get(verdict.check), verdict.failures[0].scenario, new_slam)
         file = out / f"{slug_of(verdict.name)}.json"
         out.mkdir(parents=True, exist_ok=True)
@@ -111,6 +117,7 @@ def _new_slam(arguments: argparse.Namespace) -> "NewSlam":
 def _refuse_scenario_options(arguments: argparse.Namespace) -> None:
     """Raise SimError for an option that describes a single run, except the seed."""
     given = [n for n, value in arguments.defaults_of_a_run.items() if n != "seed" and getattr(arguments, n) != value]
+    given += [name for name in ("format", "timeout", "memory") if getattr(arguments, name) is not None]
     given += ["scenario"] if arguments.scenario is not None else []
     given += ["fails"] if arguments.fails else []
     if given:

@@ -8,6 +8,7 @@ from jaxtyping import Int
 from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import adjusted_rand_index
 from lexis.evaluation.trajectory import aligned
+from lexis.maths.se3 import between, rotation_angle
 from sim.harness.estimate import Estimate
 
 
@@ -25,6 +26,8 @@ class ClaimAgreement:
     """Share of the frames in both estimates that have the same floor in both."""
     loops: float | None
     """Number of loop closures that both estimates claim, as a share of those that at least one claims; 1 without loops."""
+    rotation_rad: float | None
+    """Largest angle between the two orientations of a frame, after the trajectories are aligned [rad]."""
     position_m: float | None
     """Largest distance between the two positions of a frame, after the trajectories are aligned [m]."""
 
@@ -33,13 +36,15 @@ def agreement(first: Estimate, second: Estimate) -> ClaimAgreement:
     """Compare two estimates of one run. Their frames are matched by `Observation.index`."""
     frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
     union = len(first.frames) + len(second.frames) - len(frames)
+    apart = _apart(first, second, rows_a, rows_b)
     return ClaimAgreement(
         frames=len(frames) / union,
         labels=_equal_share(first.labels, second.labels, rows_a, rows_b),
         rooms=_rand_index(first.rooms, second.rooms, rows_a, rows_b),
         floors=_equal_share(first.floors, second.floors, rows_a, rows_b),
         loops=_common_loops(first, second),
-        position_m=_distance_m(first, second, rows_a, rows_b),
+        rotation_rad=None if apart is None else apart[0],
+        position_m=None if apart is None else apart[1],
     )
 
 
@@ -77,10 +82,12 @@ def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in ends]
 
 
-def _distance_m(
+def _apart(
     first: Estimate, second: Estimate, rows_a: Int[np.ndarray, "k"], rows_b: Int[np.ndarray, "k"]
-) -> float | None:
+) -> tuple[float, float] | None:
+    """The largest angle [rad] and the largest distance [m] between the poses of a frame, after alignment."""
     if first.T_W_B is None or second.T_W_B is None or not len(rows_a):
         return None
     a, b = np.asarray(first.T_W_B, float)[rows_a], np.asarray(second.T_W_B, float)[rows_b]
-    return float(np.linalg.norm(aligned(b, a)[:, :3, 3] - a[:, :3, 3], axis=1).max())
+    T = between(a, aligned(b, a))
+    return float(rotation_angle(T).max()), float(np.linalg.norm(T[:, :3, 3], axis=1).max())

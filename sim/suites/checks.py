@@ -9,22 +9,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from sim.errors import SimError
+from lexis.errors import one_line
+from sim.errors import ClaimError, SimError
 from sim.harness.claims import Claim
+from sim.harness.crash import Crash, attempt, attempt_plans
+from sim.harness.estimate import Estimate
 from sim.harness.figures import evaluate
+from sim.harness.last_run import last_run
 from sim.harness.results import RunResult
 from sim.harness.runner import Run, run
 from sim.harness.scenario import Scenario
-from sim.harness.slam_under_test import SlamUnderTest
+from sim.harness.slam_under_test import SlamUnderTest, check_slam_methods
+from sim.harness.walk import walk
 from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.stream_changes import StreamChange, changed
 from worlds.errors import WorldsError
 
 NewSlam = Callable[[], SlamUnderTest]
 """Makes a SLAM that has not run yet."""
-ALWAYS = 0.99
-"""Rate of a check that may never fail: one scenario in which it fails decides."""
 _SMALLER_IS_BETTER = ("trajectory.", "loops.false", "rooms.splits", "rooms.merges")
+_CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
 
 
 class Examined(NamedTuple):
@@ -56,8 +60,8 @@ class Check(Protocol):
         """What the check demands, and for a law why its tolerance is as it is, in one or two sentences."""
 
     @property
-    def rate(self) -> float:
-        """Share of scenarios in which the check has to hold, in (0, 1)."""
+    def rate(self) -> float | None:
+        """Share of scenarios in which the check has to hold, in (0, 1); None: in all of them, and one failure decides."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Examine one scenario, of which `base` is the unchanged run. Laws make a second run."""
@@ -99,13 +103,23 @@ class SameClaims:
     """Least agreement of frames, labels, rooms, floors and loops, in [0, 1]; see `ClaimAgreement`."""
     position_m: float = 1e-3
     """Largest allowed distance between the positions that the two runs report for the same frame [m]."""
-    rate: float = ALWAYS
+    rotation_rad: float = 1e-3
+    """Largest allowed angle between the orientations that the two runs report for the same frame [rad]."""
+    rate: float | None = None
     compare_loops: bool = True
     """Whether the loop closures have to agree, too."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims."""
-        second = run(base.run.scenario, changed(new_slam(), self.change))
+        scenario = base.run.scenario
+        if not self.change.matters(scenario, base.run.slam):
+            return CheckFinding(None, "the change does not reach this SLAM")
+        second = attempted(scenario, lambda: changed(made(new_slam), self.change))
+        if isinstance(second, CheckFinding):
+            return second
+        lost = [name for name in _CLAIMS if _claims(base.run.estimate, name) != _claims(second.estimate, name)]
+        if lost:
+            return CheckFinding(False, f"only one of the two runs claims {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
         return CheckFinding(self._holds(found), _written(found))
 
@@ -113,7 +127,8 @@ class SameClaims:
         loops = found.loops if self.compare_loops else None
         shares = (found.frames, found.labels, found.rooms, found.floors, loops)
         near = found.position_m is None or found.position_m <= self.position_m
-        return near and all(share is None or share >= self.least - 1e-9 for share in shares)
+        turned = found.rotation_rad is not None and found.rotation_rad > self.rotation_rad
+        return near and not turned and all(share is None or share >= self.least - 1e-9 for share in shares)
 
 
 @dataclass(frozen=True)
@@ -128,19 +143,25 @@ class SimilarFigures:
     """For each figure, how much worse it may be after the change."""
     both_ways: bool = True
     """Whether a figure may not be better by more than the tolerance, either, because the change is neutral."""
-    rate: float = 0.7
+    rate: float | None = 0.7
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed scenario, and compare the figures."""
         try:
             scenario = self.change(base.run.scenario)
-            second = evaluate(run(scenario, new_slam()))
+            walk(scenario)
         except (WorldsError, SimError) as error:
-            return CheckFinding(None, f"the change is impossible: {error}")
+            return CheckFinding(None, one_line(f"the change is impossible: {error}", 160))
+        if scenario == base.run.scenario:
+            return CheckFinding(None, "the change changes nothing in this scenario")
+        second = attempted(scenario, lambda: made(new_slam))
+        if isinstance(second, CheckFinding):
+            return second
+        figures = evaluate(second)
         pairs = {
             name: (before, after)
             for name, _ in self.tolerances
-            if (before := base.result[name]) is not None and (after := second[name]) is not None
+            if (before := base.result[name]) is not None and (after := figures[name]) is not None
         }
         if not pairs:
             return CheckFinding(None, "no figure in both runs")
@@ -153,9 +174,54 @@ class SimilarFigures:
         return worse <= tolerance and (not self.both_ways or -worse <= tolerance)
 
 
+def made(new_slam: NewSlam) -> SlamUnderTest:
+    """Make a SLAM. Raises `SimError` for what cannot make one; an exception of the SLAM's class counts as the SLAM's."""
+    if not callable(new_slam):
+        raise SimError(f"SLAM under test: {type(new_slam).__name__} is an instance; valid: its class, or a function")
+    with last_run().calling_slam():
+        slam = new_slam()
+    check_slam_methods(slam)
+    return slam
+
+
+def attempted(scenario: Scenario, new_slam: NewSlam) -> Run | CheckFinding:
+    """Run a SLAM; return a finding that fails if the SLAM raised an exception or made claims that are not valid.
+
+    Raises `SimError` if the scenario is impossible or the machine cannot run it.
+    """
+    try:
+        finished = attempt(lambda same, progress: run(same, new_slam(), progress), scenario)
+    except ClaimError as error:
+        return CheckFinding(False, one_line(str(error), 160))
+    if not isinstance(finished, Crash):
+        return finished
+    hint = (
+        " (here, observations hold percepts; --images or Suite.with_images() renders images)"
+        if scenario.fidelity == "features"
+        else ""
+    )
+    return CheckFinding(False, f"the SLAM {finished.what}: {finished.message}{hint}")
+
+
+def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
+    """Run a SLAM on an unchanged scenario, and drive its plans if it sees images; otherwise as `attempted`."""
+    finished = attempted(scenario, lambda: made(new_slam))
+    if isinstance(finished, CheckFinding):
+        return finished
+    trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
+    if isinstance(trials, Crash):
+        return CheckFinding(False, f"plan() of the SLAM {trials.what}: {trials.message}")
+    return Examined(finished, evaluate(finished, trials))
+
+
+def _claims(estimate: Estimate, name: str) -> bool:
+    return getattr(estimate, name) is not None
+
+
 def _written(found: ClaimAgreement) -> str:
     """Write an agreement in one line: the shares that agree, and how far apart the positions are."""
     shares = {name: getattr(found, name) for name in ("frames", "labels", "rooms", "floors", "loops")}
     text = ", ".join(f"{share:.1%} of the {name}" for name, share in shares.items() if share is not None)
-    apart = "" if found.position_m is None else f"; positions differ by up to {found.position_m:.2g} m"
-    return f"the run on the changed input agrees on {text}{apart}"
+    apart = "" if found.position_m is None else f"; poses differ by up to {found.position_m:.2g} m"
+    turned = "" if found.rotation_rad is None else f" and {found.rotation_rad:.2g} rad"
+    return f"the run on the changed input agrees on {text}{apart}{turned}"

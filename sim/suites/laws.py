@@ -88,7 +88,7 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
         SameClaims(
             "zero of the clock",
             "The claims do not depend on when the clock started. Tolerance: rounding of time differences.",
-            OtherClock(factor=1.0),
+            OtherClock(),
         ),
         SameClaims(
             "order of the room names",
@@ -101,6 +101,7 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
             MoreNames(),
             least=0.9,
             position_m=0.1,
+            rotation_rad=0.1,
             rate=0.8,
         ),
         SameClaims(
@@ -109,6 +110,7 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
             Pause(),
             least=0.9,
             position_m=0.2,
+            rotation_rad=0.1,
             rate=0.9,
         ),
         SameClaims(
@@ -117,6 +119,7 @@ LAWS: Mapping[str, SameClaims | SimilarFigures] = {
             FalseLoops(),
             least=0.95,
             position_m=0.25,
+            rotation_rad=0.1,
             rate=0.9,
             compare_loops=False,
         ),

@@ -3,7 +3,8 @@
 Every point is the mean over the houses of one openness, with the interval that bootstrapping the houses gives.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from html import escape
 
 import numpy as np
@@ -11,12 +12,14 @@ from scipy.stats import bootstrap
 
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.results import RunResult
-from sim.suites.examination import Job, examinations, jobs_of
+from sim.suites.examination import examinations, jobs_of
 from sim.suites.report import CONFIDENCE, SuiteReport
 
 _FIGURES = {"rooms.pq": "panoptic quality of rooms", "labels.accuracy_graded": "graded label accuracy"}
 _COLOURS = ("#1f5fa8", "#c2571a", "#2f8a4a")
 _WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 360.0, 260.0, 52.0, 48.0, 70.0
+_Series = tuple[str, Sequence[RunResult]]
+"""The name of a SLAM, and its results."""
 _STEP = 0.25
 """Houses are grouped by their openness, rounded to a multiple of this."""
 
@@ -25,24 +28,22 @@ def openness_chart(report: SuiteReport, workers: int) -> str:
     """Return the chart as the text of an SVG file. The plain SLAMs are run on the scenarios of the report."""
     examined = {(each.part, each.number) for each in report.examined}
     jobs = [job for job in jobs_of(report.suite, report.seed) if (job.part.name, job.number) in examined]
-    bare = [Job(job.part, job.number, job.seed, only="") for job in jobs]
-    runs: dict[str, Sequence[RunResult]] = {_name(report.results): report.results}
+    bare = [replace(job, is_bare=True) for job in jobs]
+    name = report.results[0].slam if report.results else "no run completed"
+    runs: list[_Series] = [(name, report.results)]
     for slam in (GeometricRooms, OdometryOnly):
-        found = [each.result for each in examinations(bare, slam, workers)]
-        runs[slam.__name__] = [result for result in found if result is not None]
+        if slam.__name__ != name:
+            found = [each.result for each in examinations(bare, slam, workers)]
+            runs.append((slam.__name__, [result for result in found if result is not None]))
     return _drawn(runs)
 
 
-def _name(results: Sequence[RunResult]) -> str:
-    return results[0].slam if results else "no run completed"
-
-
-def _drawn(runs: Mapping[str, Sequence[RunResult]]) -> str:
+def _drawn(runs: Sequence[_Series]) -> str:
     width, height = 2 * (_LEFT + _WIDTH) + _GAP, _TOP + _HEIGHT + 56
     body = [f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>']
     for k, (figure, title) in enumerate(_FIGURES.items()):
         body += _panel(_LEFT + k * (_LEFT + _WIDTH + _GAP / 2), figure, title, runs)
-    for k, name in enumerate(runs):
+    for k, (name, _) in enumerate(runs):
         body.append(f'<circle cx="{_LEFT + 150 * k:.0f}" cy="14" r="5" fill="{_COLOURS[k]}"/>')
         body.append(f'<text x="{_LEFT + 150 * k + 10:.0f}" y="18">{escape(name)}</text>')
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
@@ -50,7 +51,7 @@ def _drawn(runs: Mapping[str, Sequence[RunResult]]) -> str:
     return "\n".join([head + font, *body, "</svg>", ""])
 
 
-def _panel(x0: float, figure: str, title: str, runs: Mapping[str, Sequence[RunResult]]) -> Iterator[str]:
+def _panel(x0: float, figure: str, title: str, runs: Sequence[_Series]) -> Iterator[str]:
     yield f'<text x="{x0:.0f}" y="{_TOP - 10:.0f}" font-weight="bold">{title}</text>'
     for value in (0.0, 0.25, 0.5, 0.75, 1.0):
         y, x = _TOP + _HEIGHT * (1 - value), x0 + _WIDTH * value
@@ -58,7 +59,7 @@ def _panel(x0: float, figure: str, title: str, runs: Mapping[str, Sequence[RunRe
         yield f'<text x="{x0 - 8:.1f}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>'
         yield f'<text x="{x:.1f}" y="{_TOP + _HEIGHT + 18:.1f}" text-anchor="middle">{value:g}</text>'
     yield f'<text x="{x0 + _WIDTH / 2:.1f}" y="{_TOP + _HEIGHT + 38:.1f}" text-anchor="middle">openness</text>'
-    for colour, shift, results in zip(_COLOURS, (-4, 0, 4), runs.values(), strict=True):
+    for colour, shift, (_, results) in zip(_COLOURS, (-4, 0, 4), runs, strict=False):
         yield from _curve(x0 + shift, figure, results, colour)
 
 

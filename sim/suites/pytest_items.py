@@ -7,6 +7,7 @@ test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a paus
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,8 +15,8 @@ from sim.errors import SimError
 from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
-from sim.suites.examination import COMPLETES, Job
-from sim.suites.report import SEED, verdict_of
+from sim.suites.examination import COMPLETES
+from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam
 from sim.suites.suite import Suite, SuitePart
 from worlds.valid_names import did_you_mean
 
@@ -46,7 +47,7 @@ def slam_checks(
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
     An item fails if its check fails with 95 % confidence, and is skipped if the SLAM does not make the claims that the check
-    is about. It stops at the first scenario after which its answer is known.
+    is about. The first item of a part runs all scenarios of the part.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
@@ -65,18 +66,33 @@ def slam_checks(
     _check_names(expected_failures, items)
     parameters = [pytest.param(item, id=item.name, marks=_marks(item, expected_failures)) for item in items]
 
+    reports = _Reports(new_slam, chosen, seed)
+
     @pytest.mark.parametrize("item", parameters)
     def test(item: Item) -> None:
         __tracebackhide__ = True
-        with watched(LastRun()):  # an item runs many scenarios, of which the plugin would report the last one
-            verdict = verdict_of(
-                item.part, item.check, (Job(item.part, k, seed, item.check) for k in range(item.part.n)), new_slam
-            )
+        verdict = reports.verdict(item)
         if verdict.outcome == "not claimed":
             pytest.skip(str(verdict))
         assert verdict.outcome != "fails", str(verdict)
 
     return test
+
+
+class _Reports:
+    """The reports of the parts of a suite. A part is examined by all its checks when its first item runs."""
+
+    def __init__(self, new_slam: NewSlam, suite: Suite, seed: int) -> None:
+        self._new_slam, self._suite, self._seed = new_slam, suite, seed
+        self._of_part: dict[str, SuiteReport] = {}
+
+    def verdict(self, item: Item) -> CheckVerdict:
+        """Return the verdict about one check."""
+        name = item.part.name
+        if name not in self._of_part:
+            with watched(LastRun()):  # an item runs many scenarios, of which the plugin would report the last one
+                self._of_part[name] = check_slam(self._new_slam, replace(self._suite, parts=(item.part,)), self._seed)
+        return next(each for each in self._of_part[name].verdicts if each.check == item.check)
 
 
 def _marks(item: Item, expected: Mapping[str, str]) -> "tuple[pytest.MarkDecorator, ...]":

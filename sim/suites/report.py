@@ -1,14 +1,15 @@
 """`SuiteReport`: the verdicts of a suite about a SLAM, with their confidence, and the scenarios in which a check failed."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import Any, Literal
 
 from sim.harness.results import RunResult
-from sim.suites.checks import ALWAYS, NewSlam
-from sim.suites.examination import COMPLETES, Examination, Job, examinations, jobs_of
+from sim.suites.checks import NewSlam
+from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
 from sim.verdicts.rate import RateVerdict
 
@@ -24,44 +25,77 @@ _EXAMPLES = 3
 class CheckVerdict:
     """The verdict about one check of one part, over all its scenarios so far."""
 
-    part: str
+    part: SuitePart
     check: str
     says: str
-    rate: float
+    rate: float | None
+    """Share of scenarios in which the check has to hold; None: one failure decides."""
     examined: tuple[Examination, ...]
-    """The scenarios in which the check said something."""
+    """The scenarios in which the check said something, in their order."""
 
     @property
     def name(self) -> str:
         """Part and check, such as "stairs: floors.accuracy >= 0.9"."""
-        return f"{self.part}: {self.check}"
+        return f"{self.part.name}: {self.check}"
 
     @property
     def failures(self) -> tuple[Examination, ...]:
         """The scenarios in which the check fails."""
         return tuple(each for each in self.examined if each.findings[self.check].holds is False)
 
-    @property
-    def verdict(self) -> RateVerdict:
-        """The sequential test of the rate at which the check holds."""
-        return RateVerdict(self.rate, CONFIDENCE, len(self.examined) - len(self.failures), len(self.examined))
+    @cached_property
+    def verdict(self) -> RateVerdict | None:
+        """The sequential test of the rate at which the check holds, when it first gave a definite answer, or now.
+
+        None for a check that has to hold always.
+        """
+        if self.rate is None:
+            return None
+        verdict = RateVerdict(self.rate, CONFIDENCE, 0, 0)
+        for held in self._independent():
+            verdict = RateVerdict(self.rate, CONFIDENCE, verdict.held + held, verdict.houses + 1)
+            if verdict.outcome != "undecided":
+                break
+        return verdict
 
     @property
     def outcome(self) -> SuiteOutcome:
-        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario."""
-        return self.verdict.outcome if self.examined else "not claimed"
+        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario.
+
+        A check that has to hold always fails at its first failure, and holds as long as there is none.
+        """
+        if not self.examined:
+            return "not claimed"
+        if self.verdict is None:
+            return "fails" if self.failures else "holds"
+        return self.verdict.outcome
 
     def __str__(self) -> str:
         """Part, check and verdict; if the check fails, also what it says and what it measured in the first scenarios."""
         if not self.examined:
             return f"{self.name}: not claimed"
-        lines = [f"{self.name} {self.verdict}"]
+        held = len(self.examined) - len(self.failures)
+        counts = f"in {held} of {len(self.examined)} scenarios (wanted: all): {self.outcome}"
+        lines = [f"{self.name} {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
-            lines += [
-                f"  scenario {each.number}: {each.findings[self.check].measured}" for each in self.failures[:_EXAMPLES]
-            ]
+            lines += [f"  scenario {each.number}: {each.findings[self.check].measured}" for each in self._examples]
         return "\n".join(lines)
+
+    @property
+    def _examples(self) -> tuple[Examination, ...]:
+        return self.failures[:_EXAMPLES]
+
+    def _independent(self) -> Iterator[bool]:
+        """Yield for each complete group of scenarios whether the check holds in half of them or more."""
+        last = len(self.examined) - 1
+        for group, members in groupby(enumerate(self.examined), lambda row: row[1].number // self.part.group):
+            rows = list(members)
+            end = min((group + 1) * self.part.group, self.part.n) - 1
+            if rows[-1][0] == last and rows[-1][1].number < end:
+                return  # the rest of the group has not been examined yet
+            holds = [each.findings[self.check].holds is True for _, each in rows]
+            yield 2 * sum(holds) >= len(holds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +139,12 @@ class SuiteReport:
         return "\n".join(map(str, self.verdicts))
 
     def _of_part(self, part: SuitePart) -> Iterator[CheckVerdict]:
-        own = tuple(each for each in self.examined if each.part == part.name)
-        rows = [(COMPLETES, "The SLAM raises no exception, and its claims are valid.", ALWAYS)]
+        own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
+        first = (COMPLETES, "The SLAM raises no exception, and its claims are valid.", None)
+        rows: list[tuple[str, str, float | None]] = [first]
         for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
             told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
-            yield CheckVerdict(part.name, name, says, rate, told)
+            yield CheckVerdict(part, name, says, rate, told)
 
 
 def check_slam(
@@ -146,33 +181,16 @@ def reports(suite: Suite, new_slam: NewSlam, seed: int, workers: int) -> Iterato
             yield SuiteReport(suite, seed, tuple(examined))
 
 
-def verdict_of(part: SuitePart, check: str, jobs: Iterable[Job], new_slam: NewSlam) -> CheckVerdict:
-    """Examine scenarios of a part by one check, until its answer is known or there are no more."""
-    found: list[Examination] = []
-    one = Suite(part.name, part.about, (part,), 0.0)
-    verdict = _named(SuiteReport(one, 0, ()).verdicts, check)
-    for job in jobs:
-        found.extend(examinations([job], new_slam, 1))
-        verdict = _named(SuiteReport(one, job.seed, tuple(found)).verdicts, check)
-        if verdict.outcome in ("fails", "holds"):
-            break
-    return verdict
-
-
-def _named(verdicts: Sequence[CheckVerdict], check: str) -> CheckVerdict:
-    return next(each for each in verdicts if each.check == check)
-
-
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
     return {
-        "part": each.part,
+        "part": each.part.name,
         "check": each.check,
         "says": each.says,
         "rate": each.rate,
         "outcome": each.outcome,
         "scenarios": len(each.examined),
         "failures": [
-            {"number": f.number, "scenario": f.scenario.content_hash, "measured": f.findings[each.check].measured}
+            {"number": f.number, "measured": f.findings[each.check].measured, "scenario": f.scenario.data()}
             for f in each.failures
         ],
     }

@@ -17,6 +17,8 @@ def smallest_failure(
 
     def fails(candidate: Scenario) -> Signature | None:
         found = finding(check, candidate, new_slam)
-        return Signature(COMPLETES if check is None else check.name) if found.holds is False else None
+        if found.holds is not False:
+            return None
+        return Signature(f"{COMPLETES}: {found.measured}" if check is None else check.name)
 
     return reduce(scenario, fails, deadline_s)

@@ -17,6 +17,7 @@ from lexis.types import Camera, Keyframe, LoopEdge, Observation, Pose
 from lexis.verification import Verifier
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
 
 _SURE = np.repeat([0.01, 0.04], 3) ** 2
@@ -40,6 +41,10 @@ class StreamChange(Protocol):
         """Return what takes the place of images in runs on features."""
         ...
 
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the change reaches this SLAM in this scenario at all."""
+        ...
+
 
 @dataclass(frozen=True)
 class Nothing:
@@ -56,6 +61,10 @@ class Nothing:
     def features(self, features: FeatureInput) -> FeatureInput:
         """Return the input unchanged."""
         return features
+
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the change reaches this SLAM in this scenario at all."""
+        return True
 
 
 @dataclass(frozen=True)
@@ -79,21 +88,20 @@ class MovedOrigin(Nothing):
 
 @dataclass(frozen=True)
 class OtherClock(Nothing):
-    """The clock starts later and runs at another speed."""
+    """The clock starts later."""
 
     offset_s: float = 1000.0
-    factor: float = 2.0
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
         """Yield the observation with its new stamp."""
-        yield replace(observation, stamp=self.offset_s + self.factor * observation.stamp)
+        yield replace(observation, stamp=self.offset_s + observation.stamp)
 
 
 @dataclass(frozen=True)
 class Pause(Nothing):
     """The robot stands still for a while: one observation is repeated, and the later ones come later."""
 
-    after: int = 30
+    after: int = 10
     """Number of the observation at which the robot stands still, counted from 0."""
     pauses: int = 20
     """How often this observation is repeated."""
@@ -149,6 +157,10 @@ class FalseLoops(Nothing):
         """Return the input with a verifier that makes mistakes."""
         return replace(features, verifier=_Mistaken(features.verifier, self))
 
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the SLAM may use the verifier of the feature sensor."""
+        return scenario.fidelity == "features" and isinstance(slam, AcceptsFeatures)
+
 
 @dataclass(frozen=True, eq=False)
 class _Mistaken:
@@ -189,10 +201,10 @@ class ChangedStream:
 
     def process(self, observation: Observation) -> None:
         """Give the SLAM what takes the place of the observation."""
-        for changed in self._change.observations(observation, self._processed):
+        number, self._processed = self._processed, self._processed + 1
+        for changed in self._change.observations(observation, number):
             self._given.append(observation.index)
             self._slam.process(replace(changed, index=len(self._given) - 1))
-        self._processed += 1
 
     def finish(self) -> Estimate:
         """Return the claims, with indices of the unchanged observations and of the unchanged room names."""

@@ -1,6 +1,8 @@
 """`Suite`: scenarios, with what a SLAM has to fulfil in them."""
 
-from collections.abc import Callable, Mapping
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,13 +10,14 @@ import numpy as np
 from sim.errors import SimError
 from sim.harness.claims import Claim
 from sim.harness.scenario import Scenario
+from sim.harness.world_tests import RENDER_FRAME_RATE_HZ
 from sim.suites.checks import Check, ClaimCheck
 from worlds.valid_names import did_you_mean
 
 
 @dataclass(frozen=True)
 class SuitePart:
-    """Scenarios of one distribution, with their checks."""
+    """Scenarios of one distribution, with their checks. Raises `SimError` for checks of equal names, or no scenario."""
 
     name: str
     about: str
@@ -25,41 +28,76 @@ class SuitePart:
     n: int
     """Number of scenarios."""
     group: int = 1
-    """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property."""
+    """Number of successive scenarios that are drawn with the same random numbers, for houses that differ in one property.
+    The scenarios of a group are not independent. A check therefore counts once in a group: it holds if it holds in half of
+    its scenarios or more."""
+    on_images: bool = False
+    """Whether the scenarios are rendered, whatever their own fidelity is."""
+
+    def __post_init__(self) -> None:
+        _check_unique(f"part {self.name}", "check", (check.name for check in self.checks))
+        if self.n < 1:
+            raise SimError(f"suite: part {self.name} has {self.n} scenarios; valid: 1 or more")
+
+    def scenario(self, rng: np.random.Generator, number: int) -> Scenario:
+        """Draw the scenario with a number. Raises `SimError` or `WorldsError` for an unlucky draw."""
+        drawn = self.draw(rng, number)
+        if not self.on_images:
+            return drawn
+        rate_hz = max(drawn.frame_rate_hz, RENDER_FRAME_RATE_HZ)
+        return replace(drawn, fidelity="render", frame_rate_hz=rate_hz)
 
     def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
-        """Return the part with new limits; `limits` maps the name of a figure to the new limit of the claims about it."""
-        return replace(self, checks=tuple(_with_limit(check, limits) for check in self.checks))
+        """Return the part with new limits; `limits` maps the name of a figure to the new limit of the claim about it.
+
+        Where the part makes several claims about a figure, the one with the largest rate stays.
+        """
+        claims = [check for check in self.checks if isinstance(check, ClaimCheck)]
+        strictest = {check.claim.figure: check for check in sorted(claims, key=lambda check: check.rate)}
+        kept = []
+        for check in self.checks:
+            if not isinstance(check, ClaimCheck) or check.claim.figure not in limits:
+                kept.append(check)
+            elif check == strictest[check.claim.figure]:
+                kept.append(replace(check, claim=replace(check.claim, limit=limits[check.claim.figure])))
+        return replace(self, checks=tuple(kept))
 
 
 @dataclass(frozen=True)
 class Suite:
-    """A named set of parts, which any SLAM can be checked by."""
+    """A named set of parts, which any SLAM can be checked by. Raises `SimError` for parts of equal names, or no part."""
 
     name: str
     about: str
     parts: tuple[SuitePart, ...]
-    budget_s: float
-    """Time that the whole suite takes LEXIS on two processor cores [s]."""
+
+    def __post_init__(self) -> None:
+        _check_unique(f"suite {self.name}", "part", (part.name for part in self.parts))
+        if not self.parts:
+            raise SimError(f"suite {self.name}: has no part; valid: one or more")
 
     def with_limits(self, limits: Mapping[str, float]) -> "Suite":
         """Return the suite with other limits in its claims, such as {"labels.accuracy": 0.9}.
 
-        Raises `SimError` for a figure about which the suite makes no claim.
+        Raises `SimError` for a figure about which the suite makes no claim, and for a limit that is not finite.
         """
         checks = [check for part in self.parts for check in part.checks]
         known = {check.claim.figure for check in checks if isinstance(check, ClaimCheck)}
-        for figure in limits:
+        for figure, limit in limits.items():
             if figure not in known:
-                guess = did_you_mean(figure, known)
-                raise SimError(
-                    f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {', '.join(sorted(known))}"
-                )
+                guess, valid = did_you_mean(figure, known), ", ".join(sorted(known))
+                raise SimError(f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}")
+            if not math.isfinite(limit):
+                raise SimError(f"suite {self.name}: the limit of {figure} is {limit}; valid: a finite number")
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts))
 
     def with_size(self, share: float) -> "Suite":
         """Return the suite with a multiple of its scenarios, at least one in each part."""
         return replace(self, parts=tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts))
+
+    def with_images(self) -> "Suite":
+        """Return the suite with rendered images in all scenarios, for a SLAM that does not accept features."""
+        return replace(self, parts=tuple(replace(part, on_images=True) for part in self.parts))
 
 
 def claims(rate: float, *texts: str) -> tuple[ClaimCheck, ...]:
@@ -67,7 +105,7 @@ def claims(rate: float, *texts: str) -> tuple[ClaimCheck, ...]:
     return tuple(ClaimCheck(Claim.parse(text), rate) for text in texts)
 
 
-def _with_limit(check: Check, limits: Mapping[str, float]) -> Check:
-    if not isinstance(check, ClaimCheck) or check.claim.figure not in limits:
-        return check
-    return replace(check, claim=replace(check.claim, limit=limits[check.claim.figure]))
+def _check_unique(where: str, what: str, names: Iterable[str]) -> None:
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise SimError(f"{where}: the {what} {twice[0]!r} occurs twice; valid: different names")

@@ -6,13 +6,16 @@ tests play no part.
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
 
@@ -42,9 +45,10 @@ class Grade:
 
 
 def grade(mutant: Mutant | None, seed: int = 0, suite: str = "pr", workers: int | None = None) -> Grade:
-    """Check LEXIS with a mutant by a suite that stops at the first failure. Raises `SimError` if the suite cannot run.
+    """Check LEXIS with a mutant by a suite that stops at the first failure. A mutant that hangs or aborts counts as caught.
 
-    None as the mutant stands for unchanged LEXIS, in which a check that fails is a false alarm.
+    None as the mutant stands for unchanged LEXIS, in which a check that fails is a false alarm. Raises `SimError` if the
+    suite cannot check unchanged LEXIS.
     """
     begin = time.perf_counter()
     name = "unchanged" if mutant is None else mutant.name
@@ -52,19 +56,33 @@ def grade(mutant: Mutant | None, seed: int = 0, suite: str = "pr", workers: int 
         verdicts = folder / "verdicts.json"
         options = ["--suite", suite, "--seed", str(seed), "-x", "--json", str(verdicts)]
         options += [] if workers is None else ["--workers", str(workers)]
-        ended = _check(folder, options)
-        if ended.returncode not in (0, _FAILED) or not verdicts.exists():
-            raise SimError(f"mutant {name!r}: the suite ended with status {ended.returncode}: {ended.stderr[-300:]}")
-        data = json.loads(verdicts.read_text())
-    return _graded(name, data, time.perf_counter() - begin)
+        status, errors = _check(folder, options)
+        seconds = time.perf_counter() - begin
+        if status in (0, _FAILED) and verdicts.exists():
+            return _graded(name, json.loads(verdicts.read_text()), seconds)
+    how = "the suite does not end" if status is None else f"the suite ends with status {status}"
+    if mutant is None:
+        raise SimError(f"unchanged LEXIS: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
+    return Grade(name, how, 0, seconds, one_line(errors, 160))
 
 
-def _check(folder: Path, options: list[str]) -> subprocess.CompletedProcess[str]:
+def _check(folder: Path, options: list[str]) -> tuple[int | None, str]:
+    """Run the command in a process group of its own; return its exit status (None: it was stopped) and its errors."""
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-P", "-m", "sim.cli", "check", *options]  # -P: the current folder is not on the path
-    return subprocess.run(
-        command, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, timeout=_MOST_S, check=False
-    )
+    process = subprocess.Popen(
+        command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        errors = process.communicate(timeout=_MOST_S)[1]
+        return process.returncode, errors
+    except subprocess.TimeoutExpired:
+        return None, ""
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # its workers, too
+        process.wait()
 
 
 def _graded(name: str, data: dict[str, Any], seconds: float) -> Grade:

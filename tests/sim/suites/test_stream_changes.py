@@ -11,7 +11,7 @@ from sim.harness.adapters import OdometryOnly
 from sim.suites.agreement import agreement
 from sim.suites.stream_changes import MoreNames, MovedOrigin, Nothing, OtherClock, Pause, PermutedNames, changed
 
-CHANGES = (Nothing(), MovedOrigin(), OtherClock(factor=1.0), Pause(after=12, pauses=4), PermutedNames(), MoreNames())
+CHANGES = (Nothing(), MovedOrigin(), OtherClock(), Pause(after=12, pauses=4), PermutedNames(), MoreNames())
 
 
 class Listening:
