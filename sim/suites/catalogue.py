@@ -173,7 +173,7 @@ FAULTS = SuitePart(
     "covariances that are too small.",
     faulty,
     (*claims(0.8, "labels.accuracy >= 0.7", "rooms.pq >= 0.3", "coverage.path_covered >= 0.85"),
-     *claims(0.6, "trajectory.ate_m <= 0.12")),
+     *claims(0.4, "trajectory.ate_m <= 0.12")),
     n=28,
 )  # fmt: skip
 LONG = SuitePart(
