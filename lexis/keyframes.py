@@ -26,7 +26,10 @@ class Frame:
 
 
 class KeyframeSelector:
-    """Selects a keyframe every `spacing_m` of odometry path, and support frames in between, `support_spacing_m` apart."""
+    """Selects a keyframe every `spacing_m` of odometry path, and support frames in between, `support_spacing_m` apart.
+
+    Support frames only serve to triangulate the landmarks of keyframes.
+    """
 
     def __init__(self, config: KeyframeConfig) -> None:
         """Create a selector for a new sequence of observations."""

@@ -89,7 +89,7 @@ FAMILIES = (
     Family("wet rooms", CRASH, 1),
     Family("nan poses", CRASH, 1, settings=_faulty("odometry-nan:0.1")),
 )
-"""One family for each planted bug."""
+"""The families of failing scenarios, one for each planted bug."""
 
 
 def failing_scenario(family: Family, seed: int, number: int, most_rooms: int) -> Scenario:

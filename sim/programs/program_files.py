@@ -53,7 +53,7 @@ class RoomClaims(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class RecordedTimes:
-    """The stamps of a recording, by which the claims of a program are assigned to observations."""
+    """The stamps of a recording. They assign each output of a SLAM program, such as a pose, to its observation."""
 
     stamps: Float64[np.ndarray, "n"]
     """Stamps of all frames as they were recorded [s]."""

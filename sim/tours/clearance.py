@@ -20,7 +20,7 @@ class NearbyBoxes:
     centre: Float64[np.ndarray, "p 2"]
     """Centre of each pair's box in W [m]."""
     half: Float64[np.ndarray, "p 2"]
-    """Half the width and half the depth of each pair's box, along the box's axes [m]."""
+    """For each pair of a path point and a nearby box, half the width and half the depth of the box, along its axes [m]."""
     axes: Float64[np.ndarray, "p 2 2"]
     """Unit vectors in W along the two horizontal axes of each pair's box, as rows."""
 

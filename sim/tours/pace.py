@@ -38,7 +38,7 @@ class Limits:
     speed_m_s: float = 0.7
     acceleration_m_s2: float = 1.5
     turn_rate_rad_s: float = 1.2
-    """Limit of the rate of yaw and pitch together [rad/s]."""
+    """Limit of the norm of yaw rate and pitch rate [rad/s]."""
     turn_acceleration_rad_s2: float = 4.0
 
 

@@ -73,13 +73,15 @@ def fit_target_map(
     everything: Float32[np.ndarray, "m d"],
     dimensions: int,
 ) -> TargetMap:
-    """Fit the map from the teacher's embeddings to targets, in the two steps of the module's docstring.
+    """Fit the linear map from the teacher's embeddings to the targets of the text tower.
+
+    It whitens the variation among captions of one room, then keeps the directions in which all texts vary most.
 
     Args:
-        embeddings: the teacher's embeddings of `captions`, for step 1.
+        embeddings: the teacher's embeddings of `captions`.
         captions: captions with their rooms and weights.
-        everything: the teacher's embeddings of all training texts, for step 2.
-        dimensions: number of directions to keep.
+        everything: the teacher's embeddings of all training texts.
+        dimensions: number of directions to keep, which is the size of a target.
     """
     weighted = embeddings * captions.weights[:, None]
     centres = np.zeros((int(captions.rooms.max()) + 1, embeddings.shape[1]))

@@ -45,10 +45,10 @@ class Grade:
 
 
 def grade(mutant: Mutant | None, seed: int = 0, suite: str = "pr", workers: int | None = None) -> Grade:
-    """Check LEXIS with a mutant by a suite that stops at the first failure. A mutant that hangs or aborts counts as caught.
+    """Plant a mutant into LEXIS, and check the result by a suite that stops at the first failure.
 
-    None as the mutant stands for unchanged LEXIS, in which a check that fails is a false alarm. Raises `SimError` if the
-    suite cannot check unchanged LEXIS.
+    The mutant is caught if a check fails, or if LEXIS hangs or aborts. If `mutant` is None, LEXIS stays unchanged, and a
+    check that fails is a false alarm. Raises `SimError` if the suite cannot check unchanged LEXIS.
     """
     begin = time.perf_counter()
     name = "unchanged" if mutant is None else mutant.name
