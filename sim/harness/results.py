@@ -169,8 +169,8 @@ class RunResult:
     floors: FloorFigures
     loops: LoopFigures
     place_recognition: Mapping[str, MatchFigures]
-    """Figures of place recognition. The keys "1", "3" and "5" are the least numbers of right matches for which a query counts
-    as a true positive."""
+    """Figures of place recognition. The keys "1", "3" and "5" are the least numbers of right matches for which a query
+    counts as a true positive."""
     coverage: CoverageFigures
     trajectory: TrajectoryFigures
     planning: PlanningFigures
