@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexis.encoder.open_clip_encoder import load_encoder
-from sim.bench.fidelity import FIGURES, HousePair, agreement, compare, mixed_houses, summarised
+from sim.bench.fidelity import FIGURES, HousePair, agreement, compare_fidelities, mixed_houses, summarised
 from worlds.presets import PRESETS
 
 
@@ -35,7 +35,7 @@ def test_the_summary_is_of_usual_looks_first_then_by_group():
 
 @pytest.mark.slow
 def test_features_predict_the_label_accuracy_of_renders():
-    pairs = list(compare(mixed_houses(14, 200)[:14], load_encoder("mini")))
+    pairs = list(compare_fidelities(mixed_houses(14, 200)[:14], load_encoder("mini")))
     found = agreement([pair.accuracy for pair in pairs])
     assert found.rho >= 0.5  # with 30 houses it is 0.7; with 14 the coefficient itself is uncertain by 0.2
     assert abs(found.rendered - found.features) < 0.1
