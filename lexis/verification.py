@@ -74,7 +74,7 @@ def verify(
 
 
 def plausible_edges(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """Of the loop edges of one new keyframe, return those close to the current estimate of the poses.
+    """Return the loop edges of one new keyframe that are close to the current estimate of the poses.
 
     At most `max_edges` are returned, those with the most inliers first.
     """

@@ -60,8 +60,8 @@ class Search:
     """The scenario in which the failure was found."""
     reduction: Reduction
     blamed: BlameTable | None
-    """Which changes mend the failure in the smallest scenario; None if the user interrupted the test before this was
-    known."""
+    """The changes that mend the failure in the smallest scenario, and those that do not. None if the user interrupted the
+    test before they were tried."""
 
 
 def folder_of(out: Path, name: str, scenario: Scenario, parameters: str = "") -> Path:
