@@ -1,5 +1,7 @@
 """`variant`: the same house with chosen properties changed, so that runs in both houses can be compared."""
 
+from typing import Literal
+
 from worlds.errors import WorldsError
 from worlds.floor_plans.symmetry import in_place
 from worlds.floor_plans.upper_storey import with_storey_on_top
@@ -56,6 +58,11 @@ def variant(
             raise WorldsError(f"repaint is {repaint}; valid: 0 ... 2**63 - 1")
         spec = spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"seed": repaint})})
     return spec
+
+
+def in_light(spec: HouseSpec, light: Literal["day", "evening", "dim"]) -> HouseSpec:
+    """The house in another light; nothing else changes."""
+    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": light})})
 
 
 def explicit(spec: HouseSpec) -> HouseSpec:

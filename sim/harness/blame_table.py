@@ -17,7 +17,7 @@ from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from worlds.errors import WorldsError
 from worlds.spec import HouseSpec
-from worlds.variant import variant
+from worlds.variant import in_light, variant
 
 SMALL_M = 0.5
 """Largest side length of a piece of furniture that counts as clutter [m]."""
@@ -135,7 +135,7 @@ def _outside(scenario: Scenario) -> Iterator[Substitution]:
     yield Substitution("perfect odometry", replace(scenario, odometry="perfect", overconfidence=1.0))
     yield Substitution("no faults", replace(scenario, faults=()))
     if scenario.fidelity == "render":  # features have no lighting
-        yield Substitution("daylight", replace(scenario, house=_in_daylight(spec)))
+        yield Substitution("daylight", replace(scenario, house=in_light(spec, "day")))
     yield Substitution("no clutter", replace(scenario, house=without_clutter(spec)))
     closed = _closed(spec)
     if closed is not None:
@@ -176,10 +176,6 @@ def without_clutter(spec: HouseSpec) -> HouseSpec:
     """Remove the pieces of furniture whose sides are all at most `SMALL_M` long. The spec has to list all furniture."""
     pieces = [piece for storey in spec.storeys for piece in storey.furniture or ()]
     return keep_furniture(spec, {piece.id for piece in pieces if max(piece.size_m) > SMALL_M})
-
-
-def _in_daylight(spec: HouseSpec) -> HouseSpec:
-    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": "day"})})
 
 
 def _closed(spec: HouseSpec) -> HouseSpec | None:

@@ -15,7 +15,7 @@ from sim.suites.laws import LAWS
 from sim.suites.suite import Suite, SuitePart, claims
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
-from worlds.variant import variant
+from worlds.variant import in_light, variant
 
 OPENNESS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Values of openness of the suite `open-plan`; each house occurs with all of them."""
@@ -84,8 +84,7 @@ def images(rng: np.random.Generator, number: int) -> Scenario:
     """A short walk on rendered images through two rooms, by day or in the evening."""
     seed = _seed(rng)
     spec = sample_house("home", seed, rooms=2, storeys=1)
-    light = "day" if rng.random() < _BY_DAY else "evening"
-    house = spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": light})})
+    house = in_light(spec, "day" if rng.random() < _BY_DAY else "evening")
     return Scenario(house=house, seed=seed, length_m=30.0)
 
 
@@ -193,6 +192,7 @@ IMAGES = SuitePart(
         *_laws("origin of the odometry", "repainted house", "daylight"),
     ),
     n=6,
+    on_images=True,
 )
 
 
@@ -222,8 +222,10 @@ SUITES: Mapping[str, Suite] = MappingProxyType(
 """All suites by name."""
 
 
-def suite_named(name: str) -> Suite:
-    """Return the suite of this name. Raises `SimError` for an unknown name."""
-    if name not in SUITES:
-        raise SimError(f"unknown suite {name!r:.60}{did_you_mean(name, SUITES)}; valid: {', '.join(SUITES)}")
-    return SUITES[name]
+def suite_named(suite: Suite | str) -> Suite:
+    """Return the suite of this name, or the suite itself. Raises `SimError` for an unknown name."""
+    if isinstance(suite, Suite):
+        return suite
+    if suite not in SUITES:
+        raise SimError(f"unknown suite {suite!r:.60}{did_you_mean(suite, SUITES)}; valid: {', '.join(SUITES)}")
+    return SUITES[suite]

@@ -20,7 +20,7 @@ from sim.suites.stream_changes import (
     Pause,
     PermutedNames,
 )
-from worlds.variant import variant
+from worlds.variant import in_light, variant
 
 _NEUTRAL = (("labels.accuracy", 0.2), ("floors.accuracy", 0.1), ("trajectory.ate_m", 0.15))
 """Tolerances for a change that makes the scenario neither easier nor harder."""
@@ -54,10 +54,7 @@ def taller(scenario: Scenario) -> Scenario:
 
 def in_daylight(scenario: Scenario) -> Scenario:
     """The scenario in the house by daylight."""
-    spec = house_spec(scenario)
-    return replace(
-        scenario, house=spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": "day"})})
-    )
+    return replace(scenario, house=in_light(house_spec(scenario), "day"))
 
 
 def without_drift(scenario: Scenario) -> Scenario:
