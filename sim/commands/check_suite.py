@@ -50,7 +50,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
     from sim.suites.catalogue import suite_named
     from sim.suites.openness_chart import openness_chart
-    from sim.suites.report import SuiteReport, reports
+    from sim.suites.report import check_slam
 
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
@@ -60,13 +60,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
-    total = sum(part.n for part in suite.parts)
-    report = SuiteReport(suite, arguments.seed, ())
     with progress_bar("checking by the suite") as progress:
-        for report in reports(suite, new_slam, arguments.seed, workers):
-            progress(len(report.examined) / total)
-            if arguments.exitfirst and not report.ok:
-                break
+        report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress)
     print(*map(_line, report.verdicts), sep="\n")
     if arguments.json is not None:
         _write_json(report, arguments.json)

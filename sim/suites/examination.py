@@ -6,6 +6,7 @@ from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain, zip_longest
 
 import numpy as np
@@ -63,23 +64,25 @@ def jobs_of(suite: Suite, seed: int) -> list[Job]:
 
 
 def scenario_of(job: Job) -> Scenario:
-    """Draw the scenario of a job, again if a draw is unlucky for it or another member of its group.
+    """Draw the scenario of a job. Raises `SimError` if all draws are unlucky."""
+    place = job.number % job.part.group
+    return _drawn_group(job.part, job.number - place, job.seed)[place]
 
-    Raises `SimError` if all draws are unlucky.
-    """
-    part, first = job.part, job.number - job.number % job.part.group
+
+@lru_cache(maxsize=4)
+def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]:
+    """Draw the scenarios of the group that begins with number `first`, all again if the draw is unlucky for one of them."""
     for attempt in range(_DRAWS):
         try:
+            group = []
             for number in range(first, first + part.group):
-                rng = np.random.default_rng([job.seed, attempt, first, *part.name.encode()])
-                drawn = part.scenario(rng, number)
-                walk(drawn)
-                if number == job.number:
-                    scenario = drawn
-            return scenario
+                rng = np.random.default_rng([seed, attempt, first, *part.name.encode()])
+                group.append(part.scenario(rng, number))
+                walk(group[-1])
+            return tuple(group)
         except (WorldsError, SimError) as error:
             last = error
-    raise SimError(f"suite: part {part.name} has no possible scenario number {job.number}: {last}")
+    raise SimError(f"suite: part {part.name} has no possible scenarios from number {first}: {last}")
 
 
 def examine(job: Job, new_slam: NewSlam) -> Examination:

@@ -61,7 +61,7 @@ def slam_checks(
     """
     import pytest
 
-    chosen = suite_named(suite) if isinstance(suite, str) else suite
+    chosen = suite_named(suite)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
     parameters = [pytest.param(item, id=item.name, marks=_marks(item, expected_failures)) for item in items]
@@ -98,7 +98,7 @@ class _Reports:
 def _marks(item: Item, expected: Mapping[str, str]) -> "tuple[pytest.MarkDecorator, ...]":
     import pytest
 
-    tier = pytest.mark.render if item.part.name == "images" else pytest.mark.features
+    tier = pytest.mark.render if item.part.on_images else pytest.mark.features
     if item.name not in expected:
         return (tier,)
     return (tier, pytest.mark.xfail(strict=True, reason=expected[item.name], raises=AssertionError))

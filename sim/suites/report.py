@@ -8,6 +8,8 @@ from itertools import groupby
 from typing import Any, Literal
 
 from sim.harness.results import RunResult
+from sim.harness.runner import Progress
+from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
@@ -79,12 +81,9 @@ class CheckVerdict:
         lines = [f"{self.name} {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
-            lines += [f"  scenario {each.number}: {each.findings[self.check].measured}" for each in self._examples]
+            first = self.failures[:_EXAMPLES]
+            lines += [f"  scenario {each.number}: {each.findings[self.check].measured}" for each in first]
         return "\n".join(lines)
-
-    @property
-    def _examples(self) -> tuple[Examination, ...]:
-        return self.failures[:_EXAMPLES]
 
     def _independent(self) -> Iterator[bool]:
         """Yield for each complete group of scenarios whether the check holds in half of them or more."""
@@ -148,7 +147,12 @@ class SuiteReport:
 
 
 def check_slam(
-    new_slam: NewSlam, suite: Suite | str = "pr", seed: int = SEED, workers: int = 1, stop_at_failure: bool = False
+    new_slam: NewSlam,
+    suite: Suite | str = "pr",
+    seed: int = SEED,
+    workers: int = 1,
+    stop_at_failure: bool = False,
+    progress: Progress | None = None,
 ) -> SuiteReport:
     """Check a SLAM by a suite.
 
@@ -158,27 +162,22 @@ def check_slam(
         seed: seed of all scenarios.
         workers: number of processes; with more than one, `new_slam` has to be picklable.
         stop_at_failure: whether to stop when the first check fails.
+        progress: is called after each scenario with the share of the scenarios that are done, in [0, 1].
 
     Raises:
         SimError: the suite is unknown.
     """
-    from sim.suites.catalogue import suite_named  # the catalogue imports this package's other modules
-
-    chosen = suite_named(suite) if isinstance(suite, str) else suite
+    chosen = suite_named(suite)
+    jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())
-    for report in reports(chosen, new_slam, seed, workers):
-        if stop_at_failure and not report.ok:
-            break
-    return report
-
-
-def reports(suite: Suite, new_slam: NewSlam, seed: int, workers: int) -> Iterator[SuiteReport]:
-    """Yield the report after each scenario, until all scenarios are examined."""
-    examined: list[Examination] = []
-    with closing(examinations(jobs_of(suite, seed), new_slam, workers)) as found:
+    with closing(examinations(jobs, new_slam, workers)) as found:
         for each in found:
-            examined.append(each)
-            yield SuiteReport(suite, seed, tuple(examined))
+            report = SuiteReport(chosen, seed, (*report.examined, each))
+            if progress is not None:
+                progress(len(report.examined) / len(jobs))
+            if stop_at_failure and not report.ok:
+                break
+    return report
 
 
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:

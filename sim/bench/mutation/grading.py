@@ -18,6 +18,7 @@ from typing import Any
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
+from sim.suites.examination import COMPLETES
 
 _FAILED = 1
 """Exit status of `lexis-sim check` if a check fails."""
@@ -87,9 +88,7 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str]:
 
 def _graded(name: str, data: dict[str, Any], seconds: float) -> Grade:
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
-    scenarios = len(data["results"]) + sum(
-        len(check["failures"]) for check in data["checks"] if check["check"] == "the run completes"
-    )
+    scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
     if not failed:
         return Grade(name, None, scenarios, seconds, "")
     first = failed[0]
