@@ -36,8 +36,8 @@ RIG_HELP = (
 )
 SCENARIO_HELP = "a run as a file, such as scenario.json in the folder of a run, in place of all options that describe one"
 _DESCRIBES_A_RUN = (
-    "preset", "house", "seed", "tour", "length", "sway", "rate", "start_manoeuvre", "odometry", "overconfidence", "fault",
-    "encoder", "fidelity", "feature_model", "rig",
+    "preset", "house", "seed", "tour", "length", "reverse", "sway", "rate", "start_manoeuvre", "odometry", "overconfidence",
+    "fault", "encoder", "fidelity", "feature_model", "rig",
 )  # fmt: skip
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
@@ -177,6 +177,7 @@ def add_tour(parser: argparse.ArgumentParser) -> None:
     """Add options for the path of the walk, the motion of the body and the frame rate."""
     parser.add_argument("--tour", choices=_TOURS, default="rooms", help=TOUR_HELP)
     parser.add_argument("--length", type=number(1.0, 1e5), metavar="M", help="of the walk, metres (default: the preset's)")
+    parser.add_argument("--reverse", action="store_true", help="walk the tour in the opposite direction")
     parser.add_argument("--sway", choices=SWAYS, default="none", help=SWAY_HELP)
     parser.add_argument(
         "--rate", type=number(2.0, 120.0), default=10.0, metavar="HZ", help="frames per second (default: %(default)g)"
@@ -192,6 +193,7 @@ def walk_options(arguments: argparse.Namespace) -> dict[str, Any]:
         "house": HouseSpec.load(arguments.house) if arguments.house else None,
         "tour_kind": _TOURS[arguments.tour],
         "length_m": arguments.length,
+        "reverse": arguments.reverse,
         "sway": arguments.sway,
         "frame_rate_hz": arguments.rate,
         "start_manoeuvre": arguments.start_manoeuvre,

@@ -26,6 +26,7 @@ def tour_config(scenario: Scenario) -> TourConfig:
     return TourConfig(
         scenario.tour_kind,
         length_m,
+        reverse=scenario.reverse,
         frame_rate_hz=scenario.frame_rate_hz,
         sway=scenario.sway,
         start_manoeuvre=scenario.start_manoeuvre,

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from shapely.geometry import Polygon
 
@@ -24,6 +25,10 @@ _FIRST_LENGTHS_M = (10.0, 20.0, 40.0)
 """Lengths that `shorter_tour` tries for scenarios without a requested length [m]."""
 _SMALL_PX = (240, 180)
 _FEW_HZ = 4.0
+_PLAIN_MOTION: Mapping[str, Any] = MappingProxyType(
+    {"sway": "none", "start_manoeuvre": False, "tour_kind": "rooms", "reverse": False}
+)
+"""The simplest motion, as fields of a scenario."""
 """Frame rate to which `fewer_frames` goes down [Hz]. LEXIS adds a keyframe every 0.7 s, and needs two frames for each."""
 
 
@@ -69,7 +74,7 @@ def size(scenario: Scenario) -> ScenarioSize:
         windows=sum(len(storey.windows or ()) for storey in spec.storeys),
         faults=len(scenario.faults),
         drift=(scenario.odometry != "perfect") + (scenario.overconfidence > 1.0),
-        motion=(scenario.sway != "none") + scenario.start_manoeuvre + (scenario.tour_kind != "rooms"),
+        motion=sum(getattr(scenario, name) != usual for name, usual in _PLAIN_MOTION.items()),
         length_m=math.inf if scenario.length_m is None else scenario.length_m,
         corners=sum(len(room.polygon_m) for room in rooms),
         area_m2=round(sum(Polygon(room.polygon_m).area for room in rooms), 6),
@@ -124,10 +129,9 @@ def no_drift(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
-    """Yield simpler scenarios: with no sway, no start manoeuvre and a tour of kind "rooms", then with one of these alone."""
-    plain = replace(scenario, sway="none", start_manoeuvre=False, tour_kind="rooms")
-    each = (replace(scenario, **{name: getattr(plain, name)}) for name in ("sway", "start_manoeuvre", "tour_kind"))
-    yield from dict.fromkeys(other for other in (plain, *each) if other != scenario)
+    """Yield simpler scenarios: with all settings of `_PLAIN_MOTION`, then with one of them alone."""
+    each = (replace(scenario, **{name: usual}) for name, usual in _PLAIN_MOTION.items())
+    yield from dict.fromkeys(other for other in (replace(scenario, **_PLAIN_MOTION), *each) if other != scenario)
 
 
 def shorter_tour(scenario: Scenario) -> Iterator[Scenario]:

@@ -49,6 +49,8 @@ class Scenario(Settings, place="scenario", error=SimError):
     """Requested length of the tour [m]. None: the length that is usual for the preset, or for the kind of tour."""
     tour_kind: TourKind = "rooms"
     """Kind of tour through the house; see `TourConfig.kind`."""
+    reverse: bool = False
+    """Whether the tour is walked in the opposite direction; see `TourConfig.reverse`."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0
     """Observations per second [Hz]. With fewer than two observations per keyframe, LEXIS triangulates no landmarks."""
     sway: SwayName = "none"

@@ -29,6 +29,8 @@ class TourConfig(Settings, place="tour", error=SimError):
     """Length of one lap of a `loop` tour [m]. None: 40 m, or less in a small house."""
     laps: Annotated[int, Ge(1)] = 3
     """Number of laps of a `loop` tour if no length is requested."""
+    reverse: bool = False
+    """Whether the path is walked from its end to its start, looking ahead."""
     lane_m: Annotated[float, Ge(0.3)] = 1.0
     """Distance between the lanes of a `lawn-mower` tour [m]. It is increased if `length_m` is too short for such lanes."""
     frame_rate_hz: Annotated[float, Gt(0)] = 10.0

@@ -73,6 +73,8 @@ def plan_tour(house: House, walkable: Walkable, rng: np.random.Generator, config
     config = config or TourConfig()
     planner, sway_rng = Planner.of(house, walkable, config, rng), rng.spawn(1)[0]
     path = _path(planner, config)
+    if config.reverse:
+        path = path[::-1].copy()
     view = view_along(house, path, config.glance_rad, config.pitch_on_stairs)
     motion = paced(path, view, config.limits, draw_sway(config.sway, sway_rng))
     if config.start_manoeuvre:

@@ -222,10 +222,21 @@ def test_options_of_the_walk_reach_the_run(command, work, tmp_path, monkeypatch,
         raise SimError("so far")
 
     monkeypatch.setattr(work, stop)
-    options = ["--tour", "both-ways", "--length", "30", "--sway", "quadruped", "--rate", "20", "--start-manoeuvre"]
+    options = [
+        "--tour",
+        "both-ways",
+        "--length",
+        "30",
+        "--sway",
+        "quadruped",
+        "--rate",
+        "20",
+        "--start-manoeuvre",
+        "--reverse",
+    ]
     assert status_of([command, *options, "--out", tmp_path]) == status_of([command, "--out", tmp_path]) == 2
     tour, usual = (tour_config(config) for config in seen)
-    assert tour == TourConfig("both ways", 30.0, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
+    assert tour == TourConfig("both ways", 30.0, reverse=True, frame_rate_hz=20.0, sway="quadruped", start_manoeuvre=True)
     assert usual == tour_config(Scenario()) == TourConfig("rooms", 140.0)
 
 

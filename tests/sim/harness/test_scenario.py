@@ -22,8 +22,8 @@ from worlds.presets import PRESETS, sample_from_rooms
 
 HOUSE = sample_from_rooms(("kitchen", "bedroom"), seed=21)
 FULL = Scenario(
-    seed=2**62, house=HOUSE, length_m=31.7, tour_kind="loop", frame_rate_hz=7.0, sway="quadruped", odometry="mono",
-    overconfidence=20.0, fidelity="features", encoder="oracle", feature_model=Path("some/model.npz"),
+    seed=2**62, house=HOUSE, length_m=31.7, tour_kind="loop", reverse=True, frame_rate_hz=7.0, sway="quadruped",
+    odometry="mono", overconfidence=20.0, fidelity="features", encoder="oracle", feature_model=Path("some/model.npz"),
     faults=(Dropped(1 / 3, burst=2), Kidnap(at_s=10.0)), rig=RigConfig("stereo", 160, 120, 90.0, (0.1, 0.0, -0.05)),
 )  # fmt: skip
 
@@ -38,6 +38,7 @@ def scenarios(draw):
         house=draw(st.sampled_from((None, HOUSE))),
         length_m=draw(st.none() | st.floats(1.0, 500.0)),
         tour_kind=draw(st.sampled_from(TOUR_KINDS)),
+        reverse=draw(st.booleans()),
         frame_rate_hz=draw(st.floats(0.1, 60.0)),
         sway=draw(st.sampled_from(SWAYS)),
         odometry=draw(st.sampled_from(sorted(ODOMETRY_PRESETS))),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from helpers.unchecked import unchecked
+from scipy.spatial import cKDTree
 
 from sim.errors import SimError
 from sim.tours.config import TOUR_KINDS
@@ -186,6 +187,17 @@ def test_random_tours_differ_and_reach_many_rooms():
     rooms = [set(room_at(furnished("home", 11)[0], tour.T_W_B[:, :3, 3])) for tour in (first, other)]
     assert min(map(len, rooms)) >= 6
     assert np.abs(first.T_W_B[0] - other.T_W_B[0]).max() > 0.1
+
+
+def test_a_reversed_tour_walks_the_same_path_from_its_end():
+    tours = (tour_of("home", 11, length_m=120.0, reverse=reverse) for reverse in (False, True))
+    there, back = (tour.motion.position(np.linspace(0.0, tour.motion.duration_s, 4000)) for tour in tours)
+    far, _ = cKDTree(there).query(back)
+    assert far.max() < 0.03
+    # Both begin at the same place, since tours are closed, and leave it in opposite directions.
+    ahead = [np.diff(path[[0, 100]], axis=0)[0] for path in (there, back)]
+    np.testing.assert_allclose(there[0], back[0], atol=1e-6)
+    assert np.linalg.norm(ahead[0] - ahead[1]) > 0.3
 
 
 def test_frame_rate_only_samples_the_motion():
