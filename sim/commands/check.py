@@ -92,5 +92,6 @@ def failure(fails: "Claim", result: "RunResult") -> str:
     """Return one line that says that the condition `fails` is true or cannot be judged; "" (empty) if it is false."""
     value = fails.value(result)
     if value is None:
-        return f"failed: {fails.figure} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"
+        null = " or ".join(fails.figures)
+        return f"failed: {null} is null, because the run has no such figure; it cannot be judged by {str(fails)!r}"
     return f"failed: {fails.figure} is {value:g}, and fails if {fails}" if fails.outcome(result) == "holds" else ""

@@ -1,9 +1,13 @@
-"""`Claim`: a statement about the figures of a run, such as "rooms.pq >= 0.6", and whether a result fulfils it."""
+"""`Claim`: a statement about the figures of a run, and whether a result fulfils it.
+
+A claim compares a figure with a number, such as "rooms.pq >= 0.6", or with a multiple of another figure of the same run,
+such as "trajectory.ate_m <= 0.5 * trajectory.ate_odometry_m".
+"""
 
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any, Literal, get_type_hints
 
@@ -13,7 +17,8 @@ from sim.harness.results import RunResult
 _OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
 )
-_FORM = re.compile(r"\s*([\w.]+)\s*(<=|>=|==|!=|<|>)\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*")
+_NUMBER, _FIGURE = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?", r"[A-Za-z_][\w.]*"
+_FORM = re.compile(rf"\s*([\w.]+)\s*(<=|>=|==|!=|<|>)\s*(?:({_NUMBER})|(?:({_NUMBER})\s*\*\s*)?({_FIGURE}))\s*")
 Outcome = Literal["holds", "fails", "unknown"]
 
 
@@ -24,39 +29,62 @@ class Claim:
     figure: str
     comparison: str
     limit: float
+    of: str | None = None
+    """Another figure, of which `limit` is a multiple; None: `limit` is the limit itself."""
 
     @staticmethod
     def parse(text: str) -> "Claim":
-        """Read a claim such as "labels.accuracy < 0.7". Raises `SimError` for another form or an unknown figure."""
+        """Read a claim such as "labels.accuracy < 0.7" or "labels.accuracy > 1.1 * labels.accuracy_baseline".
+
+        Raises `SimError` for another form or an unknown figure.
+        """
         if (match := _FORM.fullmatch(text)) is None:
-            raise SimError(f"claim {text!r:.80} is not understood; valid: a figure, < <= > >= == or !=, and a number")
+            raise SimError(
+                f"claim {text!r:.80} is not understood; "
+                "valid: a figure, < <= > >= == or !=, and a number, or a number * figure"
+            )
+        figure, comparison, limit, factor, of = match.groups()
+        number = limit or factor or "1"
         try:
-            claim = Claim(match[1], match[2], float(match[3]))
+            claim = Claim(figure, comparison, float(number), of)
         except ValueError:
-            raise SimError(f"claim {text!r:.80}: {match[3]!r} is no number; valid: a number such as 0.7") from None
-        _check_name(claim)
+            raise SimError(f"claim {text!r:.80}: {number!r} is no number; valid: a number such as 0.7") from None
+        claim._check_names()
         return claim
 
     def __str__(self) -> str:
-        return f"{self.figure} {self.comparison} {self.limit:g}"
+        return f"{self.figure} {self.comparison} {self.limit:g}" + ("" if self.of is None else f" * {self.of}")
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of the figures that the claim is about."""
+        return (self.figure,) if self.of is None else (self.figure, self.of)
+
+    @property
+    def quantity(self) -> str:
+        """What is compared with the number `limit`: the figure, or its ratio to the figure `of`."""
+        return self.figure if self.of is None else f"{self.figure} / {self.of}"
 
     def value(self, result: RunResult) -> float | None:
-        """The figure's value in a result; None if the run cannot have it. Raises `SimError` for a name that is no figure."""
-        _check_name(self)
-        try:
-            value = result[self.figure]
-        except KeyError:  # a key of a mapping that this run lacks, such as a label that the house does not have
-            return None
-        if value is not None and not isinstance(value, int | float):
-            raise SimError(f"claim {str(self)!r}: {self.figure} is no number; valid: the name of a figure below it")
-        return None if value is None else float(value)
+        """The figure's value in a result; None if it, or the figure that it is compared with, is null.
+
+        Raises `SimError` for a name that is no figure.
+        """
+        self._check_names()
+        values = [self._number(result, name) for name in self.figures]
+        return None if None in values else values[0]
 
     def outcome(self, result: RunResult) -> Outcome:
-        """Whether the claim "holds" or "fails" for a result; "unknown" if the figure is None."""
-        value = self.value(result)
-        if value is None:
+        """Whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is None."""
+        value, other = self.value(result), 1.0 if self.of is None else self._number(result, self.of)
+        if value is None or other is None:
             return "unknown"
-        return "holds" if _OPERATORS[self.comparison](value, self.limit) else "fails"
+        return "holds" if _OPERATORS[self.comparison](value, self.limit * other) else "fails"
+
+    def described(self, result: RunResult) -> str:
+        """Return the values of the claim's figures in a result as text, such as "labels.accuracy is 0.71"."""
+        values = ((name, self._number(result, name)) for name in self.figures)
+        return ", ".join(f"{name} is {'null' if value is None else f'{value:.3g}'}" for name, value in values)
 
     @property
     def is_about_plans(self) -> bool:
@@ -68,18 +96,32 @@ class Claim:
         """The claim that holds exactly if this claim fails."""
         pairs = (("<", ">="), (">", "<="), ("==", "!="))
         other = dict(pairs) | {b: a for a, b in pairs}
-        return Claim(self.figure, other[self.comparison], self.limit)
+        return replace(self, comparison=other[self.comparison])
+
+    def _number(self, result: RunResult, name: str) -> float | None:
+        """The value of a figure; None for a key of a mapping that the run lacks, such as a label the house does not have."""
+        try:
+            value = result[name]
+        except KeyError:
+            return None
+        if value is not None and not isinstance(value, int | float):
+            raise SimError(f"claim {str(self)!r}: {name} is no number; valid: the name of a figure below it")
+        return None if value is None else float(value)
+
+    def _check_names(self) -> None:
+        for name in self.figures:
+            _check_name(str(self), name)
 
 
-def _check_name(claim: Claim) -> None:
+def _check_name(claim: str, name: str) -> None:
     """Raise `SimError` unless results have the figure. Names inside a mapping, such as room names, are not checked."""
     kind: Any = RunResult
-    for part in claim.figure.split("."):
+    for part in name.split("."):
         if not is_dataclass(kind):
             return
         types = get_type_hints(kind)
         if part not in types:
-            raise SimError(f"claim {str(claim)!r}: {claim.figure!r}: no figure {part!r}; valid: {', '.join(types)}")
+            raise SimError(f"claim {claim!r}: {name!r}: no figure {part!r}; valid: {', '.join(types)}")
         kind = types[part]
     if is_dataclass(kind):
-        raise SimError(f"claim {str(claim)!r}: {claim.figure} is no number; valid: the name of a figure below it")
+        raise SimError(f"claim {claim!r}: {name} is no number; valid: the name of a figure below it")

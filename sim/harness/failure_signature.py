@@ -86,7 +86,9 @@ class FailureTest:
             valid = f"valid: {CRASH!r} in place of this claim"
             raise SimError(f"claim {str(self)!r}: the SLAM {outcome.what}: {outcome.error}; {valid}") from outcome.error
         if self.claim is not None and outcome.value is None:
-            raise SimError(f"claim {str(self)!r}: {self.claim.figure} is null; valid: a figure of what the SLAM claims")
+            raise SimError(
+                f"claim {str(self)!r}: {' or '.join(self.claim.figures)} is null; valid: a figure of what the SLAM claims"
+            )
         return outcome.signature
 
     def outcome(self, scenario: Scenario, progress: Progress | None = None) -> Observed | Crash:

@@ -11,10 +11,10 @@ from sim.harness.results import LabelFigures, RunResult
 OPERATORS = st.sampled_from(("<", "<=", ">", ">=", "==", "!="))
 
 
-def result(accuracy):
+def result(accuracy, baseline=None):
     """A result of which only the labels are looked at."""
     made = object.__new__(RunResult)
-    object.__setattr__(made, "labels", LabelFigures(accuracy=accuracy, per_room={"kitchen": 0.25}))
+    object.__setattr__(made, "labels", LabelFigures(accuracy, baseline, per_room={"kitchen": 0.25}))
     return made
 
 
@@ -32,6 +32,22 @@ def test_a_claim_holds_where_its_opposite_fails(comparison, value, limit):
     assert claim.outcome(result(None)) == "unknown"
 
 
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_a_claim_about_two_figures_of_one_run(factor):
+    claim = Claim.parse(f"labels.accuracy >= {factor} * labels.accuracy_baseline")
+    assert claim == Claim("labels.accuracy", ">=", factor, "labels.accuracy_baseline") == Claim.parse(str(claim))
+    assert claim.outcome(result(0.5, baseline=0.5)) == ("holds" if factor <= 1.0 else "fails")
+    assert claim.opposite.outcome(result(0.5, baseline=0.5)) != claim.outcome(result(0.5, baseline=0.5))
+    assert claim.outcome(result(None, baseline=0.5)) == claim.outcome(result(0.5)) == "unknown"
+    assert claim.described(result(0.5)) == "labels.accuracy is 0.5, labels.accuracy_baseline is null"
+
+
+def test_a_figure_alone_is_once_that_figure():
+    assert Claim.parse("labels.accuracy > labels.accuracy_baseline") == Claim.parse(
+        "labels.accuracy > 1 * labels.accuracy_baseline"
+    )
+
+
 def test_a_claim_about_one_room():
     assert Claim.parse("labels.per_room.kitchen < 0.5").outcome(result(0.9)) == "holds"
 
@@ -41,7 +57,10 @@ def test_a_claim_about_one_room():
     [
         ("", "claim '' is not understood; valid: a figure, <"),
         ("labels.accuracy", "is not understood"),
-        ("labels.accuracy < high", "is not understood"),
+        ("labels.accuracy < high", "no figure 'high'"),
+        ("labels.accuracy < 2 labels.accuracy", "is not understood"),
+        ("labels.accuracy < labels.accuracy * 2", "is not understood"),
+        ("labels.accuracy < 2 * labels", "labels is no number"),
         ("labels.accuracy < 1.2.3", "'1.2.3' is no number"),
         ("labels.acc < 0.7", "no figure 'acc'; valid: accuracy, accuracy_baseline"),
         ("labels < 0.7", "labels is no number; valid: the name of a figure below it"),
