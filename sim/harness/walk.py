@@ -1,6 +1,7 @@
 """The part of a run that needs neither images nor a SLAM: the house, the tour through the house, and the odometry."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from sim.harness.parts import house_spec, odometry_config, random_streams, tour_config
 from sim.harness.scenario import Scenario
@@ -9,6 +10,9 @@ from sim.tours.tour import Tour, plan_tour, shortest_length
 from worlds.house import House
 from worlds.validation import built_and_checked
 from worlds.walkable import Walkable
+
+_IRRELEVANT = ("fidelity", "encoder", "feature_model", "faults", "rig")
+"""Settings of a scenario that do not affect its walk."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +35,17 @@ def shortest_walk_m(scenario: Scenario) -> float:
 
 
 def walk(scenario: Scenario) -> Walk:
-    """Build and validate the house, plan the tour, and draw the odometry. Raises `WorldsError` or `SimError`."""
+    """Build and validate the house, plan the tour, and draw the odometry. Raises `WorldsError` or `SimError`.
+
+    The last walks are remembered, because many scenarios that are run one after the other differ in faults, cameras or the
+    SLAM alone.
+    """
+    usual = Scenario()
+    return _walk(replace(scenario, **{name: getattr(usual, name) for name in _IRRELEVANT}))
+
+
+@lru_cache(maxsize=4)
+def _walk(scenario: Scenario) -> Walk:
     streams = random_streams(scenario)
     house = built_and_checked(house_spec(scenario))
     walkable = Walkable(house)

@@ -1,0 +1,49 @@
+"""A walk depends on exactly those settings of a scenario that concern the house, the tour and the odometry."""
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.faults import parse_fault
+from sim.harness.scenario import Scenario
+from sim.harness.walk import walk
+from sim.render.rig import RigConfig
+from worlds.presets import sample_from_rooms
+
+PLAIN = Scenario(
+    house=sample_from_rooms(("kitchen", "bedroom"), seed=21), length_m=20.0, frame_rate_hz=2.0, fidelity="features"
+)
+SAME = {"fidelity": "render", "encoder": "oracle", "feature_model": Path("model.npz"), "rig": RigConfig("stereo"),
+        "faults": (parse_fault("dropped:0.5"),)}  # fmt: skip
+OTHER = {"seed": 8, "house": sample_from_rooms(("kitchen", "office"), seed=21), "length_m": 25.0, "tour_kind": "random",
+         "reverse": True, "frame_rate_hz": 4.0, "sway": "quadruped", "start_manoeuvre": True, "odometry": "mono",
+         "overconfidence": 4.0}  # fmt: skip
+
+
+def differs(first, second):
+    a, b = first.odometry, second.odometry
+    return first.house.spec != second.house.spec or not (
+        np.array_equal(first.tour.T_W_B, second.tour.T_W_B)
+        and np.array_equal(a.T_O_B, b.T_O_B)
+        and np.array_equal(a.increment_covariance, b.increment_covariance)
+    )
+
+
+def test_every_setting_is_listed_here():
+    assert {*SAME, *OTHER, "preset"} == {field.name for field in fields(Scenario)}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_what_the_slam_sees_does_not_change_the_walk(name):
+    assert not differs(walk(PLAIN), walk(replace(PLAIN, **{name: SAME[name]})))
+
+
+@pytest.mark.parametrize("name", OTHER)
+def test_house_tour_and_odometry_change_the_walk(name):
+    assert differs(walk(PLAIN), walk(replace(PLAIN, **{name: OTHER[name]})))
+
+
+def test_the_preset_changes_the_walk_if_no_house_is_given():
+    assert walk(Scenario(preset="home")).house.spec != walk(Scenario(preset="apartment")).house.spec
