@@ -4,27 +4,29 @@ import argparse
 import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
 from sim.commands.run import progress_bar
-from sim.commands.slams import slam_factory
+from sim.commands.slams import is_lexis, replay_of, runner_of, slam_factory
 from sim.errors import SimError
-from sim.harness.world_tests import slug_of
 
 if TYPE_CHECKING:
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
 
 SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
+AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
+NO_LAWS_HELP = "with --suite: make claims about single runs only, which is several times faster"
 IMAGES_HELP = "with --suite: render all scenarios, for a SLAM that does not accept features"
 EXIT_HELP = "with --suite: stop when the first check fails"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.9; may be repeated"
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
-_OPTIONS = ("images", "exitfirst", "json", "limit", "picture", "workers")
+_OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "workers")
 _MOST_WORKERS = 256
 
 
@@ -32,8 +34,10 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     """Add the options for suites."""
     parser.add_argument("--suite", metavar="NAME", help=SUITE_HELP)
     parser.add_argument("--images", action="store_true", default=None, help=IMAGES_HELP)
+    parser.add_argument("--no-laws", action="store_true", default=None, help=NO_LAWS_HELP)
     parser.add_argument("-x", "--exitfirst", action="store_true", default=None, help=EXIT_HELP)
     parser.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP)
+    parser.add_argument("--against", type=Path, metavar="FILE", help=AGAINST_HELP)
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
     parser.add_argument("--workers", type=_workers, metavar="N", help=WORKERS_HELP)
@@ -43,36 +47,49 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
     """Raise SimError if an option for suites is given without a suite."""
     for option in _OPTIONS:
         if getattr(arguments, option) is not None:
-            raise SimError(f"--{option} is for suites; valid: with --suite")
+            raise SimError(f"--{option.replace('_', '-')} is for suites; valid: with --suite")
 
 
 def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
     from sim.suites.catalogue import suite_named
+    from sim.suites.examination import jobs_of
     from sim.suites.openness_chart import openness_chart
     from sim.suites.report import check_slam
+    from sim.suites.smallest import write_smallest
+    from sim.verdicts import compare_results, load_results
 
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
-    if arguments.images:
-        suite = suite.with_images()
+    suite = suite.without_laws() if arguments.no_laws else suite
+    suite = suite.with_images() if arguments.images else suite
     for path in (arguments.json, arguments.picture):
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
+    before = None if arguments.against is None else load_results(arguments.against)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     with progress_bar("checking by the suite") as progress:
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress)
     print(*map(_line, report.verdicts), sep="\n")
+    is_whole = len(report.examined) == len(jobs_of(suite, arguments.seed))
+    comparison = None if before is None or not is_whole else compare_results(before, report.results)
+    worse = () if comparison is None else comparison.worse
+    if comparison is not None:
+        print(comparison)
     if arguments.json is not None:
-        _write_json(report, arguments.json)
+        _write_json(report, worse, arguments.json)
     if arguments.picture is not None:
         with replaced_file(arguments.picture) as beside:
             beside.write_text(openness_chart(report, workers))
     for verdict in report.failed:
         print(f"failed: {verdict}", file=sys.stderr)
+    if worse:
+        print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if arguments.out is not None:
-        _write_failures(report, new_slam, arguments.out)
-    return 0 if report.ok else 1
+        how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
+        for verdict in report.failed:
+            print(write_smallest(verdict, new_slam, *how, arguments.out))
+    return 0 if report.ok and not worse else 1
 
 
 def _line(verdict: "CheckVerdict") -> str:
@@ -80,25 +97,12 @@ def _line(verdict: "CheckVerdict") -> str:
     return f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} {verdict.name}"
 
 
-def _write_failures(report: "SuiteReport", new_slam: "NewSlam", out: Path) -> None:
-    """Write the smallest scenario in which each failed check fails, and print how to run it."""
-    from sim.suites.smallest import smallest_failure
-
-    for verdict in report.failed:
-        checks = {check.name: check for check in verdict.part.checks}
-        reduction = smallest_failure(checks.get(verdict.check), verdict.failures[0].scenario, new_slam)
-        file = out / f"{slug_of(verdict.name)}.json"
-        out.mkdir(parents=True, exist_ok=True)
-        reduction.scenario.save(file)
-        old, new = reduction.sizes
-        print(f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m: {file}")
-
-
-def _write_json(report: "SuiteReport", path: Path) -> None:
+def _write_json(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:
     from sim.verdicts.stored_results import results_data
 
     with replaced_file(path) as beside:
-        beside.write_text(json.dumps(results_data(report.results) | report.data(), indent=1) + "\n")
+        data = results_data(report.results) | report.data() | {"worse": list(worse)}
+        beside.write_text(json.dumps(data, indent=1) + "\n")
 
 
 def _new_slam(arguments: argparse.Namespace) -> "NewSlam":

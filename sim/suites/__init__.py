@@ -6,16 +6,17 @@
     assert report.ok, report
 
 Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
-with their `checks`. `laws` lists the laws. `stream_changes` holds the changes that they make to the SLAM's input, and
-`agreement` tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in several processes,
+with their `checks`. `laws` lists the laws that relate two runs, and `consistency` those about a single run. The first change
+the SLAM's input (`stream_changes`, `frame_changes`, `false_loops`, put before the SLAM by `changed_stream`), and `agreement`
+tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in several processes,
 `report` gives the verdicts, `smallest` finds the smallest scenario in which a check fails, `openness_chart` draws room
 quality against openness, and `pytest_items` makes a test for pytest.
 
 Glossary:
 
 - claim: a statement about a figure of one run, such as "rooms.pq >= 0.5".
-- law: a statement about two runs, such as "in the mirrored house the figures are similar". It needs no threshold for how
-  good a SLAM is.
+- law: a statement about two runs, such as "in the mirrored house the claims are the same", or about one run, such as "all
+  frames of a room have one label". It needs no threshold for how good a SLAM is.
 - check: a claim or a law, with the share of scenarios in which it has to hold.
 """
 

@@ -1,6 +1,7 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
 import multiprocessing
+import os
 import pickle
 from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -8,6 +9,8 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain, zip_longest
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -121,13 +124,26 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
     for what, thing in (("SLAM", new_slam), *(("suite", part) for part in dict.fromkeys(job.part for job in jobs))):
         _check_picklable(what, thing)
     context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
-    pool = ProcessPoolExecutor(workers, context)
-    try:
-        yield from pool.map(examine, jobs, [new_slam] * len(jobs))
-    except BrokenProcessPool:
-        raise SimError("suite: a process died while it ran the SLAM; valid: one process (workers=1), to see where") from None
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with TemporaryDirectory() as folder:
+        notes = Path(folder)
+        pool = ProcessPoolExecutor(workers, context)
+        try:
+            yield from pool.map(_noted, jobs, [new_slam] * len(jobs), [notes] * len(jobs))
+        except BrokenProcessPool:
+            during = ", or ".join(sorted(note.read_text() for note in notes.iterdir()))
+            valid = "valid: a SLAM that does not abort; with one process (workers=1), its own messages tell where it does"
+            raise SimError(f"suite: a process died while it ran the SLAM on {during or 'a scenario'}; {valid}") from None
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _noted(job: Job, new_slam: NewSlam, notes: Path) -> Examination:
+    """Examine a scenario; while this takes, a file names the scenario, so that it is known if the process dies."""
+    note = notes / str(os.getpid())
+    note.write_text(f"scenario {job.number} of part {job.part.name}, seed {job.seed}")
+    found = examine(job, new_slam)
+    note.unlink()
+    return found
 
 
 def _check_picklable(what: str, thing: object) -> None:

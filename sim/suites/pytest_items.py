@@ -8,6 +8,7 @@ test_my_slam = slam_checks(MySlam, suite="pr", expected_failures={"homes: a paus
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from fnmatch import fnmatchcase
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -52,8 +53,8 @@ def slam_checks(
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
         suite: a suite, or the name of one.
-        expected_failures: the reason for each check that is known to fail, by "part: check". These items are strict: they
-            fail if their check does not fail.
+        expected_failures: the reason for each check that is known to fail, by "part: check", or by a pattern such as
+            "revisits: trajectory.*". These items are strict: they fail if their check does not fail.
         seed: seed of all scenarios.
 
     Raises:
@@ -99,14 +100,15 @@ def _marks(item: Item, expected: Mapping[str, str]) -> "tuple[pytest.MarkDecorat
     import pytest
 
     tier = pytest.mark.render if item.part.on_images else pytest.mark.features
-    if item.name not in expected:
+    reason = next((reason for pattern, reason in expected.items() if fnmatchcase(item.name, pattern)), None)
+    if reason is None:
         return (tier,)
-    return (tier, pytest.mark.xfail(strict=True, reason=expected[item.name], raises=AssertionError))
+    return (tier, pytest.mark.xfail(strict=True, reason=reason, raises=AssertionError))
 
 
 def _check_names(expected: Mapping[str, str], items: list[Item]) -> None:
     names = [item.name for item in items]
-    for name in expected:
-        if name not in names:
-            guess = did_you_mean(name, names)
-            raise SimError(f"slam_checks: no check {name!r:.80}{guess}; valid: {'; '.join(names)}")
+    for pattern in expected:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            guess = did_you_mean(pattern, names)
+            raise SimError(f"slam_checks: no check {pattern!r:.80}{guess}; valid: {'; '.join(names)}")

@@ -1,10 +1,17 @@
-"""The smallest scenario in which a check of a suite fails, found by the reducer of the harness."""
+"""The smallest scenario in which a check of a suite fails, with what is to blame where the check is a claim."""
 
-from sim.harness.failure_signature import Signature
+from pathlib import Path
+
+from sim.harness.blame_table import blame
+from sim.harness.crash import Runner
+from sim.harness.failure_folder import Replay, write_failure
+from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.scenario import Scenario
-from sim.suites.checks import Check, NewSlam
+from sim.harness.world_tests import SCENARIO, slug_of
+from sim.suites.checks import Check, ClaimCheck, NewSlam
 from sim.suites.examination import COMPLETES, finding
+from sim.suites.report import CheckVerdict
 
 
 def smallest_failure(
@@ -22,3 +29,30 @@ def smallest_failure(
         return Signature(f"{COMPLETES}: {found.measured}" if check is None else check.name)
 
     return reduce(scenario, fails, deadline_s)
+
+
+def write_smallest(
+    verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path
+) -> str:
+    """Write the smallest scenario in which a check fails into a folder of its own in `out`, and return what was found.
+
+    For a claim the folder is that of `lexis-sim shrink`, with a page that says why the SLAM fails; for any other check it
+    holds the scenario alone. `runner` runs the same SLAM as `new_slam`, and `replay` is the code for that. Raises `SimError`
+    if the check no longer fails, and `LexisError` if the folder cannot be written.
+    """
+    folder = out / slug_of(verdict.name)
+    check = {check.name: check for check in verdict.part.checks}.get(verdict.check)
+    scenario = verdict.failures[0].scenario
+    if isinstance(check, ClaimCheck):
+        test = FailureTest(check.claim.opposite, runner)
+        reduction = reduce(scenario, test, DEADLINE_S)
+        blamed = blame(reduction.scenario, test, is_lexis)
+        write_failure(folder, reduction, test, blamed, replay)
+        found = f"{blamed}\n  why: {folder / 'why.md'}"
+    else:
+        reduction = smallest_failure(check, scenario, new_slam)
+        folder.mkdir(parents=True, exist_ok=True)
+        reduction.scenario.save(folder / SCENARIO)
+        found = f"scenario: {folder / SCENARIO}"
+    old, new = reduction.sizes
+    return f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m\n  {found}"

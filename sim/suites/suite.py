@@ -48,18 +48,18 @@ class SuitePart:
         return replace(drawn, fidelity="render", frame_rate_hz=rate_hz)
 
     def with_limits(self, limits: Mapping[str, float]) -> "SuitePart":
-        """Return the part with new limits; `limits` maps the name of a figure to the new limit of the claim about it.
+        """Return the part with new limits; `limits` maps the `quantity` of a claim to its new limit.
 
-        Where the part makes several claims about a figure, the one with the largest rate stays.
+        Where the part makes several claims about a quantity, the one with the largest rate stays.
         """
         claims = [check for check in self.checks if isinstance(check, ClaimCheck)]
-        strictest = {check.claim.figure: check for check in sorted(claims, key=lambda check: check.rate)}
+        strictest = {check.claim.quantity: check for check in sorted(claims, key=lambda check: check.rate)}
         kept = []
         for check in self.checks:
-            if not isinstance(check, ClaimCheck) or check.claim.figure not in limits:
+            if not isinstance(check, ClaimCheck) or check.claim.quantity not in limits:
                 kept.append(check)
-            elif check == strictest[check.claim.figure]:
-                kept.append(replace(check, claim=replace(check.claim, limit=limits[check.claim.figure])))
+            elif check == strictest[check.claim.quantity]:
+                kept.append(replace(check, claim=replace(check.claim, limit=limits[check.claim.quantity])))
         return replace(self, checks=tuple(kept))
 
 
@@ -79,10 +79,11 @@ class Suite:
     def with_limits(self, limits: Mapping[str, float]) -> "Suite":
         """Return the suite with other limits in its claims, such as {"labels.accuracy": 0.9}.
 
-        Raises `SimError` for a figure about which the suite makes no claim, and for a limit that is not finite.
+        The key of a claim that relates two figures is their ratio: "trajectory.ate_m / trajectory.ate_odometry_m". Raises
+        `SimError` for a key about which the suite makes no claim, and for a limit that is not finite.
         """
         checks = [check for part in self.parts for check in part.checks]
-        known = {check.claim.figure for check in checks if isinstance(check, ClaimCheck)}
+        known = {check.claim.quantity for check in checks if isinstance(check, ClaimCheck)}
         for figure, limit in limits.items():
             if figure not in known:
                 guess, valid = did_you_mean(figure, known), ", ".join(sorted(known))
@@ -94,6 +95,14 @@ class Suite:
     def with_size(self, share: float) -> "Suite":
         """Return the suite with a multiple of its scenarios, at least one in each part."""
         return replace(self, parts=tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts))
+
+    def without_laws(self) -> "Suite":
+        """Return the suite with its claims only, which takes less time because laws run the SLAM again.
+
+        Parts that consist of laws only are left out. Raises `SimError` if nothing is left.
+        """
+        claims = ((part, tuple(check for check in part.checks if isinstance(check, ClaimCheck))) for part in self.parts)
+        return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks))
 
     def with_images(self) -> "Suite":
         """Return the suite with rendered images in all scenarios, for a SLAM that does not accept features."""

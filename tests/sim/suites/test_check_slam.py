@@ -7,21 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.aborting_slam import AbortingSlam
 from helpers.open_flat import OPEN_FLAT
 
 from sim.cli import main
 from sim.errors import SimError
-from sim.harness import Lexis, Scenario
+from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
-from sim.suites.checks import CheckFinding, SameClaims, SimilarFigures
+from sim.suites.checks import CheckFinding, NotWorse, SameClaims
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of, scenario_of
+from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import CheckVerdict, check_slam
 from sim.suites.smallest import smallest_failure
-from sim.suites.stream_changes import MovedOrigin, Nothing
+from sim.suites.stream_changes import Nothing
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
 
@@ -43,6 +45,14 @@ class Oracle(Lexis):
 
     def __init__(self):
         super().__init__("oracle")
+
+
+class WrongLabels(Oracle):
+    """LEXIS that claims the first label everywhere."""
+
+    def finish(self):
+        claims = super().finish()
+        return replace(claims, labels=np.zeros_like(claims.labels))
 
 
 class FloorsByHeight(OdometryOnly):
@@ -204,7 +214,7 @@ def _long(scenario):
 
 
 def test_a_law_about_the_scenario_compares_figures():
-    worse = SimilarFigures("long", "A long walk drifts more.", _long, (("trajectory.ate_m", 1e-6),), rate=None)
+    worse = NotWorse("long", "A long walk drifts more.", _long, (("trajectory.ate_m", 1e-6),), rate=None)
     fine = replace(worse, name="fine", tolerances=(("trajectory.ate_m", 5.0),))
     impossible, stayed = replace(worse, name="impossible", change=_impossible), replace(worse, name="stayed", change=_stayed)
     laws = replace(FLAT, parts=(replace(PART, checks=(worse, fine, impossible, stayed), n=1),))
@@ -235,6 +245,15 @@ def test_limits_can_be_set_by_figure():
     assert outcomes(check_slam(Oracle, strict, stop_at_failure=True))["labels.accuracy >= 1.1"] == "fails"
     with pytest.raises(SimError, match=r"suite flat: has no claim about 'labels.acuracy' \(did you mean .*valid: floors"):
         FLAT.with_limits({"labels.acuracy": 0.5})
+
+
+def test_without_laws_a_suite_makes_its_claims_only():
+    assert outcomes(check_slam(FloorsByHeight, FLAT.without_laws())).keys() == {
+        COMPLETES, "labels.accuracy >= 0.8", "floors.accuracy >= 0.9",
+    }  # fmt: skip
+    assert "language" not in [part.name for part in SUITES["pr"].without_laws().parts]
+    with pytest.raises(SimError, match="suite language: has no part"):
+        SUITES["language"].without_laws()
 
 
 def test_the_smallest_failure_of_a_law_fails_by_it_as_well():
@@ -299,7 +318,7 @@ test_oracle = slam_checks(Oracle, suite=replace(FLAT, parts=(replace(PART, n=1),
 """The ready test, used as a user would."""
 
 test_floors_by_height = slam_checks(
-    FloorsByHeight, suite=replace(FLAT, parts=(replace(PART, n=1),)), expected_failures={"flat: origin": "absolute heights"}
+    FloorsByHeight, suite=replace(FLAT, parts=(replace(PART, n=1),)), expected_failures={"flat: orig*": "absolute heights"}
 )
 
 
@@ -350,8 +369,22 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     assert main(["check", "--suite", "flat", "-x", "--workers", "1", "--out", str(tmp_path / "small")]) == 1
     shown = capsys.readouterr()
     assert "failed: flat: origin in 0 of 1 scenarios" in shown.err and "The claims do not depend on the origin." in shown.err
-    kept = Scenario.load(tmp_path / "small" / "flat-origin.json")
+    kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
     assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: rooms 3 -> 1" in shown.out
+
+
+def test_the_command_says_why_a_claim_fails(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    monkeypatch.setattr("sim.commands.check_suite.runner_of", lambda _: lambda scenario, progress: run(scenario, Oracle()))
+    options = ["--limit", "labels.accuracy=1.1", "--workers", "1", "--out", str(tmp_path)]
+    assert main(["check", "--suite", "flat", "-x", *options]) == 1
+    shown = capsys.readouterr()
+    folder = tmp_path / "flat-labels.accuracy-1.1"
+    assert "flat: labels.accuracy >= 1.1: rooms 3 -> 1" in shown.out and f"why: {folder / 'why.md'}" in shown.out
+    assert {"scenario.json", "original.json", "why.md", "test_replay.py", "report.html"} <= {
+        f.name for f in folder.iterdir()
+    }
 
 
 def test_the_chart_shows_every_slam_once():
@@ -379,3 +412,23 @@ def test_false_loops_reach_only_a_slam_that_uses_the_verifier():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
     assert outcomes(check_slam(OdometryOnly, law))["false loop closures"] == "not claimed"
     assert outcomes(check_slam(Oracle, law))["false loop closures"] in ("holds", "undecided")
+
+
+def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(replace(PART, checks=(), n=10),))})
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: Oracle)
+    options = ["check", "--suite", "flat", "--workers", "1"]
+    before, same = tmp_path / "before.json", tmp_path / "same.json"
+    assert main([*options, "--json", str(before)]) == 0
+    assert main([*options, "--json", str(same), "--against", str(before)]) == 0
+    assert json.loads(same.read_text())["worse"] == []
+    monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: WrongLabels)
+    assert main([*options, "--against", str(before)]) == 1
+    assert "failed: labels.accuracy" in capsys.readouterr().err
+    assert main([*options, "--seed", "8", "--against", str(before)]) == 2
+    assert "valid:" in capsys.readouterr().err
+
+
+def test_a_slam_that_kills_its_process_is_reported_with_the_scenario():
+    with pytest.raises(SimError, match=r"a process died while it ran the SLAM on scenario [01] of part flat, seed 3"):
+        check_slam(AbortingSlam, FLAT, seed=3, workers=2)

@@ -6,19 +6,46 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
+from lexis.maths.se3 import exp, is_rigid
+from lexis.types import Camera, Intrinsics, Observation
+from sim.errors import ClaimError
 from sim.harness import Estimate, Lexis, LoopClaims, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.agreement import agreement
-from sim.suites.stream_changes import MoreNames, MovedOrigin, Nothing, OtherClock, Pause, PermutedNames, changed
+from sim.suites.changed_stream import changed
+from sim.suites.false_loops import FalseLoops
+from sim.suites.frame_changes import Mirrored, MovedOrigin, TurnedBody
+from sim.suites.stream_changes import (
+    MoreNames,
+    Nothing,
+    OtherClock,
+    Pause,
+    PermutedNames,
+    ReusedArrays,
+    Slip,
+    Synonyms,
+)
 
-CHANGES = (Nothing(), MovedOrigin(), OtherClock(), Pause(after=12, pauses=4), PermutedNames(), MoreNames())
+EXACT = (
+    Nothing(),
+    MovedOrigin(),
+    OtherClock(),
+    ReusedArrays(),
+    TurnedBody(),
+    Mirrored(),
+    Pause(after=12, pauses=4),
+    PermutedNames(),
+)
+CHANGES = (*EXACT, MoreNames(), Synonyms(), Slip(after=5), FalseLoops())
+KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
+"""Changes behind which a SLAM may keep the arrays that it is given, as `Listening` does."""
 
 
 class Listening:
     """Notes what it is given, and claims the first room name and one loop for every frame."""
 
     def start(self, camera, room_names):
-        self.names, self.seen = tuple(room_names), []
+        self.camera, self.names, self.seen = camera, tuple(room_names), []
 
     def process(self, observation):
         self.seen.append(observation)
@@ -35,7 +62,7 @@ def lexis():
     return run(OPEN_FLAT, Lexis("oracle"))
 
 
-@pytest.mark.parametrize("change", CHANGES[:5], ids=lambda change: type(change).__name__)
+@pytest.mark.parametrize("change", EXACT, ids=lambda change: type(change).__name__)
 def test_lexis_claims_the_same_behind_every_neutral_change(lexis, change):
     again = run(OPEN_FLAT, changed(Lexis("oracle"), change))
     found = agreement(lexis.estimate, again.estimate)
@@ -43,13 +70,13 @@ def test_lexis_claims_the_same_behind_every_neutral_change(lexis, change):
     assert found.position_m < 1e-6
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda change: type(change).__name__)
+@pytest.mark.parametrize("change", KEEPS_ARRAYS, ids=lambda change: type(change).__name__)
 def test_claims_come_back_for_every_frame_in_the_unchanged_names(change):
     slam = Listening()
     finished = run(OPEN_FLAT, changed(slam, change))
     frames = finished.estimate.frames
     assert frames.tolist() == list(range(len(finished.session)))
-    named = slam.names[0]
+    named = change.names(finished.room_names)[slam.names[0]]
     assert {finished.room_names[label] for label in finished.estimate.labels} == {named}
     assert finished.estimate.loops.query.tolist() == [len(frames) - 1]
 
@@ -84,3 +111,76 @@ def test_a_label_for_a_name_that_was_added_is_no_label():
 def test_only_a_slam_that_accepts_features_accepts_them_behind_a_change():
     assert hasattr(changed(Lexis("oracle"), Nothing()), "start_on_features")
     assert not hasattr(changed(OdometryOnly(), Nothing()), "start_on_features")
+
+
+def test_arrays_are_overwritten_once_the_slam_has_processed_them():
+    slam = Listening()
+    with pytest.raises(ClaimError, match="T_W_B is no rigid motion"):
+        run(OPEN_FLAT, changed(slam, ReusedArrays()))
+    assert not any(seen.T_O_B.any() or seen.increment_covariance.any() for seen in slam.seen)
+
+
+def test_a_turned_body_moves_as_the_body_does_and_its_claims_come_back_as_those_of_the_body():
+    plain, turned = Listening(), Listening()
+    straight = run(OPEN_FLAT, plain)
+    finished = run(OPEN_FLAT, changed(turned, TurnedBody()))
+    assert not np.allclose(turned.seen[5].T_O_B, plain.seen[5].T_O_B)
+    np.testing.assert_allclose(finished.estimate.T_W_B, straight.estimate.T_W_B, atol=1e-12)
+    # The camera stays where it is in the world, and the variance of the motion along its axis stays with it.
+    T_O_C = [slam.seen[5].T_O_B @ slam.camera.T_B_C for slam in (plain, turned)]
+    np.testing.assert_allclose(*T_O_C, atol=1e-12)
+    along = [
+        (slam.seen[5].T_O_B[:3, :3] @ slam.seen[5].increment_covariance[3:, 3:] @ slam.seen[5].T_O_B[:3, :3].T)
+        for slam in (plain, turned)
+    ]
+    np.testing.assert_allclose(*along, atol=1e-12)
+
+
+def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
+    plain, slipped = Listening(), Listening()
+    run(OPEN_FLAT, plain)
+    run(OPEN_FLAT, changed(slipped, Slip(after=5, shift_m=(0.3, 0.0, 0.0))))
+    moved = np.array([b.T_O_B[:3, 3] - a.T_O_B[:3, 3] for a, b in zip(plain.seen, slipped.seen, strict=True)])
+    np.testing.assert_allclose(moved[:6], 0.0)
+    np.testing.assert_allclose(moved[6:], np.broadcast_to([0.3, 0.0, 0.0], moved[6:].shape), atol=1e-12)
+    more = [b.increment_covariance - a.increment_covariance for a, b in zip(plain.seen, slipped.seen, strict=True)]
+    assert [i for i, extra in enumerate(more) if extra.any()] == [6]
+    np.testing.assert_allclose(np.diag(more[6]), [0, 0, 0, 0.09, 0.09, 0.09], atol=1e-12)
+
+
+def test_a_synonym_that_is_a_room_name_already_is_not_used():
+    assert dict(Synonyms().names(("kitchen", "corridor", "hallway"))) == {
+        "cooking area": "kitchen", "corridor": "corridor", "hallway": "hallway",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("change", [MovedOrigin(), TurnedBody(), Mirrored()], ids=lambda change: type(change).__name__)
+def test_other_frames_give_rigid_poses_and_the_same_distances(change):
+    plain, moved = Listening(), Listening()
+    straight = run(OPEN_FLAT, plain)
+    finished = run(OPEN_FLAT, changed(moved, change))
+    np.testing.assert_allclose(finished.estimate.T_W_B, straight.estimate.T_W_B, atol=1e-9)
+    assert is_rigid(np.stack([seen.T_O_B for seen in moved.seen])).all() and is_rigid(moved.camera.T_B_C)
+    for a, b in zip(plain.seen, moved.seen, strict=True):
+        same = np.linalg.eigvalsh(a.increment_covariance), np.linalg.eigvalsh(b.increment_covariance)
+        np.testing.assert_allclose(*same, rtol=1e-6, atol=1e-15)
+
+
+def test_in_the_mirror_a_turn_to_the_left_is_a_turn_to_the_right_and_a_pixel_shows_the_mirrored_point():
+    (image,) = Mirrored().observations(
+        Observation(
+            0, 0.0, np.arange(24, dtype=np.uint8).reshape(2, 4, 3), exp(np.array([0, 0, 0.3, 1.0, 0.5, 0])), np.eye(6)
+        ),
+        0,
+    )
+    np.testing.assert_allclose(image.T_O_B, exp(np.array([0, 0, -0.3, 1.0, -0.5, 0])), atol=1e-12)
+    np.testing.assert_array_equal(image.image[0, 0], [9, 10, 11])
+    camera = Camera(Intrinsics(4, 2, 3.0, 3.0, 1.0, 0.5), exp(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])))
+    point_B = np.array([1.0, 0.3, 0.2, 1.0])
+
+    def pixel(seen, point):
+        x, y, z = (np.linalg.inv(seen.T_B_C) @ point)[:3]
+        return np.array([seen.intrinsics.fx * x / z + seen.intrinsics.cx, seen.intrinsics.fy * y / z + seen.intrinsics.cy])
+
+    u, v = pixel(camera, point_B)
+    np.testing.assert_allclose(pixel(Mirrored().camera(camera), point_B * [1, -1, 1, 1]), [3 - u, v], atol=1e-9)

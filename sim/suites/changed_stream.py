@@ -1,0 +1,105 @@
+"""`changed`: puts a SLAM behind a change of its input, and converts its claims back."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.types import Camera, Observation
+from sim.errors import SimError
+from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
+from sim.suites.stream_changes import Motion, StreamChange
+
+
+class ChangedStream:
+    """A SLAM behind a change of its input. It claims what the SLAM claims, about the unchanged observations."""
+
+    def __init__(self, slam: SlamUnderTest, change: StreamChange) -> None:
+        self._slam, self._change = slam, change
+        self._original_names: list[int] = []
+        """For each room name that the SLAM is told, the index of the unchanged room name; -1 for a name without one."""
+        self._given: list[int] = []
+        """Index of the unchanged observation for each observation that the SLAM got."""
+        self._processed = 0
+
+    def start(self, camera: Camera, room_names: Sequence[str]) -> None:
+        """Begin a run with the changed camera and the changed room names."""
+        self._slam.start(*self._begin(camera, room_names))
+
+    def process(self, observation: Observation) -> None:
+        """Give the SLAM what takes the place of the observation."""
+        number, self._processed = self._processed, self._processed + 1
+        for changed in self._change.observations(observation, number):
+            self._given.append(observation.index)
+            self._slam.process(replace(changed, index=len(self._given) - 1))
+
+    def finish(self) -> Estimate:
+        """Return the claims about the unchanged observations, in the unchanged body frame, with the unchanged room names."""
+        return _restored(self._slam.finish(), np.array(self._given), np.array(self._original_names), self._change)
+
+    def _begin(self, camera: Camera, room_names: Sequence[str]) -> tuple[Camera, tuple[str, ...]]:
+        """Forget the run before, and return what the SLAM is started with."""
+        names = self._change.names(room_names)
+        self._original_names = [-1 if name is None else room_names.index(name) for name in names.values()]
+        self._given, self._processed = [], 0
+        return self._change.camera(camera), tuple(names)
+
+
+class ChangedFeatureStream(ChangedStream):
+    """A SLAM behind a change of its input, for a SLAM that accepts features."""
+
+    def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
+        """Begin a run on percepts with the changed camera and the changed room names."""
+        if not isinstance(self._slam, AcceptsFeatures):
+            raise SimError("SLAM under test: has no method start_on_features(); valid: ChangedStream")
+        started = self._begin(camera, room_names)
+        renumbered = features.renumbered(lambda index: self._given[index])
+        self._slam.start_on_features(*started, self._change.features(renumbered))
+
+
+def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
+    """Put a SLAM behind a change of its input. It accepts features if the SLAM does."""
+    return (ChangedFeatureStream if isinstance(slam, AcceptsFeatures) else ChangedStream)(slam, change)
+
+
+def _restored(
+    claims: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
+) -> Estimate:
+    """Convert claims about changed observations; of several frames for one observation, the first stays."""
+    frames, first = np.unique(given[claims.frames], return_index=True)
+    T_old_new, T_N_B = np.linalg.inv(change.T_new_old), np.linalg.inv(change.T_B_N)
+    new_row = np.searchsorted(frames, given[claims.frames])
+    similarities = claims.similarities
+    if similarities is not None:
+        kept = name_of >= 0
+        columns = np.zeros((len(similarities), int(name_of.max()) + 1))
+        columns[:, name_of[kept]] = similarities[:, kept]
+        similarities = columns[first]
+    return replace(
+        claims,
+        frames=frames,
+        T_W_B=None if claims.T_W_B is None else T_old_new @ claims.T_W_B[first] @ T_N_B,
+        labels=_renamed(claims.labels, first, name_of),
+        baseline_labels=_renamed(claims.baseline_labels, first, name_of),
+        rooms=None if claims.rooms is None else claims.rooms[first],
+        floors=None if claims.floors is None else claims.floors[first],
+        loops=_moved(claims.loops, new_row, change.T_B_N),
+        candidates=None,
+        similarities=similarities,
+    )
+
+
+def _renamed(
+    labels: Int[np.ndarray, "n"] | None, first: Int[np.ndarray, "m"], name_of: Int[np.ndarray, "names"]
+) -> Int[np.ndarray, "m"] | None:
+    return None if labels is None else np.where(labels[first] < 0, -1, name_of[labels[first]])
+
+
+def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Motion) -> LoopClaims | None:
+    """Convert loops to the rows of the unchanged observations and to the unchanged body frame."""
+    if loops is None:
+        return None
+    T_match_query = T_B_N @ loops.T_match_query @ np.linalg.inv(T_B_N)
+    return replace(loops, query=new_row[loops.query], match=new_row[loops.match], T_match_query=T_match_query)

@@ -1,0 +1,128 @@
+"""Laws about a single run: a SLAM must not contradict itself or the odometry. They need no ground truth."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int
+
+from lexis.maths.se3 import between, rotation_angle
+from sim.harness.runner import Run
+from sim.suites.checks import CheckFinding, Examined, NewSlam
+
+_STEP_M, _STEP_RAD = 0.25, 0.1
+"""Largest correction of the motion between two successive frames of the estimate [m, rad]. A SLAM distributes a correction
+over the loop; corrections of LEXIS reach 0.12 m and 0.03 rad, on odometry that drifts much."""
+_LOOP_M, _LOOP_RAD = 0.5, 0.15
+"""Largest difference between a trusted loop closure and the poses that it joins [m, rad]. LEXIS reaches 0.21 m, 0.03 rad."""
+_TRUSTED = 0.5
+"""A loop closure counts as trusted if its weight is larger than this."""
+_FLOOR_M = 1.0
+"""Largest difference in height between two frames on one floor [m]. It allows for drift; LEXIS reaches 0.4 m."""
+
+
+@dataclass(frozen=True)
+class Consistent:
+    """A law about the claims of one run, which needs no second run."""
+
+    name: str
+    says: str
+    find: Callable[[Run], CheckFinding]
+    """Examines a run."""
+    rate: float | None = None
+
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+        """Examine the unchanged run."""
+        return self.find(base.run)
+
+
+def steps_follow_odometry(run: Run) -> CheckFinding:
+    """Compare the motion between successive frames with the odometry's."""
+    poses = run.estimate.T_W_B
+    if poses is None or len(poses) < 2:
+        return CheckFinding(None, "the SLAM claims no motion")
+    odometry = run.odometry_poses
+    moved, turned = _apart(between(odometry[:-1], odometry[1:]), between(poses[:-1], poses[1:]))
+    return CheckFinding(
+        bool(moved.max() <= _STEP_M and turned.max() <= _STEP_RAD),
+        f"one step differs from the odometry's by {moved.max():.2g} m, one by {turned.max():.2g} rad",
+    )
+
+
+def trusted_loops_fit(run: Run) -> CheckFinding:
+    """Compare the relative poses of trusted loop closures with those of the trajectory."""
+    poses, loops = run.estimate.T_W_B, run.estimate.loops
+    if poses is None or loops is None or not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
+        return CheckFinding(None, "the SLAM claims no trusted loop closure")
+    moved, turned = _apart(
+        np.asarray(loops.T_match_query, float)[trusted], between(poses[loops.match[trusted]], poses[loops.query[trusted]])
+    )
+    return CheckFinding(
+        bool(moved.max() <= _LOOP_M and turned.max() <= _LOOP_RAD),
+        f"of {trusted.sum()} trusted loop closures, one contradicts the trajectory by {moved.max():.2g} m, one by "
+        f"{turned.max():.2g} rad",
+    )
+
+
+def rooms_are_uniform(run: Run) -> CheckFinding:
+    """Look for rooms with frames of different labels, or on different floors."""
+    rooms, labels, floors = run.estimate.rooms, run.estimate.labels, run.estimate.floors
+    if rooms is None or (labels is None and floors is None):
+        return CheckFinding(None, "the SLAM claims no rooms, or neither labels nor floors")
+    mixed = [0 if kinds is None else _mixed(rooms, kinds) for kinds in (labels, floors)]
+    return CheckFinding(sum(mixed) == 0, f"{mixed[0]} rooms have frames of several labels, {mixed[1]} of several floors")
+
+
+def floors_are_level(run: Run) -> CheckFinding:
+    """Compare the heights of the frames on each floor, and the order of floors by number with their order by height."""
+    poses, floors = run.estimate.T_W_B, run.estimate.floors
+    if poses is None or floors is None or not (floors >= 0).any():
+        return CheckFinding(None, "the SLAM does not claim both poses and floors")
+    heights = [np.asarray(poses, float)[floors == floor, 2, 3] for floor in np.unique(floors[floors >= 0])]
+    span = max(float(np.ptp(own)) for own in heights)
+    ascend = bool((np.diff([own.mean() for own in heights]) > 0.0).all())
+    text = f"heights on one floor differ by {span:.2g} m; floors with higher numbers are {'' if ascend else 'not '}higher"
+    return CheckFinding(span <= _FLOOR_M and ascend, text)
+
+
+def _apart(
+    first: Float64[np.ndarray, "n 4 4"], second: Float64[np.ndarray, "n 4 4"]
+) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
+    """Distances [m] and angles [rad] between pairs of poses."""
+    T = between(first, second)
+    return np.linalg.norm(T[:, :3, 3], axis=1), np.asarray(rotation_angle(T))
+
+
+def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:
+    """Number of rooms whose frames have several kinds; frames without a room or a kind (-1) do not count."""
+    pairs = np.unique(np.stack([rooms, kinds], axis=1)[(rooms >= 0) & (kinds >= 0)], axis=0)
+    return int((np.unique(pairs[:, 0], return_counts=True)[1] > 1).sum())
+
+
+CONSISTENCY = tuple(
+    Consistent(*row)
+    for row in (
+        (
+            "steps follow the odometry",
+            f"Between successive frames, the trajectory moves as the odometry does, within {_STEP_M} m and {_STEP_RAD} rad. "
+            "A SLAM distributes corrections over the loop.",
+            steps_follow_odometry,
+        ),
+        (
+            "trusted loops fit the trajectory",
+            f"The trajectory satisfies every trusted loop closure within {_LOOP_M} m and {_LOOP_RAD} rad.",
+            trusted_loops_fit,
+        ),
+        (
+            "rooms are uniform",
+            "All frames of a room have one label and one floor; frames on stairs may have no floor.",
+            rooms_are_uniform,
+        ),
+        (
+            "floors are level",
+            f"Frames on one floor have heights within {_FLOOR_M} m, and higher floors have higher numbers.",
+            floors_are_level,
+        ),
+    )
+)
+"""All laws about a single run."""

@@ -1,0 +1,64 @@
+"""`FalseLoops`: loop closures that are confirmed although they are wrong."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexis.config import VerificationConfig
+from lexis.maths.se3 import between
+from lexis.pose_graph import PoseGraph
+from lexis.types import Camera, Keyframe, LoopEdge
+from lexis.verification import Verifier
+from sim.harness.scenario import Scenario
+from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput
+from sim.suites.stream_changes import Nothing
+
+_SURE = np.repeat([0.01, 0.04], 3) ** 2
+"""Variances that a false loop states, as small as those of a true loop: rotation, then translation [rad², m²]."""
+_INLIERS = 40
+"""Number of inliers that a false loop states."""
+
+
+@dataclass(frozen=True)
+class FalseLoops(Nothing):
+    """Loop verification confirms some loops with a wrong relative pose, as it does where two places look alike.
+
+    SLAM systems that verify loops on their own are not affected.
+    """
+
+    share: float = 0.1
+    """Share of the keyframes with loop candidates that get a false loop."""
+    error_m: float = 2.0
+    """Distance by which the relative pose of a false loop is wrong [m]."""
+    seed: int = 0
+
+    def features(self, features: FeatureInput) -> FeatureInput:
+        """Return the input with a verifier that makes mistakes."""
+        return replace(features, verifier=_Mistaken(features.verifier, self))
+
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the SLAM may use the verifier of the feature sensor."""
+        return scenario.fidelity == "features" and isinstance(slam, AcceptsFeatures)
+
+
+@dataclass(frozen=True, eq=False)
+class _Mistaken:
+    """A loop verifier that adds false loops to those of another verifier."""
+
+    verifier: Verifier
+    mistakes: FalseLoops
+
+    def __call__(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> list[LoopEdge]:
+        """Return the confirmed loops, and for some queries one more that is wrong."""
+        edges = self.verifier(query, candidates, graph, camera, config)
+        rng = np.random.default_rng((self.mistakes.seed, query.id))
+        if not candidates or rng.random() >= self.mistakes.share:
+            return edges
+        match = int(rng.choice(list(candidates)))
+        wrong = between(graph.T_W_B[match], graph.T_W_B[query.id])
+        angle = rng.uniform(0.0, 2.0 * np.pi)
+        wrong[:2, 3] += self.mistakes.error_m * np.array([np.cos(angle), np.sin(angle)])
+        return [*edges, LoopEdge(query.id, match, wrong, np.diag(_SURE), _INLIERS)]

@@ -1,0 +1,140 @@
+"""Changes of the coordinate frames: another origin of the odometry, other axes of the body, and the mirror image.
+
+The SLAM gets the same walk in other coordinates, so that it has to make the same claims.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.config import VerificationConfig
+from lexis.maths.se3 import exp
+from lexis.pose_graph import PoseGraph
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Percept, Poses
+from lexis.verification import Verifier
+from sim.harness.slam_under_test import FeatureInput
+from sim.suites.stream_changes import Motion, Nothing
+
+
+@dataclass(frozen=True)
+class OtherFrames(Nothing):
+    """The base of changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
+
+    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+        """Yield the observation in the new frames."""
+        T_O_B = self.T_new_old @ observation.T_O_B @ self.T_B_N
+        yield replace(observation, T_O_B=T_O_B, increment_covariance=_in_frame(self.T_B_N, observation.increment_covariance))
+
+    def camera(self, camera: Camera) -> Camera:
+        """Return the camera with its pose in the new body frame."""
+        return replace(camera, T_B_C=np.linalg.inv(self.T_B_N) @ camera.T_B_C)
+
+    def features(self, features: FeatureInput) -> FeatureInput:
+        """Return the input with a verifier that measures loops between the new body frames."""
+        return replace(features, verifier=_BetweenOtherBodies(features.verifier, self))
+
+
+@dataclass(frozen=True)
+class MovedOrigin(OtherFrames):
+    """The odometry frame lies elsewhere and has another heading: the house is translated and rotated, but stays upright."""
+
+    shift_m: tuple[float, float, float] = (30.0, -20.0, 8.0)
+    yaw_rad: float = 2.0
+
+    @property
+    def T_new_old(self) -> Motion:
+        """The motion from the old odometry frame to the new one."""
+        T = exp(np.array([0.0, 0.0, self.yaw_rad, 0.0, 0.0, 0.0]))
+        T[:3, 3] = self.shift_m
+        return T
+
+
+@dataclass(frozen=True)
+class TurnedBody(OtherFrames):
+    """The body frame has other axes, as data sets whose body frame is that of the IMU have: x up, y left and z backwards."""
+
+    @property
+    def T_B_N(self) -> Motion:
+        """Pose of the new body frame in the old one, a permutation of axes."""
+        return np.array([[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class Mirrored(OtherFrames):
+    """The house and the walk are mirrored: left and right change places, in the images, too. Percepts stay as they are."""
+
+    @property
+    def T_new_old(self) -> Motion:
+        """The reflection of y."""
+        return np.diag([1.0, -1.0, 1.0, 1.0])
+
+    @property
+    def T_B_N(self) -> Motion:
+        """The reflection of y."""
+        return np.diag([1.0, -1.0, 1.0, 1.0])
+
+    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+        """Yield the observation with mirrored poses and a mirrored image."""
+        image = observation.image
+        seen = image if isinstance(image, Percept) else np.ascontiguousarray(image[:, ::-1])
+        yield from super().observations(replace(observation, image=seen), number)
+
+    def camera(self, camera: Camera) -> Camera:
+        """Return the mirrored camera, whose x axis points to the right again."""
+        k = camera.intrinsics
+        T_B_C = self.T_B_N @ camera.T_B_C @ np.diag([-1.0, 1.0, 1.0, 1.0])
+        return replace(camera, intrinsics=replace(k, cx=k.width - 1 - k.cx), T_B_C=T_B_C)
+
+
+@dataclass(frozen=True, eq=False)
+class _BetweenOtherBodies:
+    """A loop verifier for a SLAM that works in other frames, around a verifier that knows the frames of the run only."""
+
+    verifier: Verifier
+    frames: OtherFrames
+
+    def __call__(
+        self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
+    ) -> list[LoopEdge]:
+        """Return the loops of the other verifier, converted to the frames of the SLAM."""
+        T_B_N = self.frames.T_B_N
+        edges = self.verifier(query, candidates, _OriginalGraph(graph, self.frames), camera, config)
+        return [
+            replace(
+                edge,
+                T_match_query=np.linalg.inv(T_B_N) @ edge.T_match_query @ T_B_N,
+                covariance=_in_frame(T_B_N, edge.covariance),
+            )
+            for edge in edges
+        ]
+
+
+class _OriginalGraph(PoseGraph):
+    """The pose graph of a SLAM that works in other frames, as a verifier sees it that knows the frames of the run only."""
+
+    def __init__(self, graph: PoseGraph, frames: OtherFrames) -> None:
+        self.keyframes, self._graph = graph.keyframes, graph
+        self._left, self._right = np.linalg.inv(frames.T_new_old), np.linalg.inv(frames.T_B_N)
+
+    @property
+    def T_W_B(self) -> Poses:
+        """The current estimate, in the frames of the run."""
+        return np.asarray(self._left @ self._graph.T_W_B @ self._right)
+
+    @property
+    def path_m(self) -> Float64[np.ndarray, "n"]:
+        """Length of the odometry path to each keyframe [m]."""
+        return self._graph.path_m
+
+
+def _in_frame(T_B_N: Motion, covariance: Covariance) -> Covariance:
+    """Convert the covariance of a motion, perturbed on the right, from body frame B to body frame N.
+
+    The two frames have the same origin. Rotation vectors also change their sense of rotation if the motion is a reflection.
+    """
+    R = T_B_N[:3, :3]
+    whole = np.zeros((6, 6))
+    whole[:3, :3], whole[3:, 3:] = np.linalg.det(R) * R.T, R.T
+    return np.asarray(whole @ covariance @ whole.T)

@@ -1,0 +1,85 @@
+"""A law about a single run holds for LEXIS, and fails once one claim contradicts another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.open_flat import OPEN_FLAT
+
+from sim.harness import Lexis, run
+from sim.harness.adapters import OdometryOnly
+from sim.suites.consistency import CONSISTENCY, floors_are_level, rooms_are_uniform, steps_follow_odometry, trusted_loops_fit
+
+
+@pytest.fixture(scope="module")
+def lexis():
+    return run(replace(OPEN_FLAT, length_m=50.0), Lexis("oracle"))
+
+
+def claiming(finished, **claims):
+    return replace(finished, estimate=replace(finished.estimate, **claims))
+
+
+@pytest.mark.parametrize("law", CONSISTENCY, ids=lambda law: law.name)
+def test_lexis_does_not_contradict_itself(law, lexis):
+    assert law.find(lexis).holds
+
+
+def test_odometry_follows_itself_and_is_not_judged_by_what_it_does_not_claim():
+    finished = run(OPEN_FLAT, OdometryOnly())
+    assert [law.find(finished).holds for law in CONSISTENCY] == [True, None, None, None]
+
+
+def test_a_jump_of_the_trajectory_is_found(lexis):
+    poses = lexis.estimate.T_W_B.copy()
+    poses[len(poses) // 2 :, 0, 3] += 1.0
+    found = steps_follow_odometry(claiming(lexis, T_W_B=poses))
+    assert found.holds is False and "by 1 m" in found.measured
+
+
+def test_a_single_frame_has_no_steps(lexis):
+    one = {name: getattr(lexis.estimate, name)[:1] for name in ("frames", "T_W_B")}
+    only = replace(lexis.estimate, labels=None, rooms=None, floors=None, baseline_labels=None, loops=None, candidates=None,
+                   similarities=None, **one)  # fmt: skip
+    assert steps_follow_odometry(replace(lexis, estimate=only)).holds is None
+
+
+def test_a_trusted_loop_that_the_trajectory_does_not_satisfy_is_found_and_an_untrusted_one_is_not(lexis):
+    loops = lexis.estimate.loops
+    T, weights = loops.T_match_query.copy(), loops.weights.copy()
+    T[0, 0, 3] += 3.0
+    weights[0] = 1.0
+    assert trusted_loops_fit(claiming(lexis, loops=replace(loops, T_match_query=T, weights=weights))).holds is False
+    weights[0] = 0.1
+    assert trusted_loops_fit(claiming(lexis, loops=replace(loops, T_match_query=T, weights=weights))).holds
+
+
+def test_a_frame_with_another_label_than_its_room_is_found_and_one_without_a_label_is_not(lexis):
+    labels = lexis.estimate.labels.copy()
+    labels[3] = (labels[3] + 1) % len(lexis.room_names)
+    found = rooms_are_uniform(claiming(lexis, labels=labels))
+    assert found.holds is False and found.measured.startswith("1 rooms")
+    labels[3] = -1
+    assert rooms_are_uniform(claiming(lexis, labels=labels)).holds
+
+
+def test_a_room_on_two_floors_is_found_and_one_that_reaches_onto_stairs_is_not(lexis):
+    floors = lexis.estimate.floors.copy()
+    floors[3] = 1
+    assert rooms_are_uniform(claiming(lexis, floors=floors)).holds is False
+    floors[3] = -1
+    assert rooms_are_uniform(claiming(lexis, floors=floors)).holds
+
+
+def test_a_floor_that_is_not_level_is_found(lexis):
+    poses = lexis.estimate.T_W_B.copy()
+    poses[3, 2, 3] += 2.0
+    assert floors_are_level(claiming(lexis, T_W_B=poses)).holds is False
+
+
+def test_floors_that_are_numbered_downwards_are_found(lexis):
+    n = len(lexis.estimate.frames)
+    poses, floors = lexis.estimate.T_W_B.copy(), np.where(np.arange(n) < n // 2, 0, 1)
+    poses[n // 2 :, 2, 3] += 3.0
+    assert floors_are_level(claiming(lexis, T_W_B=poses, floors=floors)).holds
+    assert floors_are_level(claiming(lexis, T_W_B=poses, floors=1 - floors)).holds is False
