@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, fields
+from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
@@ -198,16 +199,22 @@ def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _mutation(arguments: argparse.Namespace) -> int:
-    """Print a line for each mutant as soon as it is graded, and a summary; return 1 if unchanged LEXIS fails a check."""
+    """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
     from sim.bench.mutation import MUTANTS, grade
+    from sim.bench.mutation.grading import markdown_table, read_grades, write_grade
 
-    chosen = [mutant for mutant in MUTANTS if arguments.only in mutant.name]
-    grades = []
-    for mutant in chosen:
-        grades.append(found := grade(mutant, arguments.seed, arguments.suite))
-        verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
-        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {mutant.name}: {verdict}", flush=True)
-    alarms = [grade(None, arguments.seed + k, arguments.suite) for k in range(arguments.unchanged)]
+    graded = partial(grade, suite=arguments.suite, laws=not arguments.no_laws, smallest=arguments.smallest)
+    grades = [] if arguments.out is None else read_grades(arguments.out)
+    done = {found.mutant for found in grades}
+    for mutant in MUTANTS:
+        if arguments.only in mutant.name and mutant.name not in done:
+            grades.append(found := graded(mutant, arguments.seed))
+            verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
+            print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {mutant.name}: {verdict}", flush=True)
+            if arguments.out is not None:
+                write_grade(found, arguments.out)
+    print(markdown_table(grades))
+    alarms = [graded(None, arguments.seed + k) for k in range(arguments.unchanged)]
     for k, found in enumerate(alarms):
         verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
         print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {arguments.seed + k}: {verdict}")
@@ -320,7 +327,12 @@ _BENCHMARKS = (
         (
             argument("--only", default="", metavar="TEXT", help="mutants whose name contains this text (default: all)"),
             argument("--suite", default="pr", metavar="NAME", help="the suite (default: %(default)s)"),
+            argument("--no-laws", action="store_true", help="let the suite make claims only, without laws"),
+            argument("--smallest", action="store_true", help="also look for the smallest scenario that shows each mutant"),
             argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),
+            argument(
+                "-o", "--out", type=Path, metavar="FILE", help="file for the grades; mutants in it are not graded again"
+            ),
             SEED,
         ),
     ),

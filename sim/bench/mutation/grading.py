@@ -6,12 +6,14 @@ tests play no part.
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +22,11 @@ from sim.bench.mutation.planting import Mutant, planted
 from sim.errors import SimError
 from sim.suites.examination import COMPLETES
 
-_FAILED = 1
-"""Exit status of `lexis-sim check` if a check fails."""
+COMPARED = "worse than before"
+"""How a mutant is caught that passes the suite, but whose figures are worse than those of unchanged LEXIS."""
 _MOST_S = 3600.0
+_SIZE = re.compile(r"rooms \d+ -> (\d+), walk [\d.inf]+ -> ([\d.]+) m")
+_BLAMED = re.compile(r"(?:not )?mended by: .*|there is nothing to replace.*")
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,10 @@ class Grade:
     """Wall time [s]."""
     measured: str
     """What the failing check measured in its first failing scenario."""
+    smallest: str = ""
+    """Size of the smallest scenario in which the check fails, such as "2 rooms, 4 m"; "" if there is none."""
+    blamed: str = ""
+    """What mends the failure in that scenario, such as "mended by: perfect odometry."; "" if the check is no claim."""
 
     @property
     def is_caught(self) -> bool:
@@ -45,51 +53,104 @@ class Grade:
         return self.caught_by is not None
 
 
-def grade(mutant: Mutant | None, seed: int = 0, suite: str = "pr", workers: int | None = None) -> Grade:
+def grade(
+    mutant: Mutant | None,
+    seed: int = 0,
+    suite: str = "pr",
+    workers: int | None = None,
+    laws: bool = True,
+    smallest: bool = True,
+    before: Path | None = None,
+) -> Grade:
     """Plant a mutant into LEXIS, and check the result by a suite that stops at the first failure.
 
-    The mutant is caught if a check fails, or if LEXIS hangs or aborts. If `mutant` is None, LEXIS stays unchanged, and a
-    check that fails is a false alarm. Raises `SimError` if the suite cannot check unchanged LEXIS.
+    The mutant is caught if a check fails, or if LEXIS hangs or aborts. The time does not include the search for the smallest
+    scenario in which the check fails. If `mutant` is None, LEXIS stays unchanged, and a check that fails is a false alarm.
+    If the suite finds nothing, its results are compared with those of unchanged LEXIS in the file `before`, if there is one.
+    Without `laws`, the suite makes claims only; without `smallest`, there is no such search. Raises `SimError` if the suite
+    cannot check unchanged LEXIS.
     """
-    begin = time.perf_counter()
+    begin = time.time()  # the clock of the files, whose times tell when the verdicts were there
     name = "unchanged" if mutant is None else mutant.name
     with planted(mutant) as folder:
         verdicts = folder / "verdicts.json"
         options = ["--suite", suite, "--seed", str(seed), "-x", "--json", str(verdicts)]
+        options += ["--out", str(folder / "smallest")] if smallest else []
         options += [] if workers is None else ["--workers", str(workers)]
-        status, errors = _check(folder, options)
-        seconds = time.perf_counter() - begin
-        if status in (0, _FAILED) and verdicts.exists():
-            return _graded(name, json.loads(verdicts.read_text()), seconds)
+        options += [] if laws else ["--no-laws"]
+        options += [] if before is None else ["--against", str(before)]
+        status, shown, errors = _check(folder, options)
+        if verdicts.exists():
+            return _graded(name, json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
+        seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
         raise SimError(f"unchanged LEXIS: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
     return Grade(name, how, 0, seconds, one_line(errors, 160))
 
 
-def _check(folder: Path, options: list[str]) -> tuple[int | None, str]:
-    """Run the command in a process group of its own; return its exit status (None: it was stopped) and its errors."""
+def write_grade(grade: Grade, file: Path) -> None:
+    """Append a grade to a file, so that a grading that is interrupted can go on from there."""
+    with file.open("a") as lines:
+        lines.write(json.dumps(asdict(grade)) + "\n")
+
+
+def read_grades(file: Path) -> list[Grade]:
+    """Read the grades in a file; none if there is no such file. Raises `SimError` for a line that is no grade."""
+    grades = []
+    for number, line in enumerate(file.read_text().splitlines() if file.exists() else (), 1):
+        try:
+            grades.append(Grade(**json.loads(line)))
+        except (TypeError, ValueError):
+            raise SimError(f"{file}: line {number} is no grade; valid: a file that this benchmark has written") from None
+    return grades
+
+
+def markdown_table(grades: Sequence[Grade]) -> str:
+    """Return the grades as a table in Markdown, one row for each mutant."""
+    head = "| mutant | caught by | scenarios | seconds | smallest scenario | blame |\n|---|---|---|---|---|---|"
+    rows = (
+        f"| {grade.mutant} | {grade.caught_by or '**not caught**'} | {grade.scenarios} | {grade.seconds:.0f} "
+        f"| {grade.smallest} | {grade.blamed} |"
+        for grade in grades
+    )
+    return "\n".join([head, *rows])
+
+
+def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
+    """Run the command in a process group of its own; return its exit status (None: it was stopped), output and errors."""
     path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-P", "-m", "sim.cli", "check", *options]  # -P: the current folder is not on the path
     process = subprocess.Popen(
-        command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         start_new_session=True,
     )  # fmt: skip
     try:
-        errors = process.communicate(timeout=_MOST_S)[1]
-        return process.returncode, errors
+        shown, errors = process.communicate(timeout=_MOST_S)
+        return process.returncode, shown, errors
     except subprocess.TimeoutExpired:
-        return None, ""
+        return None, "", ""
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)  # its workers, too
         process.wait()
 
 
-def _graded(name: str, data: dict[str, Any], seconds: float) -> Grade:
+def _graded(name: str, data: dict[str, Any], shown: str, seconds: float) -> Grade:
+    """Make the grade of a suite that ended, from its verdicts and from what the command printed."""
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
     if not failed:
-        return Grade(name, None, scenarios, seconds, "")
+        worse = data["worse"]
+        return Grade(name, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
     first = failed[0]
-    return Grade(name, f"{first['part']}: {first['check']}", scenarios, seconds, first["failures"][0]["measured"])
+    size, blamed = _SIZE.search(shown), _BLAMED.search(shown)
+    return Grade(
+        name,
+        f"{first['part']}: {first['check']}",
+        scenarios,
+        seconds,
+        first["failures"][0]["measured"],
+        "" if size is None else f"{size[1]} rooms, {float(size[2]):.0f} m",
+        "" if blamed is None else blamed[0],
+    )

@@ -4,6 +4,7 @@ They follow the stages of `lexis/slam.py`. A bug that crashes at once is of no i
 """
 
 from sim.bench.mutation.planting import Mutant
+from worlds.labels import ROOM_LABELS
 
 _KEYFRAMES = (
     Mutant(
@@ -41,6 +42,18 @@ _KEYFRAMES = (
         "keyframe_window.py",
         "            embedding=entry.embedding,",
         "            embedding=next(e.embedding for e in reversed(self._entries) if e.embedding is not None),",
+    ),
+    Mutant(
+        "the covariances of the steps between two keyframes are not added up",
+        "keyframes.py",
+        "self._covariance = compose_covariance(self._covariance, increment, covariance)",
+        "self._covariance = covariance",
+    ),
+    Mutant(
+        "the poses of observations are kept without a copy",
+        "slam.py",
+        "        observation = with_copied_poses(observation)\n",
+        "",
     ),
 )
 
@@ -225,6 +238,36 @@ _PLACES = (
         "        self._graph.add_loops(loops)",
         "        del loops",
     ),
+    Mutant(
+        "loop candidates of nearly equal similarity are ranked at random",
+        "place_recognition.py",
+        'np.argsort(-rounded(similarity), kind="stable")',
+        'np.argsort(-rounded(similarity + 0.01 * np.random.random(len(similarity))), kind="stable")',
+    ),
+    Mutant(
+        "the age of a keyframe is counted from the start of the clock",
+        "place_recognition.py",
+        "seconds, metres = stamps[query] - stamps, path_m[query] - path_m",
+        "seconds, metres = stamps[query] + 0.0 * stamps, path_m[query] - path_m",
+    ),
+    Mutant(
+        "time alone makes a keyframe old enough for a loop, without any path",
+        "place_recognition.py",
+        "reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0)",
+        "reaches(seconds, config.min_gap_s) & (seconds > 0)",
+    ),
+    Mutant(
+        "places are forgotten after two and a half minutes",
+        "place_recognition.py",
+        "reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0)",
+        "reaches(seconds, config.min_gap_s) & reaches(metres, config.min_gap_m) & (seconds > 0) & (seconds < 150.0)",
+    ),
+    Mutant(
+        "the difference between a loop and the estimate counts with its sign",
+        "verification.py",
+        "distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])",
+        "distance = (edge.T_match_query[:3, 3] - estimated[:3, 3]).max()",
+    ),
 )
 
 _IMAGES = (
@@ -251,6 +294,18 @@ _IMAGES = (
         "landmarks.py",
         "return Landmarks(transform(camera.T_B_C, _points(theta[good])), ids[good])",
         "return Landmarks(_points(theta[good]), ids[good])",
+    ),
+    Mutant(
+        "bright pixels overflow when the image is amplified",
+        "perception.py",
+        "encoder.encode_image(seen)).copy()",
+        "encoder.encode_image(2 * seen)).copy()",
+    ),
+    Mutant(
+        "the embedding of a percept is kept without a copy",
+        "perception.py",
+        "(seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen)).copy()",
+        "(seen.embedding if isinstance(seen, Percept) else encoder.encode_image(seen))",
     ),
 )
 
@@ -290,6 +345,18 @@ _LABELS = (
         "stairs.py",
         "change = np.interp(path + half, path, height) - np.interp(path - half, path, height)",
         "change = np.interp(path, path, height) - np.interp(path - 2 * half, path, height)",
+    ),
+    Mutant(
+        "room names outside a built-in list are encoded as a room",
+        "slam.py",
+        "self._text = encoder.encode_rooms(self._room_names)",
+        f"self._text = encoder.encode_rooms([n if n in {ROOM_LABELS} else f'room {{i}}' for i, n in enumerate(room_names)])",
+    ),
+    Mutant(
+        "the embeddings of the room names are centred around their mean",
+        "slam.py",
+        "self._text = encoder.encode_rooms(self._room_names)",
+        "self._text = encoder.encode_rooms(self._room_names) - encoder.encode_rooms(self._room_names).mean(axis=0)",
     ),
 )
 
@@ -365,6 +432,12 @@ _ROOMS = (
         "slam.py",
         "        return self._map(self._derive_semantics())",
         "        return self._map(replace(self._derive_semantics(), rooms=self._rooms))",
+    ),
+    Mutant(
+        "there are at most three floors",
+        "floors.py",
+        "floors[run.slice] = int(np.abs(levels - h).argmin())",
+        "floors[run.slice] = min(2, int(np.abs(levels - h).argmin()))",
     ),
 )
 

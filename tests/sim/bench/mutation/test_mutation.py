@@ -8,7 +8,7 @@ import pytest
 
 import lexis
 from sim.bench.mutation import MUTANTS, Mutant
-from sim.bench.mutation.grading import _graded
+from sim.bench.mutation.grading import Grade, _graded, markdown_table, read_grades, write_grade
 from sim.bench.mutation.planting import planted
 from sim.errors import SimError
 
@@ -52,17 +52,36 @@ def test_python_imports_the_copy_with_the_mutant():
     assert shown == ["-3", str(folder / "lexis" / "floors.py")]
 
 
+SHOWN = """holds 3 of 3 homes: labels.accuracy >= 0.5
+homes: origin: rooms 5 -> 2, walk 80 -> 4.1 m
+  mended by: nothing.
+"""
+
+
 def test_a_grade_names_the_first_check_that_failed():
     failure = {"number": 0, "scenario": "0" * 16, "measured": "floors 0.4"}
     checks = [
         {"part": "homes", "check": "the run completes", "outcome": "undecided", "failures": []},
         {"part": "homes", "check": "origin", "outcome": "fails", "failures": [failure]},
     ]
-    graded = _graded("a mutant", {"results": [{}] * 3, "checks": checks}, 12.0)
-    assert (graded.is_caught, graded.caught_by, graded.scenarios, graded.measured) == (
-        True,
-        "homes: origin",
-        3,
-        "floors 0.4",
-    )
-    assert not _graded("a mutant", {"results": [{}], "checks": checks[:1]}, 1.0).is_caught
+    graded = _graded("a mutant", {"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
+    assert graded == Grade("a mutant", "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4 m", "mended by: nothing.")
+    assert not _graded("a mutant", {"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).is_caught
+    compared = _graded("a mutant", {"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
+    assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
+
+
+def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
+    grades = [Grade("one", "homes: origin", 3, 12.0, "x", "2 rooms, 4 m"), Grade("other", None, 96, 300.0, "")]
+    assert read_grades(tmp_path / "grades.jsonl") == []
+    for each in grades:
+        write_grade(each, tmp_path / "grades.jsonl")
+    assert read_grades(tmp_path / "grades.jsonl") == grades
+    (tmp_path / "bad.jsonl").write_text('{"mutant": 1}\n')
+    with pytest.raises(SimError, match=r"bad\.jsonl: line 1 is no grade; valid: a file that"):
+        read_grades(tmp_path / "bad.jsonl")
+    rows = markdown_table(grades).splitlines()
+    assert rows[2:] == [
+        "| one | homes: origin | 3 | 12 | 2 rooms, 4 m |  |",
+        "| other | **not caught** | 96 | 300 |  |  |",
+    ]
