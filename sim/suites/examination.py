@@ -72,7 +72,7 @@ def scenario_of(job: Job) -> Scenario:
     return _drawn_group(job.part, job.number - place, job.seed)[place]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=64)
 def _drawn_group(part: SuitePart, first: int, seed: int) -> tuple[Scenario, ...]:
     """Draw the scenarios of the group that begins with number `first`, all again if the draw is unlucky for one of them."""
     for attempt in range(_DRAWS):
