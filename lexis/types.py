@@ -1,7 +1,8 @@
 """The data types that the stages of LEXIS exchange: frozen dataclasses with shapes, units and frames.
 
-Frames: ``W`` world (z up), ``O`` odometry, ``B`` body (x forward, y left, z up), ``C`` camera (OpenCV: x right,
-y down, z forward). ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b @ p_b``. Covariances of poses are
+Frames: ``W`` world (z up), ``O`` odometry (z up), ``B`` body, ``C`` camera (OpenCV: x right, y down, z forward). The body
+frame of the simulator has x forward, y left and z up, but other data has other axes: ``Camera.T_B_C`` tells where the camera
+looks. ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b @ p_b``. Covariances of poses are
 6x6, **rotation first** as in GTSAM, for a perturbation on the right: ``T = T_mean @ Exp(xi)``.
 """
 

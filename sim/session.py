@@ -83,7 +83,8 @@ class Session:
         with closing(self._images()) as images:
             for i, image in enumerate(images):
                 stamp = float(self.tour.stamps[i])
-                yield Observation(i, stamp, image, T_O_B[i], self.odometry.increment_covariance[i]), self.truths[i]
+                covariance = self.odometry.increment_covariance[i].copy()  # the SLAM may write into it
+                yield Observation(i, stamp, image, T_O_B[i], covariance), self.truths[i]
 
     def picture(self, frame: int) -> Image:
         """Render the image of a frame of the tour, without faults of the image, also in sessions with a `sensor`.

@@ -203,8 +203,11 @@ def _mutation(arguments: argparse.Namespace) -> int:
     from sim.bench.mutation import MUTANTS, grade
     from sim.bench.mutation.grading import markdown_table, read_grades, write_grade
 
-    graded = partial(grade, suite=arguments.suite, laws=not arguments.no_laws, smallest=arguments.smallest)
-    grades = [] if arguments.out is None else read_grades(arguments.out)
+    laws, before = not arguments.no_laws, arguments.against
+    graded = partial(grade, suite=arguments.suite, laws=laws, smallest=arguments.smallest, before=before)
+    suite = arguments.suite if laws else f"{arguments.suite} without laws"
+    kept = [] if arguments.out is None else read_grades(arguments.out)
+    grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and arguments.only in each.mutant]
     done = {found.mutant for found in grades}
     for mutant in MUTANTS:
         if arguments.only in mutant.name and mutant.name not in done:
@@ -328,6 +331,7 @@ _BENCHMARKS = (
             argument("--only", default="", metavar="TEXT", help="mutants whose name contains this text (default: all)"),
             argument("--suite", default="pr", metavar="NAME", help="the suite (default: %(default)s)"),
             argument("--no-laws", action="store_true", help="let the suite make claims only, without laws"),
+            argument("--against", type=Path, metavar="FILE", help="results of unchanged LEXIS, to compare with"),
             argument("--smallest", action="store_true", help="also look for the smallest scenario that shows each mutant"),
             argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),
             argument(

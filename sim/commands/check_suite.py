@@ -1,4 +1,4 @@
-"""`lexis-sim check --suite`: checks a SLAM in many scenarios, by claims about single runs and laws that relate two runs."""
+"""`lexis-sim check --suite`: checks a SLAM in many scenarios, by claims about its figures and by laws."""
 
 import argparse
 import json
@@ -14,8 +14,10 @@ from sim.commands.slams import is_lexis, replay_of, runner_of, slam_factory
 from sim.errors import SimError
 
 if TYPE_CHECKING:
+    from sim.harness.results import RunResult
     from sim.suites.checks import NewSlam
     from sim.suites.report import CheckVerdict, SuiteReport
+    from sim.verdicts.comparison import Comparison
 
 SUITE_HELP = "check by a suite in place of one run: pr, open-plan or another; an unknown name lists them all"
 AGAINST_HELP = "with --suite: results of an earlier version (a file of --json); the check fails if a figure got worse, too"
@@ -53,11 +55,10 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
 def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
     from sim.suites.catalogue import suite_named
-    from sim.suites.examination import jobs_of
     from sim.suites.openness_chart import openness_chart
     from sim.suites.report import check_slam
     from sim.suites.smallest import write_smallest
-    from sim.verdicts import compare_results, load_results
+    from sim.verdicts import load_results
 
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
@@ -71,11 +72,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
     with progress_bar("checking by the suite") as progress:
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress)
     print(*map(_line, report.verdicts), sep="\n")
-    is_whole = len(report.examined) == len(jobs_of(suite, arguments.seed))
-    comparison = None if before is None or not is_whole else compare_results(before, report.results)
+    comparison = None if before is None else _compared(report, before)
     worse = () if comparison is None else comparison.worse
-    if comparison is not None:
-        print(comparison)
     if arguments.json is not None:
         _write_json(report, worse, arguments.json)
     if arguments.picture is not None:
@@ -83,13 +81,27 @@ def run_suite(arguments: argparse.Namespace) -> int:
             beside.write_text(openness_chart(report, workers))
     for verdict in report.failed:
         print(f"failed: {verdict}", file=sys.stderr)
+    if comparison is not None:
+        print(comparison)
+    elif before is not None:
+        print(f"not compared with {arguments.against}, which has none of the scenarios that were completed", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
     if arguments.out is not None:
         how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
         for verdict in report.failed:
             print(write_smallest(verdict, new_slam, *how, arguments.out))
-    return 0 if report.ok and not worse else 1
+    return 0 if report.ok and not worse and (before is None or comparison is not None) else 1
+
+
+def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparison | None":
+    """Compare the results with earlier ones of the same scenarios; None if there are no scenarios with results of both."""
+    from sim.verdicts import compare_results
+
+    examined = {each.scenario.content_hash for each in report.examined}
+    earlier = [result for result in before if result.scenario in examined]
+    common = {result.scenario for result in report.results} & {result.scenario for result in earlier}
+    return compare_results(earlier, report.results) if common else None
 
 
 def _line(verdict: "CheckVerdict") -> str:

@@ -76,9 +76,9 @@ class Claim:
 
     def outcome(self, result: RunResult) -> Outcome:
         """Whether the claim "holds" or "fails" for a result; "unknown" if one of its figures is None."""
-        value, other = self.value(result), 1.0 if self.of is None else self._number(result, self.of)
-        if value is None or other is None:
+        if (value := self.value(result)) is None:
             return "unknown"
+        other = 1.0 if self.of is None else result[self.of]
         return "holds" if _OPERATORS[self.comparison](value, self.limit * other) else "fails"
 
     def described(self, result: RunResult) -> str:
@@ -89,7 +89,7 @@ class Claim:
     @property
     def is_about_plans(self) -> bool:
         """Whether the figure is about planning: a robot then has to drive the plans first, which takes seconds."""
-        return self.figure.startswith("planning.")
+        return any(name.startswith("planning.") for name in self.figures)
 
     @property
     def opposite(self) -> "Claim":

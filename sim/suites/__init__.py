@@ -1,4 +1,4 @@
-"""Suites: ready-made checks of any SLAM, by claims about its figures and by laws that relate two runs.
+"""Suites: ready-made checks of any SLAM, by claims about its figures and by laws, most of which relate two runs.
 
     from sim import check_slam
 
@@ -6,9 +6,9 @@
     assert report.ok, report
 
 Read `catalogue` first: it lists the suites, with the scenarios of each. A `suite` consists of parts, and a part of scenarios
-with their `checks`. `laws` lists the laws that relate two runs, and `consistency` those about a single run. The first change
-the SLAM's input (`stream_changes`, `frame_changes`, `false_loops`, put before the SLAM by `changed_stream`), and `agreement`
-tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in several processes,
+with their `checks`. `laws` lists the laws that relate two runs, and `consistency` those about a single run. Some laws
+change the SLAM's input: `stream_changes`, `frame_changes` and `false_loops` define the changes, `changed_stream` applies
+them, and `agreement` tells whether the SLAM's outputs in two runs agree. `examination` runs the scenarios in processes,
 `report` gives the verdicts, `smallest` finds the smallest scenario in which a check fails, `openness_chart` draws room
 quality against openness, and `pytest_items` makes a test for pytest.
 

@@ -67,7 +67,7 @@ def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
 def _restored(
     claims: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert claims about changed observations; of several frames for one observation, the first stays."""
+    """Convert claims about changed observations. If several frames stand for one observation, the first is kept."""
     frames, first = np.unique(given[claims.frames], return_index=True)
     T_old_new, T_N_B = np.linalg.inv(change.T_new_old), np.linalg.inv(change.T_B_N)
     new_row = np.searchsorted(frames, given[claims.frames])
@@ -101,5 +101,7 @@ def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Motio
     """Convert loops to the rows of the unchanged observations and to the unchanged body frame."""
     if loops is None:
         return None
-    T_match_query = T_B_N @ loops.T_match_query @ np.linalg.inv(T_B_N)
-    return replace(loops, query=new_row[loops.query], match=new_row[loops.match], T_match_query=T_match_query)
+    query, match = new_row[loops.query], new_row[loops.match]
+    others = query != match  # two frames for one observation may form a loop
+    T_match_query = T_B_N @ loops.T_match_query[others] @ np.linalg.inv(T_B_N)
+    return LoopClaims(query[others], match[others], T_match_query, loops.weights[others])

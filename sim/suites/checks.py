@@ -1,4 +1,4 @@
-"""What a suite checks in each scenario: claims about figures, and laws that relate two runs.
+"""What a suite checks in each scenario: claims about figures, and laws, most of which relate two runs.
 
 A law needs no threshold for how good a SLAM is. It compares a run with a second run whose input was changed in a way that
 must not matter, or that may only help (metamorphic testing; Chen et al., "Metamorphic testing: a review of challenges and
@@ -67,7 +67,7 @@ class Check(Protocol):
         """Share of scenarios in which the check has to hold, in (0, 1); None: in all of them, and one failure decides."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
-        """Examine one scenario, of which `base` is the unchanged run. Laws make a second run."""
+        """Examine one scenario, of which `base` is the unchanged run. Most laws make a second run."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class ClaimCheck:
 
 @dataclass(frozen=True)
 class SameClaims:
-    """A law about the input: after a change that must not matter, the SLAM makes the same claims about every frame."""
+    """A law about the input: after a change that must matter little, the SLAM makes the same claims about the frames."""
 
     name: str
     says: str
@@ -109,12 +109,16 @@ class SameClaims:
     rate: float | None = None
     compares: tuple[str, ...] = _SHARES
     """The claims that have to agree besides the poses, by their names in `ClaimAgreement`."""
+    needs_loops: bool = False
+    """Whether the law is only for runs in which the SLAM closes loops."""
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims."""
         scenario = base.run.scenario
         if not self.change.matters(scenario, base.run.slam):
             return CheckFinding(None, "the change does not reach this SLAM")
+        if self.needs_loops and (base.run.estimate.loops is None or not len(base.run.estimate.loops.query)):
+            return CheckFinding(None, "the SLAM claims no loop closure")
         second = attempted(scenario, lambda: changed(made(new_slam), self.change))
         if isinstance(second, CheckFinding):
             return second
@@ -122,6 +126,8 @@ class SameClaims:
         if lost:
             return CheckFinding(False, f"only one of the two runs claims {', '.join(lost)}")
         found = agreement(base.run.estimate, second.estimate)
+        if found.frames == 0.0:
+            return CheckFinding(False, "the two runs make claims about different frames")
         return CheckFinding(self._holds(found), _written(found))
 
     def _holds(self, found: ClaimAgreement) -> bool:
@@ -133,7 +139,7 @@ class SameClaims:
 
 @dataclass(frozen=True)
 class NotWorse:
-    """A law about the scenario: after a change that may only help, figures are hardly worse than without it."""
+    """A law about the scenario: after a change that should do no harm, figures are hardly worse than without it."""
 
     name: str
     says: str
@@ -156,13 +162,12 @@ class NotWorse:
         if isinstance(second, CheckFinding):
             return second
         figures = evaluate(second)
-        pairs = {
-            name: (before, after)
-            for name, _ in self.tolerances
-            if (before := base.result[name]) is not None and (after := figures[name]) is not None
-        }
-        if not pairs:
-            return CheckFinding(None, "no figure in both runs")
+        before = {name: base.result[name] for name, _ in self.tolerances if base.result[name] is not None}
+        if lost := [name for name in before if figures[name] is None]:
+            return CheckFinding(False, f"only the unchanged run has {', '.join(lost)}")
+        if not before:
+            return CheckFinding(None, "the run has none of the figures")
+        pairs = {name: (value, figures[name]) for name, value in before.items()}
         holds = all(self._within(name, *pair) for name, pair in pairs.items())
         return CheckFinding(holds, ", ".join(f"{name} {a:.3g} -> {b:.3g}" for name, (a, b) in pairs.items()))
 

@@ -12,8 +12,9 @@ from jaxtyping import Float64
 from lexis.config import VerificationConfig
 from lexis.maths.se3 import exp
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Percept, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Poses
 from lexis.verification import Verifier
+from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import FeatureInput
 from sim.suites.stream_changes import Motion, Nothing
 
@@ -63,7 +64,14 @@ class TurnedBody(OtherFrames):
 
 @dataclass(frozen=True)
 class Mirrored(OtherFrames):
-    """The house and the walk are mirrored: left and right change places, in the images, too. Percepts stay as they are."""
+    """The house and the walk are mirrored: left and right change places. Percepts stay as they are.
+
+    Images are left alone: neither encoders nor local features are symmetric, so claims would change.
+    """
+
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the scenario is on features."""
+        return scenario.fidelity == "features"
 
     @property
     def T_new_old(self) -> Motion:
@@ -75,12 +83,6 @@ class Mirrored(OtherFrames):
         """The reflection of y."""
         return np.diag([1.0, -1.0, 1.0, 1.0])
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
-        """Yield the observation with mirrored poses and a mirrored image."""
-        image = observation.image
-        seen = image if isinstance(image, Percept) else np.ascontiguousarray(image[:, ::-1])
-        yield from super().observations(replace(observation, image=seen), number)
-
     def camera(self, camera: Camera) -> Camera:
         """Return the mirrored camera, whose x axis points to the right again."""
         k = camera.intrinsics
@@ -90,7 +92,7 @@ class Mirrored(OtherFrames):
 
 @dataclass(frozen=True, eq=False)
 class _BetweenOtherBodies:
-    """A loop verifier for a SLAM that works in other frames, around a verifier that knows the frames of the run only."""
+    """A loop verifier for a SLAM that works in other frames, around the verifier of the run."""
 
     verifier: Verifier
     frames: OtherFrames
@@ -112,7 +114,11 @@ class _BetweenOtherBodies:
 
 
 class _OriginalGraph(PoseGraph):
-    """The pose graph of a SLAM that works in other frames, as a verifier sees it that knows the frames of the run only."""
+    """The pose graph of a SLAM that works in other frames, in the frames of the run.
+
+    It has what the verifier of the feature sensor reads: keyframes (with poses in the other frames), estimated poses and
+    path lengths.
+    """
 
     def __init__(self, graph: PoseGraph, frames: OtherFrames) -> None:
         self.keyframes, self._graph = graph.keyframes, graph

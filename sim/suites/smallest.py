@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from sim.errors import SimError
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
 from sim.harness.failure_folder import Replay, write_failure
@@ -10,7 +11,7 @@ from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, slug_of
 from sim.suites.checks import Check, ClaimCheck, NewSlam
-from sim.suites.examination import COMPLETES, finding
+from sim.suites.examination import finding
 from sim.suites.report import CheckVerdict
 
 
@@ -26,7 +27,7 @@ def smallest_failure(
         found = finding(check, candidate, new_slam)
         if found.holds is not False:
             return None
-        return Signature(f"{COMPLETES}: {found.measured}" if check is None else check.name)
+        return Signature(found.measured.partition(":")[0] if check is None else check.name)
 
     return reduce(scenario, fails, deadline_s)
 
@@ -37,9 +38,16 @@ def write_smallest(
     """Write the smallest scenario in which a check fails into a folder of its own in `out`, and return what was found.
 
     For a claim the folder is that of `lexis-sim shrink`, with a page that says why the SLAM fails; for any other check it
-    holds the scenario alone. `runner` runs the same SLAM as `new_slam`, and `replay` is the code for that. Raises `SimError`
-    if the check no longer fails, and `LexisError` if the folder cannot be written.
+    holds the scenario alone. `runner` runs the same SLAM as `new_slam`, and `replay` is the code for that. The result also
+    says if the failure did not come back. Raises `LexisError` if the folder cannot be written.
     """
+    try:
+        return _written(verdict, new_slam, runner, replay, is_lexis, out)
+    except SimError as error:
+        return f"{verdict.name}: no smallest scenario: {error}"
+
+
+def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: Replay, is_lexis: bool, out: Path) -> str:
     folder = out / slug_of(verdict.name)
     check = {check.name: check for check in verdict.part.checks}.get(verdict.check)
     scenario = verdict.failures[0].scenario

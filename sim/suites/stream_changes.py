@@ -1,4 +1,4 @@
-"""Changes to what a SLAM is given, which must not change what it claims: another origin, another clock, other prompts ...
+"""Changes of a SLAM's input, such as another clock or other room names, after which its claims should stay the same.
 
 A change works on the stream of observations and on the room names, before they reach the SLAM; `changed_stream` converts the
 claims back. The SLAM is not touched, so that the changes apply to any SLAM. `frame_changes` holds changes of the coordinate
@@ -116,7 +116,7 @@ class OtherClock(Nothing):
 
 @dataclass(frozen=True)
 class ReusedArrays(Nothing):
-    """The arrays of an observation are overwritten as soon as the SLAM has processed it, as drivers with buffers do."""
+    """Image or embedding, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
         """Yield a copy of the observation, and overwrite the copy when the next observation is asked for."""

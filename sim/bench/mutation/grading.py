@@ -11,11 +11,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
@@ -25,8 +25,6 @@ from sim.suites.examination import COMPLETES
 COMPARED = "worse than before"
 """How a mutant is caught that passes the suite, but whose figures are worse than those of unchanged LEXIS."""
 _MOST_S = 3600.0
-_SIZE = re.compile(r"rooms \d+ -> (\d+), walk [\d.inf]+ -> ([\d.]+) m")
-_BLAMED = re.compile(r"(?:not )?mended by: .*|there is nothing to replace.*")
 
 
 @dataclass(frozen=True)
@@ -34,8 +32,11 @@ class Grade:
     """How the suite fared with one mutant."""
 
     mutant: str
+    suite: str
+    """Name of the suite."""
+    seed: int
     caught_by: str | None
-    """The check that failed first; None if the suite found nothing."""
+    """The check that failed; of several, the first in the order of the suite. None if the suite found nothing."""
     scenarios: int
     """Number of scenarios that were examined."""
     seconds: float
@@ -70,8 +71,8 @@ def grade(
     Without `laws`, the suite makes claims only; without `smallest`, there is no such search. Raises `SimError` if the suite
     cannot check unchanged LEXIS.
     """
-    begin = time.time()  # the clock of the files, whose times tell when the verdicts were there
-    name = "unchanged" if mutant is None else mutant.name
+    begin = time.time()  # wall-clock time, because it is compared with the time of the file of verdicts
+    start = "unchanged" if mutant is None else mutant.name, suite if laws else f"{suite} without laws", seed
     with planted(mutant) as folder:
         verdicts = folder / "verdicts.json"
         options = ["--suite", suite, "--seed", str(seed), "-x", "--json", str(verdicts)]
@@ -81,12 +82,13 @@ def grade(
         options += [] if before is None else ["--against", str(before)]
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
-            return _graded(name, json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
+            found = _graded(json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
+            return Grade(*start, **found._asdict())
         seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
         raise SimError(f"unchanged LEXIS: {how}: {one_line(errors, 300)}; valid: a suite that LEXIS completes")
-    return Grade(name, how, 0, seconds, one_line(errors, 160))
+    return Grade(*start, how, 0, seconds, one_line(errors, 160))
 
 
 def write_grade(grade: Grade, file: Path) -> None:
@@ -136,21 +138,28 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
         process.wait()
 
 
-def _graded(name: str, data: dict[str, Any], shown: str, seconds: float) -> Grade:
-    """Make the grade of a suite that ended, from its verdicts and from what the command printed."""
+class _Found(NamedTuple):
+    """The fields of a `Grade` that follow from the verdicts of the suite."""
+
+    caught_by: str | None
+    scenarios: int
+    seconds: float
+    measured: str
+    smallest: str = ""
+    blamed: str = ""
+
+
+def _graded(data: Mapping[str, Any], shown: str, seconds: float) -> _Found:
+    """Judge a suite that ended by its verdicts, and by what the command printed about the smallest scenarios."""
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
     if not failed:
         worse = data["worse"]
-        return Grade(name, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
+        return _Found(f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
     first = failed[0]
-    size, blamed = _SIZE.search(shown), _BLAMED.search(shown)
-    return Grade(
-        name,
-        f"{first['part']}: {first['check']}",
-        scenarios,
-        seconds,
-        first["failures"][0]["measured"],
-        "" if size is None else f"{size[1]} rooms, {float(size[2]):.0f} m",
-        "" if blamed is None else blamed[0],
-    )
+    name, measured = f"{first['part']}: {first['check']}", first["failures"][0]["measured"]
+    found = re.search(rf"^{re.escape(name)}: rooms \d+ -> (\d+), walk \S+ -> (\S+) m\n *(.*)$", shown, re.MULTILINE)
+    if found is None:
+        return _Found(name, scenarios, seconds, measured)
+    blamed = "" if found[3].startswith("scenario:") else found[3]
+    return _Found(name, scenarios, seconds, measured, f"{found[1]} rooms, {found[2]} m", blamed)

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
-from sim.harness import Lexis, run
+from lexis.maths.se3 import exp
+from sim.faults import parse_fault
+from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
+from sim.suites.checks import Examined
 from sim.suites.consistency import CONSISTENCY, floors_are_level, rooms_are_uniform, steps_follow_odometry, trusted_loops_fit
 
 
@@ -48,7 +51,10 @@ def test_a_trusted_loop_that_the_trajectory_does_not_satisfy_is_found_and_an_unt
     loops = lexis.estimate.loops
     T, weights = loops.T_match_query.copy(), loops.weights.copy()
     T[0, 0, 3] += 3.0
-    weights[0] = 1.0
+    weights[:] = 1.0
+    claimed = replace(loops, T_match_query=T, weights=weights)
+    assert trusted_loops_fit(claiming(lexis, loops=claimed)).holds is None  # a SLAM without confidence says 1 of all loops
+    weights[1:] = 0.9
     assert trusted_loops_fit(claiming(lexis, loops=replace(loops, T_match_query=T, weights=weights))).holds is False
     weights[0] = 0.1
     assert trusted_loops_fit(claiming(lexis, loops=replace(loops, T_match_query=T, weights=weights))).holds
@@ -83,3 +89,27 @@ def test_floors_that_are_numbered_downwards_are_found(lexis):
     poses[n // 2 :, 2, 3] += 3.0
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=floors)).holds
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=1 - floors)).holds is False
+
+
+def test_heights_are_measured_along_the_vertical_of_the_odometry(lexis):
+    tilted = exp(np.array([0.7, 0.4, 0.0, 1.0, 2.0, 3.0])) @ lexis.estimate.T_W_B
+    assert floors_are_level(claiming(lexis, T_W_B=tilted)).holds
+
+
+def test_a_sparse_trajectory_may_correct_more_in_one_step(lexis):
+    poses = lexis.estimate.T_W_B.copy()
+    poses[len(poses) // 2 :, 0, 3] += 0.3
+    assert steps_follow_odometry(claiming(lexis, T_W_B=poses)).holds is False
+    length_m = 4.0
+    odometry = np.tile(np.eye(4), (2, 1, 1))
+    odometry[1, 0, 3] = length_m
+    given = {frame: lexis.given[0]._replace(T_O_B=T) for frame, T in zip((0, 1), odometry, strict=True)}
+    corrected = odometry.copy()
+    corrected[1, 1, 3] = 0.3
+    two = Estimate(np.arange(2), T_W_B=corrected)
+    assert steps_follow_odometry(replace(lexis, estimate=two, given=given)).holds
+
+
+def test_a_run_with_faults_is_not_judged(lexis):
+    faulty = replace(lexis, scenario=replace(lexis.scenario, faults=(parse_fault("dropped:0.2"),)))
+    assert all(law.examine(Examined(faulty, None), None).holds is None for law in CONSISTENCY)

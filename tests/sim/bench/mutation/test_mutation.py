@@ -53,6 +53,8 @@ def test_python_imports_the_copy_with_the_mutant():
 
 
 SHOWN = """holds 3 of 3 homes: labels.accuracy >= 0.5
+homes: other: rooms 5 -> 1, walk 80 -> 3 m
+  mended by: perfect odometry.
 homes: origin: rooms 5 -> 2, walk 80 -> 4.1 m
   mended by: nothing.
 """
@@ -64,15 +66,18 @@ def test_a_grade_names_the_first_check_that_failed():
         {"part": "homes", "check": "the run completes", "outcome": "undecided", "failures": []},
         {"part": "homes", "check": "origin", "outcome": "fails", "failures": [failure]},
     ]
-    graded = _graded("a mutant", {"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
-    assert graded == Grade("a mutant", "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4 m", "mended by: nothing.")
-    assert not _graded("a mutant", {"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).is_caught
-    compared = _graded("a mutant", {"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
+    graded = _graded({"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
+    assert graded == ("homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", "mended by: nothing.")
+    assert _graded({"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).caught_by is None
+    compared = _graded({"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
     assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
 
 
 def test_grades_are_kept_in_a_file_to_go_on_from(tmp_path):
-    grades = [Grade("one", "homes: origin", 3, 12.0, "x", "2 rooms, 4 m"), Grade("other", None, 96, 300.0, "")]
+    grades = [
+        Grade("one", "pr", 7, "homes: origin", 3, 12.0, "x", "2 rooms, 4 m"),
+        Grade("other", "pr", 7, None, 96, 300.0, ""),
+    ]
     assert read_grades(tmp_path / "grades.jsonl") == []
     for each in grades:
         write_grade(each, tmp_path / "grades.jsonl")
