@@ -52,6 +52,11 @@ class Obstacles:
         meets = (self.span[:, 0] < surface_m + BODY_HIGH_M) & (self.span[:, 1] > surface_m + BODY_LOW_M)
         return Obstacles(self.centre[meets], self.size[meets], self.yaw[meets], self.span[meets])
 
+    def and_also(self, others: "Obstacles") -> "Obstacles":
+        """Return these boxes and others as one set."""
+        columns = ("centre", "size", "yaw", "span")
+        return Obstacles(*(np.concatenate([getattr(self, name), getattr(others, name)]) for name in columns))
+
     def within(self, point: Float64[np.ndarray, "2"], distance_m: float) -> "Obstacles":
         """All boxes within `distance_m` [m] of a point of the plan; some boxes a little farther away may be included."""
         reach = np.linalg.norm(self.size, axis=1) / 2 + distance_m

@@ -72,6 +72,11 @@ class Walkable:
         return stair_wells(self.house)
 
     @cached_property
+    def barriers(self) -> Obstacles:
+        """All that a walk on a floor has to keep away from: solid objects and stairwells."""
+        return self.solids.and_also(self.wells)
+
+    @cached_property
     def _free(self) -> Bool[np.ndarray, "storeys nx ny"]:
         # If two diagonal neighbours are at least this far from an obstacle, the line between them keeps the radius from it.
         margin = math.hypot(self.radius_m, self.resolution_m / math.sqrt(2.0))
@@ -245,7 +250,7 @@ class Walkable:
             off_line = np.cross(self.nodes[nodes] - line[0], line[1] - line[0])
             return bool(np.abs(off_line).max() <= 1e-6)
         keep = max(self.radius_m, min(prefer_clearance_m, self.clearance[nodes].min() - 0.5 * self.resolution_m))
-        return all(bool(obstacles.clear(line[:1], line[1:], keep)[0]) for obstacles in (self.solids, self.wells))
+        return bool(self.barriers.clear(line[:1], line[1:], keep)[0])
 
 
 def polyline_length(points: Float64[np.ndarray, "k 3"]) -> float:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Float64, Int
+from jaxtyping import Float, Float32, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
@@ -113,27 +113,20 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
     T = np.stack([view.T_C_W for view in viewers]) @ np.stack([view.T_W_C for view in others])
     points = T[:, :3, :3] @ np.stack([view.points for view in others]) + T[:, :3, 3:]
     depths, grid = np.stack([view.depth for view in viewers]), viewers[0].grid
-    with np.errstate(invalid="ignore", divide="ignore"):  # NaN for rays that hit nothing
-        in_front = points[:, 2] > _DEPTH_M  # points behind the camera are at no depth that a ray has
-        x, y = points[:, 0] / points[:, 2], points[:, 1] / points[:, 2]
-    column, row = _nearest(x, grid.x, in_front), _nearest(y, grid.y, in_front)
-    inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # NaN for rays that hit nothing
+        column = _nearest(points[:, 0] / points[:, 2], grid.x)
+        row = _nearest(points[:, 1] / points[:, 2], grid.y)
+        inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
+        inside &= points[:, 2] > _DEPTH_M  # points behind the camera are at no depth that a ray has
     pair = np.nonzero(inside)[0]
-    met, depth = depths[pair, column[inside], row[inside]], points[:, 2][inside]
+    met, depth = depths[pair, column[inside].astype(int), row[inside].astype(int)], points[:, 2][inside]
     same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M
     return np.asarray(np.bincount(pair[same], minlength=len(points)) / points.shape[2])
 
 
-def _nearest(
-    values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"], wanted: Bool[np.ndarray, "n k"]
-) -> Int[np.ndarray, "n k"]:
-    """Return the index of the grid line nearest to each value: -1 before the first line, `m` after the last one.
-
-    Values that are not `wanted` get -1, too.
-    """
-    with np.errstate(invalid="ignore", over="ignore"):
-        lines = np.rint((values - axis[0]) / (axis[1] - axis[0]))
-    return np.where(wanted, np.clip(lines, -1, len(axis)), -1).astype(int)
+def _nearest(values: Float64[np.ndarray, "n k"], axis: Float32[np.ndarray, "m"]) -> Float64[np.ndarray, "n k"]:
+    """Return the number of the grid line nearest to each value, counted from 0, as if the grid had no ends; NaN for NaN."""
+    return np.asarray(np.rint((values - axis[0]) / (axis[1] - axis[0])))
 
 
 class CovisibilityVerifier:
@@ -160,9 +153,10 @@ class CovisibilityVerifier:
         seen = self._view_of(query.observation_index)
         before = [self._view_of(graph.keyframes[match].observation_index) for match in candidates]
         limits = ndtri(self._model.probability(predictors(before, [seen] * len(before))))
+        true = between(np.stack([view.T_W_B for view in before]), seen.T_W_B)
         edges = []
-        for match, view, limit in zip(candidates, before, limits.tolist(), strict=True):
-            edge = self._edge(query.id, match, between(view.T_W_B, seen.T_W_B), limit, common)
+        for match, T_match_query, limit in zip(candidates, true, limits.tolist(), strict=True):
+            edge = self._edge(query.id, match, T_match_query, limit, common)
             edges += [] if edge is None else [edge]
         return plausible_edges(edges, graph, config)
 

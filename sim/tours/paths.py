@@ -41,5 +41,4 @@ class KnownPaths:
         return self.walkable.path(a, b, self.prefer_clearance_m)
 
     def _is_free(self, ends: Float64[np.ndarray, "2 3"]) -> bool:
-        both = (self.walkable.solids, self.walkable.wells)
-        return all(bool(obstacles.clear(ends[:1], ends[1:], self.walkable.radius_m)[0]) for obstacles in both)
+        return bool(self.walkable.barriers.clear(ends[:1], ends[1:], self.walkable.radius_m)[0])
