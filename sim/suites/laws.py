@@ -59,7 +59,7 @@ LAWS: Mapping[str, SameClaims | NotWorse] = {
         ),
         SameClaims(
             "zero of the clock",
-            "The claims do not depend on when the clock started. Tolerance: rounding of time differences.",
+            "The claims are the same if stamps count from 1970. Tolerance: rounding of time differences.",
             OtherClock(),
         ),
         SameClaims(

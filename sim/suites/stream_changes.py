@@ -105,9 +105,10 @@ class Nothing:
 
 @dataclass(frozen=True)
 class OtherClock(Nothing):
-    """The clock starts later."""
+    """The clock shows the time since 1970, as those of robots do, instead of the time since the start."""
 
-    offset_s: float = 1000.0
+    offset_s: float = 1.75e9
+    """Time by which all stamps are later [s]."""
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
         """Yield the observation with its new stamp."""
@@ -139,9 +140,9 @@ class Pause(Nothing):
 
     after: int = 10
     """Number of the observation at which the robot stands still, counted from 0."""
-    pauses: int = 20
+    pauses: int = 45
     """How often this observation is repeated."""
-    period_s: float = 0.5
+    period_s: float = 1.0
     """Time between the repeated observations [s]."""
 
     def observations(self, observation: Observation, number: int) -> Iterator[Observation]:

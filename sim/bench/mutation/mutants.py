@@ -20,6 +20,12 @@ _KEYFRAMES = (
         "reaches(self._path_since_keyframe, 4.0 * self._config.spacing_m)",
     ),
     Mutant(
+        "keyframes are spaced in time, as if the robot never stood still",
+        "keyframes.py",
+        "distance = float(np.linalg.norm(increment[:3, 3]))",
+        "distance = 0.35",
+    ),
+    Mutant(
         "the path between keyframes ignores all axes but x",
         "keyframes.py",
         "distance = float(np.linalg.norm(increment[:3, 3]))",
@@ -245,10 +251,10 @@ _PLACES = (
         'np.argsort(-rounded(similarity + 0.01 * np.random.random(len(similarity))), kind="stable")',
     ),
     Mutant(
-        "the age of a keyframe is counted from the start of the clock",
-        "place_recognition.py",
-        "seconds, metres = stamps[query] - stamps, path_m[query] - path_m",
-        "seconds, metres = stamps[query] + 0.0 * stamps, path_m[query] - path_m",
+        "stamps are kept in single precision",
+        "pose_graph.py",
+        "self._stamps.append(keyframe.stamp)",
+        "self._stamps.append(np.float32(keyframe.stamp))",
     ),
     Mutant(
         "time alone makes a keyframe old enough for a loop, without any path",
