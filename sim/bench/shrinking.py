@@ -3,14 +3,12 @@
 `broken_laws` lists the laws.
 """
 
-import multiprocessing
 import runpy
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import repeat
 from pathlib import Path
@@ -24,6 +22,7 @@ from sim.harness.failure_signature import FailureTest
 from sim.harness.reducer import Reduction, is_valid, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.processes import process_pool
 
 _NO_BUG = "no bug"
 _PYTEST_FAILED = 1
@@ -84,8 +83,7 @@ def prove(plan: ProofPlan, scenarios: int, processes: int) -> Iterator[Reduction
     if processes == 1:
         yield from map(prove_one, range(scenarios), repeat(plan))
         return
-    context = multiprocessing.get_context("spawn")  # a forked process would inherit the locks of running threads
-    with ProcessPoolExecutor(processes, context) as pool:
+    with process_pool(processes) as pool:
         try:
             yield from pool.map(prove_one, range(scenarios), repeat(plan))
         finally:

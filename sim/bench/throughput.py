@@ -4,17 +4,16 @@ Every worker process handles houses of its own, as the workers of a parallel pyt
 such as importing libraries and loading the encoder, is done before the clock starts.
 """
 
-import multiprocessing
 import os
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 from sim.harness.figures import evaluate
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from sim.processes import process_pool
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 from worlds.validation import built_and_checked
@@ -78,8 +77,7 @@ def _house(seed: int) -> HouseSpec:
 
 
 def _measured(tier: str, wanted: float, handle: Callable[[int], Handled], seeds: range, workers: int) -> Throughput:
-    context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
-    with ProcessPoolExecutor(workers, context, initializer=handle, initargs=(_WARM_UP_SEED,)) as pool:
+    with process_pool(workers, handle, (_WARM_UP_SEED,)) as pool:
         list(pool.map(time.sleep, [0.2] * 2 * workers))  # makes the pool start all of its workers
         start = time.perf_counter()
         handled = tuple(pool.map(handle, seeds))

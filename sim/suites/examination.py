@@ -1,10 +1,8 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
-import multiprocessing
 import os
 import pickle
 from collections.abc import Generator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,6 +17,7 @@ from sim.errors import SimError
 from sim.harness.results import RunResult
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
+from sim.processes import process_pool
 from sim.suites.checks import Check, CheckFinding, NewSlam, examined
 from sim.suites.suite import Suite, SuitePart
 from worlds.errors import WorldsError
@@ -123,10 +122,9 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
         return
     for what, thing in (("SLAM", new_slam), *(("suite", part) for part in dict.fromkeys(job.part for job in jobs))):
         _check_picklable(what, thing)
-    context = multiprocessing.get_context("spawn")  # a forked torch or OpenCV may hang
     with TemporaryDirectory() as folder:
         notes = Path(folder)
-        pool = ProcessPoolExecutor(workers, context)
+        pool = process_pool(workers)
         try:
             yield from pool.map(_noted, jobs, [new_slam] * len(jobs), [notes] * len(jobs))
         except BrokenProcessPool:
