@@ -79,12 +79,7 @@ def is_rigid(T: Transforms, tolerance: float = 1e-6) -> Bool[np.ndarray, "*batch
     R = T[..., :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # huge values and NaN must give False, not a warning
         orthonormal = np.abs(np.swapaxes(R, -1, -2) @ R - _IDENTITY).max(axis=(-1, -2)) <= tolerance
-        x, y, z = R[..., 0], R[..., 1], R[..., 2]  # right-handed if z points along the cross product of x and y
-        right_handed = (
-            (x[..., 1] * y[..., 2] - x[..., 2] * y[..., 1]) * z[..., 0]
-            + (x[..., 2] * y[..., 0] - x[..., 0] * y[..., 2]) * z[..., 1]
-            + (x[..., 0] * y[..., 1] - x[..., 1] * y[..., 0]) * z[..., 2]
-        ) > 0
+        right_handed = np.linalg.det(R) > 0
     homogeneous = (T[..., 3, :] == _LAST_ROW).all(axis=-1)
     finite = np.isfinite(T).all(axis=(-1, -2))
     return np.asarray(finite & orthonormal & homogeneous & right_handed)

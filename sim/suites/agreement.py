@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
 from lexis.evaluation.partitions import overlap
 from lexis.evaluation.rooms import adjusted_rand_index
@@ -36,15 +36,15 @@ def agreement(first: Estimate, second: Estimate) -> ClaimAgreement:
     """Compare two estimates of one run. Their frames are matched by `Observation.index`."""
     frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
     union = len(first.frames) + len(second.frames) - len(frames)
-    apart = _apart(first, second, rows_a, rows_b)
+    largest = _largest_difference(first, second, rows_a, rows_b)
     return ClaimAgreement(
         frames=len(frames) / union,
         labels=_equal_share(first.labels, second.labels, rows_a, rows_b),
         rooms=_rand_index(first.rooms, second.rooms, rows_a, rows_b),
         floors=_equal_share(first.floors, second.floors, rows_a, rows_b),
         loops=_common_loops(first, second),
-        rotation_rad=None if apart is None else apart[0],
-        position_m=None if apart is None else apart[1],
+        rotation_rad=None if largest is None else largest[0],
+        position_m=None if largest is None else largest[1],
     )
 
 
@@ -82,12 +82,20 @@ def _loop_frames(estimate: Estimate) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in ends]
 
 
-def _apart(
+def _largest_difference(
     first: Estimate, second: Estimate, rows_a: Int[np.ndarray, "k"], rows_b: Int[np.ndarray, "k"]
 ) -> tuple[float, float] | None:
     """The largest angle [rad] and the largest distance [m] between the poses of a frame, after alignment."""
     if first.T_W_B is None or second.T_W_B is None or not len(rows_a):
         return None
     a, b = np.asarray(first.T_W_B, float)[rows_a], np.asarray(second.T_W_B, float)[rows_b]
-    T = between(a, aligned(b, a))
-    return float(rotation_angle(T).max()), float(np.linalg.norm(T[:, :3, 3], axis=1).max())
+    moved, turned = apart(a, aligned(b, a))
+    return float(turned.max()), float(moved.max())
+
+
+def apart(
+    first: Float64[np.ndarray, "n 4 4"], second: Float64[np.ndarray, "n 4 4"]
+) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
+    """Return the distances [m] and the angles [rad] between pairs of poses: first[i] and second[i]."""
+    T = between(first, second)
+    return np.linalg.norm(T[:, :3, 3], axis=1), np.asarray(rotation_angle(T))

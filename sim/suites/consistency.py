@@ -4,10 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Int
 
-from lexis.maths.se3 import between, rotation_angle
+from lexis.maths.se3 import between
 from sim.harness.runner import Run
+from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, Examined, NewSlam
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
@@ -46,7 +47,7 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
     odometry = run.odometry_poses
     steps = between(odometry[:-1], odometry[1:])
     length_m = np.linalg.norm(steps[:, :3, 3], axis=1)
-    moved, turned = _apart(steps, between(poses[:-1], poses[1:]))
+    moved, turned = apart(steps, between(poses[:-1], poses[1:]))
     near = (moved <= _STEP_M + _STEP_SHARE * length_m) & (turned <= _STEP_RAD + _STEP_RAD_M * length_m)
     return CheckFinding(
         bool(near.all()),
@@ -61,7 +62,7 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     if not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
-    moved, turned = _apart(
+    moved, turned = apart(
         np.asarray(loops.T_match_query, float)[trusted], between(poses[loops.match[trusted]], poses[loops.query[trusted]])
     )
     return CheckFinding(
@@ -94,14 +95,6 @@ def floors_are_level(run: Run) -> CheckFinding:
     ascend = bool((np.diff([own.mean() for own in heights]) > 0.0).all())
     text = f"heights on one floor differ by {span:.2g} m; floors with higher numbers are {'' if ascend else 'not '}higher"
     return CheckFinding(span <= _FLOOR_M and ascend, text)
-
-
-def _apart(
-    first: Float64[np.ndarray, "n 4 4"], second: Float64[np.ndarray, "n 4 4"]
-) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
-    """Distances [m] and angles [rad] between pairs of poses."""
-    T = between(first, second)
-    return np.linalg.norm(T[:, :3, 3], axis=1), np.asarray(rotation_angle(T))
 
 
 def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from lexis.errors import one_line
 from sim.bench.mutation.planting import Mutant, planted
@@ -82,8 +82,7 @@ def grade(
         options += [] if before is None else ["--against", str(before)]
         status, shown, errors = _check(folder, options)
         if verdicts.exists():
-            found = _graded(json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
-            return Grade(*start, **found._asdict())
+            return _graded(start, json.loads(verdicts.read_text()), shown, verdicts.stat().st_mtime - begin)
         seconds = time.time() - begin
     how = "the suite does not end" if status is None else f"the suite ends with status {status}"
     if mutant is None:
@@ -138,28 +137,20 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
         process.wait()
 
 
-class _Found(NamedTuple):
-    """The fields of a `Grade` that follow from the verdicts of the suite."""
+def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, seconds: float) -> Grade:
+    """Judge a suite that ended by its verdicts, and by what the command printed about the smallest scenarios.
 
-    caught_by: str | None
-    scenarios: int
-    seconds: float
-    measured: str
-    smallest: str = ""
-    blamed: str = ""
-
-
-def _graded(data: Mapping[str, Any], shown: str, seconds: float) -> _Found:
-    """Judge a suite that ended by its verdicts, and by what the command printed about the smallest scenarios."""
+    `start` holds the mutant, the suite and the seed.
+    """
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
     if not failed:
         worse = data["worse"]
-        return _Found(f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
+        return Grade(*start, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))
     first = failed[0]
     name, measured = f"{first['part']}: {first['check']}", first["failures"][0]["measured"]
     found = re.search(rf"^{re.escape(name)}: rooms \d+ -> (\d+), walk \S+ -> (\S+) m\n *(.*)$", shown, re.MULTILINE)
     if found is None:
-        return _Found(name, scenarios, seconds, measured)
+        return Grade(*start, name, scenarios, seconds, measured)
     blamed = "" if found[3].startswith("scenario:") else found[3]
-    return _Found(name, scenarios, seconds, measured, f"{found[1]} rooms, {found[2]} m", blamed)
+    return Grade(*start, name, scenarios, seconds, measured, f"{found[1]} rooms, {found[2]} m", blamed)

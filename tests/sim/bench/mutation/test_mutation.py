@@ -66,10 +66,11 @@ def test_a_grade_names_the_first_check_that_failed():
         {"part": "homes", "check": "the run completes", "outcome": "undecided", "failures": []},
         {"part": "homes", "check": "origin", "outcome": "fails", "failures": [failure]},
     ]
-    graded = _graded({"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
-    assert graded == ("homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", "mended by: nothing.")
-    assert _graded({"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).caught_by is None
-    compared = _graded({"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
+    start = ("a mutant", "pr", 7)
+    graded = _graded(start, {"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
+    assert graded == Grade(*start, "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", "mended by: nothing.")
+    assert _graded(start, {"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).caught_by is None
+    compared = _graded(start, {"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
     assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
 
 
