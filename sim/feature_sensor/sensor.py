@@ -67,13 +67,16 @@ class SensedTour:
         self._surroundings: dict[int, Surroundings] = {}
         self._depths: dict[int, Float32[np.ndarray, "n columns rows"]] = {}
         """Depths of the rays [m], by number of the chunk of frames, for the chunks whose rays have been cast."""
+        self._drawn: dict[int, Float32[np.ndarray, "n d"]] = {}
+        """Embeddings by number of the chunk of frames, for the chunks whose percepts have been asked for."""
 
     def percepts(self) -> Iterator[Percept]:
-        """Yield the percept of each frame."""
+        """Yield the percept of each frame. Its embedding is a copy, because the SLAM may write into it."""
         for number, chunk in enumerate(self._chunks):
-            poses = self._T_W_B[chunk.frames]
-            for embedding in self._embeddings(self._look(number), poses):
-                yield Percept(embedding, NO_FEATURES)
+            if number not in self._drawn:
+                self._drawn[number] = self._embeddings(self._look(number), self._T_W_B[chunk.frames])
+            for embedding in self._drawn[number]:
+                yield Percept(embedding.copy(), NO_FEATURES)
 
     def verifier(self) -> CovisibilityVerifier:
         """Return the loop verifier for this tour."""

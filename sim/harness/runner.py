@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -147,12 +148,12 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     timed = StageTimer()
     with timed("house_s"):
         walked = walk(scenario)
-    model = _feature_model(scenario)
     with timed("scene_s"):
-        session = _session(scenario, walked, model)
+        session = _remembered_session(scenario) if _is_remembered(scenario) else _new_session(scenario)
+    rendered_before_s = session.render_seconds
     last.done = 0.0
     with timed("slam_s"), last.calling_slam():
-        _start(slam, scenario, session, model)
+        _start(slam, scenario, session)
     delivered, refused = [], []
     given: dict[int, Given] = {}
     with closing(iter(session)) as pairs:
@@ -174,7 +175,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
         estimate = slam.finish()
     if not isinstance(estimate, Estimate):
         raise ClaimError(f"SLAM under test: finish() returned {type(estimate).__name__}; valid: an Estimate")
-    seconds = timed.seconds | {"render_s": session.render_seconds}
+    seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
     _check_estimate(estimate, given, len(walked.house.spec.room_labels))
     last.run = Run(
         scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
@@ -197,19 +198,34 @@ def _session(scenario: Scenario, walked: Walk, model: FeatureModel | None) -> Se
     return Session(walked.house, walked.tour, walked.odometry, camera, scenario.faults, scenario.seed, sensor)
 
 
+def _is_remembered(scenario: Scenario) -> bool:
+    """Whether runs of a scenario share a session. A feature model in the user's file may change between two runs."""
+    return scenario.fidelity == "features" and scenario.feature_model is None
+
+
+@lru_cache(maxsize=2)
+def _remembered_session(scenario: Scenario) -> Session:
+    """The session of a scenario on features, whose percepts are computed once although laws run the scenario often."""
+    return _new_session(scenario)
+
+
+def _new_session(scenario: Scenario) -> Session:
+    return _session(scenario, walk(scenario), _feature_model(scenario))
+
+
 def _feature_model(scenario: Scenario) -> FeatureModel | None:
     """The model by which the feature sensor draws embeddings; None if the SLAM gets images."""
     return None if scenario.fidelity == "render" else load_features(scenario.feature_model or MINI_FEATURES)
 
 
-def _start(slam: SlamUnderTest, scenario: Scenario, session: Session, model: FeatureModel | None) -> None:
-    names = session.house.spec.room_labels
+def _start(slam: SlamUnderTest, scenario: Scenario, session: Session) -> None:
+    names, model = session.house.spec.room_labels, _feature_model(scenario)
+    camera = replace(session.camera, T_B_C=session.camera.T_B_C.copy())  # the SLAM may write into it
     if model is not None and isinstance(slam, AcceptsFeatures):
         source = str(scenario.feature_model or MINI_FEATURES)
-        features = FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier())
-        slam.start_on_features(session.camera, names, features)
+        slam.start_on_features(camera, names, FeatureInput(model, source, scenario.encoder == ORACLE, session.verifier()))
     else:
-        slam.start(session.camera, names)
+        slam.start(camera, names)
 
 
 def _check_estimate(estimate: Estimate, given: Mapping[int, Given], names: int) -> None:
