@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sim.harness.crash import Runner
     from sim.harness.failure_folder import Replay
     from sim.harness.slam_under_test import SlamUnderTest
+    from sim.programs.command import Program
 
 SLAM_HELP = (
     "a class in a module of the current folder or on Python's path, which is called without arguments (default: LEXIS); "
@@ -56,10 +57,8 @@ def check_claimable(arguments: argparse.Namespace, claim: "Claim") -> None:
 def runner_of(arguments: argparse.Namespace) -> "Runner":
     """Return a function that runs the SLAM chosen by `add_slam`. Raises `SimError` if its class or command is unusable."""
     if arguments.program is not None:
-        return _program(arguments)
-    for option in ("format", "timeout", "memory"):
-        if getattr(arguments, option) is not None:
-            raise SimError(f"--{option} is for programs; valid: with --command")
+        return program_of(arguments)
+    refuse_program_options(arguments)
     from sim.harness import run
 
     if arguments.slam is None:
@@ -84,12 +83,18 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
     return LEXIS_REPLAY
 
 
-def _program(arguments: argparse.Namespace) -> "Runner":
-    from sim.programs.command import command_words, run_command
+def refuse_program_options(arguments: argparse.Namespace) -> None:
+    """Raise `SimError` if an option for programs is given without a program."""
+    for option in ("format", "timeout", "memory"):
+        if getattr(arguments, option) is not None:
+            raise SimError(f"--{option} is for programs; valid: with --command")
 
-    command_words(arguments.program)
-    limits = _limits(arguments)
-    return lambda scenario, progress: run_command(scenario, arguments.program, *limits, progress)
+
+def program_of(arguments: argparse.Namespace) -> "Program":
+    """Return the program that `--command` names, with its limits. Raises `SimError` for a command that is not valid."""
+    from sim.programs.command import Program
+
+    return Program(arguments.program, *_limits(arguments))
 
 
 def _limits(arguments: argparse.Namespace) -> tuple[str, float, float]:

@@ -1,2 +1,3 @@
 from .command import CommandSlam as CommandSlam
+from .command import Program as Program
 from .command import run_command as run_command

@@ -46,6 +46,27 @@ class CommandSlam:
         (folder / "program.err").write_bytes(self.stderr)
 
 
+@dataclass(frozen=True)
+class Program:
+    """A program under test with its limits. It runs scenarios as `run_command` does, and can be sent to other processes.
+
+    Raises `SimError` for a command or a format that is not valid.
+    """
+
+    command: str
+    format: str = "euroc"
+    timeout_s: float = TIMEOUT_S
+    memory_mb: float = MEMORY_MB
+
+    def __post_init__(self) -> None:
+        command_words(self.command)
+        check_format(self.format)
+
+    def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Run:
+        """Run the program on a scenario."""
+        return run_command(scenario, self.command, self.format, self.timeout_s, self.memory_mb, progress)
+
+
 def run_command(
     scenario: Scenario,
     command: str,
