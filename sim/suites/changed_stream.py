@@ -10,7 +10,7 @@ from lexis.types import Camera, Observation
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
-from sim.suites.stream_changes import Motion, StreamChange
+from sim.suites.stream_changes import Motion, StreamChange, copied
 
 
 class ChangedStream:
@@ -23,6 +23,7 @@ class ChangedStream:
         self._given: list[int] = []
         """Index of the unchanged observation for each observation that the SLAM got."""
         self._processed = 0
+        self._previous: Observation | None = None
 
     def start(self, camera: Camera, room_names: Sequence[str]) -> None:
         """Begin a run with the changed camera and the changed room names."""
@@ -31,7 +32,8 @@ class ChangedStream:
     def process(self, observation: Observation) -> None:
         """Give the SLAM what takes the place of the observation."""
         number, self._processed = self._processed, self._processed + 1
-        for changed in self._change.observations(observation, number):
+        previous, self._previous = self._previous, copied(observation)
+        for changed in self._change.observations(observation, number, previous):
             self._given.append(observation.index)
             self._slam.process(replace(changed, index=len(self._given) - 1))
 
@@ -43,7 +45,7 @@ class ChangedStream:
         """Forget the run before, and return what the SLAM is started with."""
         names = self._change.names(room_names)
         self._original_names = [-1 if name is None else room_names.index(name) for name in names.values()]
-        self._given, self._processed = [], 0
+        self._given, self._processed, self._previous = [], 0, None
         return self._change.camera(camera), tuple(names)
 
 
@@ -67,8 +69,9 @@ def changed(slam: SlamUnderTest, change: StreamChange) -> ChangedStream:
 def _restored(
     claims: Estimate, given: Int[np.ndarray, "observations"], name_of: Int[np.ndarray, "names"], change: StreamChange
 ) -> Estimate:
-    """Convert claims about changed observations. If several frames stand for one observation, the first is kept."""
-    frames, first = np.unique(given[claims.frames], return_index=True)
+    """Convert claims about changed observations. If several frames stand for one observation, the last is kept."""
+    frames, from_end = np.unique(given[claims.frames][::-1], return_index=True)
+    last = len(claims.frames) - 1 - from_end
     T_old_new, T_N_B = np.linalg.inv(change.T_new_old), np.linalg.inv(change.T_B_N)
     new_row = np.searchsorted(frames, given[claims.frames])
     similarities = claims.similarities
@@ -76,15 +79,15 @@ def _restored(
         kept = name_of >= 0
         columns = np.zeros((len(similarities), int(name_of.max()) + 1))
         columns[:, name_of[kept]] = similarities[:, kept]
-        similarities = columns[first]
+        similarities = columns[last]
     return replace(
         claims,
         frames=frames,
-        T_W_B=None if claims.T_W_B is None else T_old_new @ claims.T_W_B[first] @ T_N_B,
-        labels=_renamed(claims.labels, first, name_of),
-        baseline_labels=_renamed(claims.baseline_labels, first, name_of),
-        rooms=None if claims.rooms is None else claims.rooms[first],
-        floors=None if claims.floors is None else claims.floors[first],
+        T_W_B=None if claims.T_W_B is None else T_old_new @ claims.T_W_B[last] @ T_N_B,
+        labels=_renamed(claims.labels, last, name_of),
+        baseline_labels=_renamed(claims.baseline_labels, last, name_of),
+        rooms=None if claims.rooms is None else claims.rooms[last],
+        floors=None if claims.floors is None else claims.floors[last],
         loops=_moved(claims.loops, new_row, change.T_B_N),
         candidates=None,
         similarities=similarities,
@@ -92,9 +95,9 @@ def _restored(
 
 
 def _renamed(
-    labels: Int[np.ndarray, "n"] | None, first: Int[np.ndarray, "m"], name_of: Int[np.ndarray, "names"]
+    labels: Int[np.ndarray, "n"] | None, rows: Int[np.ndarray, "m"], name_of: Int[np.ndarray, "names"]
 ) -> Int[np.ndarray, "m"] | None:
-    return None if labels is None else np.where(labels[first] < 0, -1, name_of[labels[first]])
+    return None if labels is None else np.where(labels[rows] < 0, -1, name_of[labels[rows]])
 
 
 def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Motion) -> LoopClaims | None:

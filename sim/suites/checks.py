@@ -17,17 +17,18 @@ from sim.harness.estimate import Estimate
 from sim.harness.figures import evaluate
 from sim.harness.last_run import last_run
 from sim.harness.results import RunResult
-from sim.harness.runner import Run, run
+from sim.harness.runner import Progress, Run, run
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import SlamUnderTest, check_slam_methods
 from sim.harness.walk import walk
+from sim.programs.command import CommandSlam, Program
 from sim.suites.agreement import ClaimAgreement, agreement
 from sim.suites.changed_stream import changed
 from sim.suites.stream_changes import StreamChange
 from worlds.errors import WorldsError
 
-NewSlam = Callable[[], SlamUnderTest]
-"""Makes a SLAM that has not run yet."""
+NewSlam = Callable[[], SlamUnderTest] | Program
+"""Makes a SLAM that has not run yet; or a program under test, which reads recordings of the scenarios."""
 _SMALLER_IS_BETTER = ("trajectory.", "loops.false", "rooms.splits", "rooms.merges")
 _CLAIMS = ("labels", "rooms", "floors", "loops", "T_W_B")
 _SHARES = ("frames", "labels", "rooms", "floors", "loops")
@@ -114,12 +115,11 @@ class SameClaims:
 
     def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
         """Run the SLAM on the changed input, and compare the claims."""
-        scenario = base.run.scenario
-        if not self.change.matters(scenario, base.run.slam):
+        if not reaches(self.change, base.run):
             return CheckFinding(None, "the change does not reach this SLAM")
         if self.needs_loops and (base.run.estimate.loops is None or not len(base.run.estimate.loops.query)):
             return CheckFinding(None, "the SLAM claims no loop closure")
-        second = attempted(scenario, lambda: changed(made(new_slam), self.change))
+        second = attempted(base.run.scenario, new_slam, self.change)
         if isinstance(second, CheckFinding):
             return second
         lost = [name for name in _CLAIMS if _claims(base.run.estimate, name) != _claims(second.estimate, name)]
@@ -158,7 +158,7 @@ class NotWorse:
             return CheckFinding(None, one_line(f"the change is impossible: {error}", 160))
         if scenario == base.run.scenario:
             return CheckFinding(None, "the change changes nothing in this scenario")
-        second = attempted(scenario, lambda: made(new_slam))
+        second = attempted(scenario, new_slam)
         if isinstance(second, CheckFinding):
             return second
         figures = evaluate(second)
@@ -176,23 +176,57 @@ class NotWorse:
         return worse <= dict(self.tolerances)[name]
 
 
-def made(new_slam: NewSlam) -> SlamUnderTest:
-    """Make a SLAM. Raises `SimError` for what cannot make one; an exception of the SLAM's class counts as the SLAM's."""
-    if not callable(new_slam):
-        raise SimError(f"SLAM under test: {type(new_slam).__name__} is an instance; valid: its class, or a function")
-    with last_run().calling_slam():
-        slam = new_slam()
-    check_slam_methods(slam)
-    return slam
+@dataclass(frozen=True)
+class NotBetter:
+    """A law about the input: after a change that spoils it, a figure is not much better than without the change.
+
+    It is better if the SLAM had spoilt the input itself, in the opposite way.
+    """
+
+    name: str
+    says: str
+    change: StreamChange
+    figure: str
+    """The figure; more is better."""
+    tolerance: float
+    """How much better the figure may be after the change."""
+    rate: float | None = None
+
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+        """Run the SLAM on the changed input, and compare the figure."""
+        before = base.result[self.figure]
+        if before is None:
+            return CheckFinding(None, "the run lacks the figure")
+        if not reaches(self.change, base.run):
+            return CheckFinding(None, "the change does not reach this SLAM")
+        second = attempted(base.run.scenario, new_slam, self.change)
+        if isinstance(second, CheckFinding):
+            return second
+        after = evaluate(second)[self.figure]
+        holds = after is None or after - before <= self.tolerance
+        return CheckFinding(holds, f"{self.figure} {before:.3g} -> {'none' if after is None else f'{after:.3g}'}")
 
 
-def attempted(scenario: Scenario, new_slam: NewSlam) -> Run | CheckFinding:
+def reaches(change: StreamChange, run: Run) -> bool:
+    """Whether a change of the input reaches the SLAM of a run. It does not reach programs, which read recordings."""
+    return not isinstance(run.slam, CommandSlam) and change.matters(run.scenario, run.slam)
+
+
+def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None = None) -> Run | CheckFinding:
     """Run a SLAM; return a finding that fails if the SLAM raised an exception or made claims that are not valid.
 
-    Raises `SimError` if the scenario is impossible or the machine cannot run it.
+    With a `change`, the SLAM gets the changed input; a program under test cannot. Raises `SimError` if the scenario is
+    impossible or the machine cannot run it.
     """
+
+    def runner(same: Scenario, progress: Progress | None) -> Run:
+        if isinstance(new_slam, Program):
+            return new_slam(same, progress)
+        slam = _made(new_slam)
+        return run(same, slam if change is None else changed(slam, change), progress)
+
     try:
-        finished = attempt(lambda same, progress: run(same, new_slam(), progress), scenario)
+        finished = attempt(runner, scenario)
     except ClaimError as error:
         return CheckFinding(False, one_line(str(error), 160))
     if not isinstance(finished, Crash):
@@ -207,13 +241,23 @@ def attempted(scenario: Scenario, new_slam: NewSlam) -> Run | CheckFinding:
 
 def examined(scenario: Scenario, new_slam: NewSlam) -> Examined | CheckFinding:
     """Run a SLAM on an unchanged scenario, and drive its plans if it sees images; otherwise as `attempted`."""
-    finished = attempted(scenario, lambda: made(new_slam))
+    finished = attempted(scenario, new_slam)
     if isinstance(finished, CheckFinding):
         return finished
     trials = attempt_plans(finished) if scenario.fidelity == "render" else ()
     if isinstance(trials, Crash):
         return CheckFinding(False, f"plan() of the SLAM {trials.what}: {trials.message}")
     return Examined(finished, evaluate(finished, trials))
+
+
+def _made(new_slam: Callable[[], SlamUnderTest]) -> SlamUnderTest:
+    """Make a SLAM. Raises `SimError` for what cannot make one; an exception of the SLAM's class counts as the SLAM's."""
+    if not callable(new_slam):
+        raise SimError(f"SLAM under test: {type(new_slam).__name__} is an instance; valid: its class, or a function")
+    with last_run().calling_slam():
+        slam = new_slam()
+    check_slam_methods(slam)
+    return slam
 
 
 def _claims(estimate: Estimate, name: str) -> bool:

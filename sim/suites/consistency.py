@@ -10,6 +10,7 @@ from lexis.maths.se3 import between
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, Examined, NewSlam
+from worlds.labels import STAIRS
 
 _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest correction of the motion between two successive frames of the estimate [m, rad]. A SLAM distributes a correction
@@ -22,6 +23,13 @@ _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
 """Largest difference in height between two frames on one floor [m]. It allows for drift; LEXIS reaches 0.4 m."""
+
+_CLIMB_M = 1.25
+"""Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
+_STEEP = 0.45
+"""A frame is certainly on stairs if the path climbs as steeply as this before and after it [m/m]. Stairs of houses do."""
+_LEVEL_M = 0.2
+"""A frame is certainly not on stairs if the heights before and after it differ by no more than this from its own [m]."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,24 @@ def floors_are_level(run: Run) -> CheckFinding:
     return CheckFinding(span <= _FLOOR_M and ascend, text)
 
 
+def stairs_are_climbed(run: Run) -> CheckFinding:
+    """Compare the frames that are labelled as stairs with where the odometry climbs."""
+    labels = run.estimate.labels
+    if labels is None or STAIRS not in run.room_names or len(labels) < 2:
+        return CheckFinding(None, "the SLAM claims no labels, or stairs are no room name")
+    labelled = labels == run.room_names.index(STAIRS)
+    positions = run.odometry_poses[:, :3, 3]
+    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1) + 1e-9)])
+    before, here, after = (np.interp(path + offset, path, positions[:, 2]) for offset in (-_CLIMB_M, 0.0, _CLIMB_M))
+    steep = (before - here) * (here - after) > 0
+    climbs = steep & (np.minimum(np.abs(here - before), np.abs(after - here)) >= _STEEP * _CLIMB_M)
+    level = (np.abs(here - before) <= _LEVEL_M) & (np.abs(after - here) <= _LEVEL_M)
+    missed, wrong = int((climbs & ~labelled).sum()), int((level & labelled).sum())
+    return CheckFinding(
+        missed == wrong == 0, f"{missed} frames climb and have another label; {wrong} are level and labelled so"
+    )
+
+
 def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:
     """Number of rooms whose frames have several kinds; frames without a room or a kind (-1) do not count."""
     pairs = np.unique(np.stack([rooms, kinds], axis=1)[(rooms >= 0) & (kinds >= 0)], axis=0)
@@ -124,6 +150,12 @@ CONSISTENCY = (
         "floors are level",
         f"Frames on one floor have heights within {_FLOOR_M} m, and higher floors have higher numbers.",
         floors_are_level,
+    ),
+    Consistent(
+        "stairs are climbed",
+        "Frames in the middle of a climb are labelled as stairs. Frames whose path is level before and after them, for "
+        f"{_CLIMB_M} m each, are not.",
+        stairs_are_climbed,
     ),
 )
 """All laws about a single run."""

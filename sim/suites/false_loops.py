@@ -27,9 +27,9 @@ class FalseLoops(Nothing):
     SLAM systems that verify loops on their own are not affected.
     """
 
-    share: float = 0.1
+    share: float = 0.3
     """Share of the keyframes with loop candidates that get a false loop."""
-    error_m: float = 2.0
+    error_m: float = 1.0
     """Distance by which the relative pose of a false loop is wrong [m]."""
     seed: int = 0
 

@@ -23,7 +23,7 @@ from sim.suites.stream_changes import Motion, Nothing
 class OtherFrames(Nothing):
     """The base of changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation in the new frames."""
         T_O_B = self.T_new_old @ observation.T_O_B @ self.T_B_N
         yield replace(observation, T_O_B=T_O_B, increment_covariance=_in_frame(self.T_B_N, observation.increment_covariance))

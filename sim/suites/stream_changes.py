@@ -2,7 +2,7 @@
 
 A change works on the stream of observations and on the room names, before they reach the SLAM; `changed_stream` converts the
 claims back. The SLAM is not touched, so that the changes apply to any SLAM. `frame_changes` holds changes of the coordinate
-frames, and `false_loops` wrong loop closures.
+frames, `image_changes` those of images, and `false_loops` wrong loop closures.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float64
 
+from lexis.maths.se3 import adjoint, between
 from lexis.types import Camera, Observation, Percept
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import FeatureInput
@@ -58,8 +59,11 @@ class StreamChange(Protocol):
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
         """Return the room names that the SLAM is told, in order, each with the name that it stands for; None: with none."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
-        """Yield what the SLAM gets in place of the observation with this number, counted from 0."""
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield what the SLAM gets in place of the observation with this number, counted from 0.
+
+        The last one stands for the observation. `previous` is the unchanged observation before it; None at the beginning.
+        """
 
     def features(self, features: FeatureInput) -> FeatureInput:
         """Return what takes the place of images in runs on features."""
@@ -90,7 +94,7 @@ class Nothing:
         """Return the names as they are."""
         return {name: name for name in room_names}
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation unchanged."""
         yield observation
 
@@ -110,7 +114,7 @@ class OtherClock(Nothing):
     offset_s: float = 1.75e9
     """Time by which all stamps are later [s]."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation with its new stamp."""
         yield replace(observation, stamp=self.offset_s + observation.stamp)
 
@@ -119,42 +123,34 @@ class OtherClock(Nothing):
 class ReusedArrays(Nothing):
     """Image or embedding, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield a copy of the observation, and overwrite the copy when the next observation is asked for."""
-        image = observation.image
-        seen = Percept(image.embedding.copy(), image.features) if isinstance(image, Percept) else image.copy()
-        lent = replace(
-            observation,
-            image=seen,
-            T_O_B=observation.T_O_B.copy(),
-            increment_covariance=observation.increment_covariance.copy(),
-        )
+        lent = copied(observation)
         yield lent
+        seen = lent.image
         for array in (seen.embedding if isinstance(seen, Percept) else seen, lent.T_O_B, lent.increment_covariance):
             array[...] = 0
 
 
 @dataclass(frozen=True)
 class Pause(Nothing):
-    """The robot stands still for a while: one observation is repeated, and the later ones come later."""
+    """The robot stands still now and then: an observation is repeated, and the later ones come later."""
 
-    after: int = 10
-    """Number of the observation at which the robot stands still, counted from 0."""
-    pauses: int = 45
-    """How often this observation is repeated."""
+    every: int = 20
+    """Number of observations from one pause to the next."""
+    repeats: int = 15
+    """How often the observation is repeated at which the robot stands still."""
     period_s: float = 1.0
     """Time between the repeated observations [s]."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
-        """Yield the observation, and its repetitions if the robot stands still there."""
-        if number <= self.after:
-            yield observation
-        else:
-            yield replace(observation, stamp=observation.stamp + self.pauses * self.period_s)
-        if number == self.after:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation, after its repetitions if the robot stands still there."""
+        late = replace(observation, stamp=observation.stamp + number // self.every * self.repeats * self.period_s)
+        yield late
+        if number % self.every == self.every - 1:
             still = np.eye(6) * 1e-12
-            for k in range(1, self.pauses + 1):
-                yield replace(observation, stamp=observation.stamp + k * self.period_s, increment_covariance=still)
+            for k in range(1, self.repeats + 1):
+                yield replace(copied(late), stamp=late.stamp + k * self.period_s, increment_covariance=still.copy())
 
 
 @dataclass(frozen=True)
@@ -166,7 +162,7 @@ class Slip(Nothing):
     shift_m: tuple[float, float, float] = (0.5, -0.4, 0.0)
     """Displacement of all later poses in the odometry frame [m]."""
 
-    def observations(self, observation: Observation, number: int) -> Iterator[Observation]:
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation, with its displaced pose after the slip."""
         if number <= self.after:
             yield observation
@@ -180,12 +176,31 @@ class Slip(Nothing):
 
 
 @dataclass(frozen=True)
+class StepsInTwoParts(Nothing):
+    """Before each observation, the robot stands still at the place of the one before it, with half of the uncertainty.
+
+    The motion since the observation before, and its whole covariance, are the same as without the additional observation.
+    """
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation before once more, half a step later, and then this one with half of its covariance."""
+        if previous is None:
+            yield observation
+            return
+        half = 0.5 * observation.increment_covariance
+        Ad = adjoint(between(previous.T_O_B, observation.T_O_B))  # from the body at the end of the step to the one before
+        stamp = 0.5 * (previous.stamp + observation.stamp)
+        yield replace(copied(previous), stamp=stamp, increment_covariance=Ad @ half @ Ad.T)
+        yield replace(observation, increment_covariance=half)
+
+
+@dataclass(frozen=True)
 class PermutedNames(Nothing):
-    """The room names come in another order: reversed."""
+    """The room names come in another order, in which no name keeps its neighbours."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return the names in the reverse order."""
-        return {name: name for name in reversed(room_names)}
+        """Return the names at odd places, followed by those at even places in the reverse order."""
+        return {name: name for name in (*room_names[1::2], *reversed(room_names[::2]))}
 
 
 @dataclass(frozen=True)
@@ -207,3 +222,11 @@ class Synonyms(Nothing):
         """Return a synonym of each name, or the name itself where none is known or the synonym is a room name as well."""
         free = {name: synonym for name, synonym in _SYNONYMS.items() if synonym not in room_names}
         return {free.get(name, name): name for name in room_names}
+
+
+def copied(observation: Observation) -> Observation:
+    """Return an observation whose arrays are copies, except for key points."""
+    image = observation.image
+    seen = replace(image, embedding=image.embedding.copy()) if isinstance(image, Percept) else image.copy()
+    poses = observation.T_O_B.copy(), observation.increment_covariance.copy()
+    return replace(observation, image=seen, T_O_B=poses[0], increment_covariance=poses[1])

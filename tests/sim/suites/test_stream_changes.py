@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
-from lexis.maths.se3 import exp, is_rigid
+from lexis.maths.se3 import between, compose_covariance, exp, is_rigid
 from lexis.types import Camera, Features, Intrinsics, Observation, Percept
 from sim.errors import ClaimError
 from sim.harness import Estimate, Lexis, LoopClaims, run
@@ -23,6 +23,7 @@ from sim.suites.stream_changes import (
     PermutedNames,
     ReusedArrays,
     Slip,
+    StepsInTwoParts,
     Synonyms,
 )
 
@@ -33,8 +34,9 @@ EXACT = (
     ReusedArrays(),
     TurnedBody(),
     Mirrored(),
-    Pause(after=12, pauses=4),
+    Pause(every=12, repeats=4),
     PermutedNames(),
+    StepsInTwoParts(),
 )
 CHANGES = (*EXACT, MoreNames(), Synonyms(), Slip(after=5), FalseLoops())
 KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
@@ -83,7 +85,7 @@ def test_claims_come_back_for_every_frame_in_the_unchanged_names(change):
 
 def test_every_observation_gets_a_new_index_from_zero():
     slam = Listening()
-    run(OPEN_FLAT, changed(slam, Pause(after=3, pauses=2)))
+    run(OPEN_FLAT, changed(slam, Pause(every=4, repeats=2)))
     assert [seen.index for seen in slam.seen] == list(range(len(slam.seen)))
     stamps = [seen.stamp for seen in slam.seen]
     assert stamps == sorted(stamps) and len(set(stamps)) == len(stamps)
@@ -148,6 +150,28 @@ def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
     np.testing.assert_allclose(np.diag(more[6]), [0, 0, 0, 0.09, 0.09, 0.09], atol=1e-12)
 
 
+def test_the_two_parts_of_a_step_have_its_motion_and_its_whole_covariance():
+    plain, parted = Listening(), Listening()
+    run(OPEN_FLAT, plain)
+    run(OPEN_FLAT, changed(parted, StepsInTwoParts()))
+    assert len(parted.seen) == 2 * len(plain.seen) - 1
+    for still, moved, whole in zip(parted.seen[1::2], parted.seen[2::2], plain.seen[1:], strict=True):
+        step = between(still.T_O_B, moved.T_O_B)
+        both = compose_covariance(still.increment_covariance, step, moved.increment_covariance)
+        np.testing.assert_allclose(both, whole.increment_covariance, atol=1e-15)
+    np.testing.assert_array_equal(parted.seen[1].T_O_B, plain.seen[0].T_O_B)
+    stamps = [seen.stamp for seen in parted.seen]
+    assert stamps == sorted(stamps) and len(set(stamps)) == len(stamps)
+
+
+def test_room_names_come_in_an_order_that_is_not_the_reverse():
+    names = tuple("abcdefg")
+    permuted = tuple(PermutedNames().names(names))
+    assert sorted(permuted) == list(names) and permuted not in (names, names[::-1])
+    middle = len(names) // 2
+    assert permuted[middle] != names[middle]
+
+
 def test_a_synonym_that_is_a_room_name_already_is_not_used():
     assert dict(Synonyms().names(("kitchen", "corridor", "hallway"))) == {
         "cooking area": "kitchen", "corridor": "corridor", "hallway": "hallway",
@@ -169,7 +193,7 @@ def test_other_frames_give_rigid_poses_and_the_same_distances(change):
 def test_in_the_mirror_a_turn_to_the_left_is_a_turn_to_the_right_and_a_pixel_shows_the_mirrored_point():
     percept = Percept(np.ones(1, np.float32), Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)))
     seen = Observation(0, 0.0, percept, exp(np.array([0, 0, 0.3, 1.0, 0.5, 0])), np.eye(6))
-    (mirrored,) = Mirrored().observations(seen, 0)
+    (mirrored,) = Mirrored().observations(seen, 0, None)
     np.testing.assert_allclose(mirrored.T_O_B, exp(np.array([0, 0, -0.3, 1.0, -0.5, 0])), atol=1e-12)
     camera = Camera(Intrinsics(4, 2, 3.0, 3.0, 1.0, 0.5), exp(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])))
     point_B = np.array([1.0, 0.3, 0.2, 1.0])

@@ -1,0 +1,68 @@
+"""Changes of the images, after which a SLAM must claim something else about them, or must not recognise rooms better."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexis.types import Image, Observation, Percept
+from sim.harness.scenario import Scenario
+from sim.suites.stream_changes import Nothing
+
+
+@dataclass(frozen=True)
+class OtherImages(Nothing):
+    """Every second observation shows another image: one that is black, or an embedding that is the same for all of them."""
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation, with the other image if its index is odd."""
+        yield replace(observation, image=_other(observation.image)) if self.is_replaced(observation.index) else observation
+
+    @staticmethod
+    def is_replaced(frame: int) -> bool:
+        """Whether the image of the observation with this index is replaced."""
+        return frame % 2 == 1
+
+
+@dataclass(frozen=True)
+class _ChangedPixels(Nothing):
+    """The base of changes of pixels, which do not reach a SLAM that is given percepts."""
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation with the changed image."""
+        image = observation.image
+        yield observation if isinstance(image, Percept) else replace(observation, image=self.pixels(image))
+
+    def pixels(self, image: Image) -> Image:
+        """Return the changed image."""
+        raise NotImplementedError
+
+    def matters(self, scenario: Scenario, slam: object) -> bool:
+        """Whether the scenario is rendered."""
+        return scenario.fidelity == "render"
+
+
+@dataclass(frozen=True)
+class ExchangedColours(_ChangedPixels):
+    """Red and blue are exchanged in all images."""
+
+    def pixels(self, image: Image) -> Image:
+        """Return the image as BGR."""
+        return np.ascontiguousarray(image[..., ::-1])
+
+
+@dataclass(frozen=True)
+class DarkerImages(_ChangedPixels):
+    """All images are half as bright."""
+
+    def pixels(self, image: Image) -> Image:
+        """Return the image with half the values, rounded down."""
+        return image // 2
+
+
+def _other(image: Image | Percept) -> Image | Percept:
+    if not isinstance(image, Percept):
+        return np.zeros_like(image)
+    same = np.zeros_like(image.embedding)
+    same[0] = 1.0
+    return replace(image, embedding=same)

@@ -1,0 +1,48 @@
+"""The law that the similarities a SLAM claims for a frame come from the image of this frame, and from no other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reaches
+from sim.suites.image_changes import OtherImages
+
+_SAME = 1e-5
+"""Largest difference between two similarities of the same image with the same room name."""
+
+
+@dataclass(frozen=True)
+class SimilaritiesFollowImages:
+    """A law about claimed similarities: if every second image is replaced, only the similarities of its frame change."""
+
+    name: str = "similarities follow the images"
+    says: str = (
+        "If every second image is replaced by one and the same, the similarities of the other frames stay, and those of the "
+        "replaced ones are equal. Tolerance: rounding."
+    )
+    rate: float | None = None
+
+    def examine(self, base: Examined, new_slam: NewSlam) -> CheckFinding:
+        """Run the SLAM on the changed images, and compare the similarities of the frames that both runs have."""
+        first, change = base.run.estimate, OtherImages()
+        if not reaches(change, base.run):
+            return CheckFinding(None, "the change does not reach this SLAM")
+        if first.similarities is None:
+            return CheckFinding(None, "the SLAM claims no similarities")
+        finished = attempted(base.run.scenario, new_slam, change)
+        if isinstance(finished, CheckFinding):
+            return finished
+        second = finished.estimate
+        if second.similarities is None:
+            return CheckFinding(False, "only the run on the unchanged images claims similarities")
+        frames, rows_a, rows_b = np.intersect1d(first.frames, second.frames, return_indices=True)
+        replaced = np.array([change.is_replaced(frame) for frame in frames.tolist()], bool)
+        if replaced.all() or not replaced.any():
+            return CheckFinding(None, "the two runs have too few frames in common")
+        kept = np.abs(first.similarities[rows_a] - second.similarities[rows_b])[~replaced].max()
+        equal = np.ptp(second.similarities[rows_b][replaced], axis=0).max()
+        return CheckFinding(
+            bool(max(kept, equal) <= _SAME),
+            f"similarities of frames with unchanged images change by up to {kept:.2g}; those of frames with the same image "
+            f"differ by up to {equal:.2g}",
+        )
