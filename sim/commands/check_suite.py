@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -10,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from lexis.files.replace import replaced_file
 from sim.commands.run import progress_bar
-from sim.commands.slams import is_lexis, replay_of, runner_of, slam_factory
+from sim.commands.slams import is_lexis, program_of, refuse_program_options, replay_of, runner_of, slam_factory
+from sim.durations import duration_s
 from sim.errors import SimError
 
 if TYPE_CHECKING:
@@ -27,8 +29,9 @@ EXIT_HELP = "with --suite: stop when the first check fails"
 JSON_HELP = "with --suite: write the verdicts and all results to a file, which lexis-sim compare reads"
 LIMIT_HELP = "with --suite: another limit of a claim, such as labels.accuracy=0.9; may be repeated"
 PICTURE_HELP = "with --suite: an SVG of room quality against openness, beside the plain SLAMs that are shipped"
+BUDGET_HELP = "with --suite: wall time after which no further scenario is begun, such as 12m (default: no limit)"
 WORKERS_HELP = "with --suite: number of processes (default: all processor cores)"
-_OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "workers")
+_OPTIONS = ("images", "no_laws", "exitfirst", "json", "against", "limit", "picture", "budget", "workers")
 _MOST_WORKERS = 256
 
 
@@ -42,6 +45,7 @@ def add_suite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--against", type=Path, metavar="FILE", help=AGAINST_HELP)
     parser.add_argument("--limit", action="append", type=_limit, metavar="FIGURE=VALUE", help=LIMIT_HELP)
     parser.add_argument("--picture", type=Path, metavar="FILE", help=PICTURE_HELP)
+    parser.add_argument("--budget", type=duration_s, metavar="TIME", help=BUDGET_HELP)
     parser.add_argument("--workers", type=_workers, metavar="N", help=WORKERS_HELP)
 
 
@@ -63,15 +67,17 @@ def run_suite(arguments: argparse.Namespace) -> int:
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
     suite = suite.without_laws() if arguments.no_laws else suite
-    suite = suite.with_images() if arguments.images else suite
+    suite = suite.with_images() if arguments.images or arguments.program is not None else suite
     for path in (arguments.json, arguments.picture):
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
     before = None if arguments.against is None else load_results(arguments.against)
     new_slam, workers = _new_slam(arguments), arguments.workers or os.cpu_count() or 1
     with progress_bar("checking by the suite") as progress:
-        report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress)
+        budget_s = math.inf if arguments.budget is None else arguments.budget
+        report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
     print(*map(_line, report.verdicts), sep="\n")
+    print(f"{len(report.examined)} of {sum(part.n for part in suite.parts)} scenarios were examined")
     comparison = None if before is None else _compared(report, before)
     worse = () if comparison is None else comparison.worse
     if arguments.json is not None:
@@ -121,14 +127,14 @@ def _new_slam(arguments: argparse.Namespace) -> "NewSlam":
     from sim.harness import Lexis
 
     if arguments.program is not None:
-        raise SimError("--suite needs a SLAM in Python, because laws change its observations one by one; valid: with --slam")
+        return program_of(arguments)
+    refuse_program_options(arguments)
     return Lexis if arguments.slam is None else slam_factory(arguments.slam)
 
 
 def _refuse_scenario_options(arguments: argparse.Namespace) -> None:
     """Raise SimError for an option that describes a single run, except the seed."""
     given = [n for n, value in arguments.defaults_of_a_run.items() if n != "seed" and getattr(arguments, n) != value]
-    given += [name for name in ("format", "timeout", "memory") if getattr(arguments, name) is not None]
     given += ["scenario"] if arguments.scenario is not None else []
     given += ["fails"] if arguments.fails else []
     if given:

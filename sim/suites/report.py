@@ -1,5 +1,7 @@
 """`SuiteReport`: the verdicts of a suite about a SLAM, with their confidence, and the scenarios in which a check failed."""
 
+import math
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -153,6 +155,7 @@ def check_slam(
     workers: int = 1,
     stop_at_failure: bool = False,
     progress: Progress | None = None,
+    budget_s: float = math.inf,
 ) -> SuiteReport:
     """Check a SLAM by a suite.
 
@@ -163,11 +166,13 @@ def check_slam(
         workers: number of processes; with more than one, `new_slam` has to be picklable.
         stop_at_failure: whether to stop when the first check fails.
         progress: is called after each scenario with the share of the scenarios that are done, in [0, 1].
+        budget_s: wall time after which no further scenario is begun [s]. The parts of a suite take turns, so that an early
+            end leaves out scenarios of all parts.
 
     Raises:
         SimError: the suite is unknown.
     """
-    chosen = suite_named(suite)
+    chosen, end = suite_named(suite), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())
     with closing(examinations(jobs, new_slam, workers)) as found:
@@ -175,7 +180,7 @@ def check_slam(
             report = SuiteReport(chosen, seed, (*report.examined, each))
             if progress is not None:
                 progress(len(report.examined) / len(jobs))
-            if stop_at_failure and not report.ok:
+            if (stop_at_failure and not report.ok) or time.monotonic() >= end:
                 break
     return report
 

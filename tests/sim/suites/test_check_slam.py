@@ -3,12 +3,14 @@
 import json
 import multiprocessing
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from helpers.aborting_slam import AbortingSlam
 from helpers.open_flat import OPEN_FLAT
+from helpers.planted_commands import program
 
 from sim.cli import main
 from sim.errors import SimError
@@ -16,6 +18,7 @@ from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims
+from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of, scenario_of
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
@@ -339,10 +342,11 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
         (["--suite", "flats"], "unknown suite 'flats'"),
         (["--suite", "homes", "--preset", "ori"], "--preset is given beside --suite"),
         (["--suite", "homes", "--fails", "rooms.pq < 1"], "--fails is given beside --suite"),
-        (["--suite", "homes", "--command", "x {dataset} {out}"], "--suite needs a SLAM in Python"),
+        (["--suite", "homes", "--command", "x {dataset}"], "has no {out}; valid: such as"),
+        (["--suite", "homes", "--timeout", "9"], "--timeout is for programs; valid: with --command"),
+        (["--budget", "9s"], "--budget is for suites; valid: with --suite"),
         (["--suite", "homes", "--limit", "rooms.qp=1"], "has no claim about 'rooms.qp'"),
         (["-x"], "--exitfirst is for suites; valid: with --suite"),
-        (["--suite", "homes", "--timeout", "3"], "--timeout is given beside --suite"),
         (["--suite", "homes", "--limit", "rooms.pq=nan"], "the limit of rooms.pq is nan; valid: a finite number"),
         (["--suite", "homes", "--json", "no/such/folder.json"], "its folder does not exist"),
     ],
@@ -432,3 +436,23 @@ def test_the_command_compares_with_the_results_of_an_earlier_version(tmp_path, c
 def test_a_slam_that_kills_its_process_is_reported_with_the_scenario():
     with pytest.raises(SimError, match=r"a process died while it ran the SLAM on scenario [01] of part flat, seed 3"):
         check_slam(AbortingSlam, FLAT, seed=3, workers=2)
+
+
+def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(capsys, monkeypatch):
+    checks = (*claims(0.9, "trajectory.ate_m <= 1.0"), LAWS["same run twice"], *CONSISTENCY)
+    part = replace(PART, draw=lambda rng, number: replace(OPEN_FLAT, encoder="mini", length_m=8.0), checks=checks, n=1)
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(part,))})
+    assert main(["check", "--suite", "flat", "--workers", "1", "--command", program("drift")]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"^holds +1 of 1 +flat: steps follow the odometry$", shown, re.MULTILINE)
+    assert re.search(r"^not claimed +0 of 0 +flat: same run twice$", shown, re.MULTILINE)
+    assert main(["check", "--suite", "flat", "--workers", "1", "--command", "false {dataset} {out}"]) == 1
+    assert "the SLAM ends with exit status 1" in capsys.readouterr().err
+
+
+def test_a_suite_ends_when_its_time_is_over(capsys, monkeypatch):
+    assert len(check_slam(OdometryOnly, FLAT, budget_s=1e-9).examined) == 1
+    monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
+    slam = "sim.harness.adapters:OdometryOnly"
+    assert main(["check", "--suite", "flat", "--workers", "1", "--slam", slam, "--budget", "0.001s"]) == 0
+    assert "1 of 2 scenarios were examined" in capsys.readouterr().out
