@@ -59,6 +59,7 @@ def refuse_suite_options(arguments: argparse.Namespace) -> None:
 def run_suite(arguments: argparse.Namespace) -> int:
     """Check the chosen SLAM by the chosen suite, print the verdicts, and return 1 if a check fails."""
     from sim.suites.catalogue import suite_named
+    from sim.suites.figure_table import figure_table
     from sim.suites.openness_chart import openness_chart
     from sim.suites.report import check_slam
     from sim.suites.smallest import write_smallest
@@ -77,6 +78,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         budget_s = math.inf if arguments.budget is None else arguments.budget
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
     print(*map(_line, report.verdicts), sep="\n")
+    print(figure_table(report))
     print(f"{len(report.examined)} of {sum(part.n for part in suite.parts)} scenarios were examined")
     comparison = None if before is None else _compared(report, before)
     worse = () if comparison is None else comparison.worse

@@ -100,7 +100,7 @@ def _laws(*names: str) -> tuple[Check, ...]:
 
 
 _EXACT = _laws(
-    *("same run twice", "moved and rotated house", "mirrored house", "axes of the body"),
+    *("same run twice", "moved and rotated house", "axes of the body"),
     *("zero of the clock", "reused arrays", "steps in two parts", "similarities follow the images"),
     "order of the room names",
 )
@@ -151,7 +151,6 @@ HOMES = SuitePart(
         *claims(0.9, "trajectory.ate_m <= 0.1", *_shares_of_odometry(0.56, 0.88, 0.78)),
         *claims(0.5, *_labels(0.77, 0.88, 1.04), *_rooms(0.48, 0.52), *_loops(0.81, 0.99, 0.77)),
         *claims(0.5, "trajectory.ate_m <= 0.07", *_shares_of_odometry(0.32, 0.66, 0.46)),
-        *_laws("second lap"),
     ),
     n=12,
 )
@@ -189,7 +188,6 @@ STAIRS = SuitePart(
         *CONSISTENCY,
         *_laws("same run twice", "moved and rotated house", "axes of the body", "one more storey"),
         *claims(0.9, *_labels(0.815, 0.89, 1.05), *_rooms(0.55, 0.72), *_loops(0.52, 0.91, 0.4), *_FLOORS, _COVERED),
-        *claims(0.9, "labels.per_room.stairs >= 0.95"),
         *claims(0.9, "trajectory.ate_m <= 0.13", *_shares_of_odometry(0.56, 0.84, 0.78)),
         *claims(0.5, *_labels(0.87, 0.92, 1.09), *_rooms(0.65, 0.8), *_loops(0.7, 0.95, 0.6)),
         *claims(0.5, "trajectory.ate_m <= 0.105", *_shares_of_odometry(0.43, 0.745, 0.6)),

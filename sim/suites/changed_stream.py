@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Int
 
-from lexis.types import Camera, Observation
+from lexis.maths.se3 import inverse
+from lexis.types import Camera, Observation, Pose
 from sim.errors import SimError
 from sim.harness.estimate import Estimate, LoopClaims
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput, SlamUnderTest
-from sim.suites.stream_changes import Motion, StreamChange, copied
+from sim.suites.stream_changes import StreamChange, copied
 
 
 class ChangedStream:
@@ -72,7 +73,7 @@ def _restored(
     """Convert claims about changed observations. If several frames stand for one observation, the last is kept."""
     frames, from_end = np.unique(given[claims.frames][::-1], return_index=True)
     last = len(claims.frames) - 1 - from_end
-    T_old_new, T_N_B = np.linalg.inv(change.T_new_old), np.linalg.inv(change.T_B_N)
+    T_old_new, T_N_B = inverse(change.T_new_old), inverse(change.T_B_N)
     new_row = np.searchsorted(frames, given[claims.frames])
     similarities = claims.similarities
     if similarities is not None:
@@ -100,11 +101,11 @@ def _renamed(
     return None if labels is None else np.where(labels[rows] < 0, -1, name_of[labels[rows]])
 
 
-def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Motion) -> LoopClaims | None:
+def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> LoopClaims | None:
     """Convert loops to the rows of the unchanged observations and to the unchanged body frame."""
     if loops is None:
         return None
     query, match = new_row[loops.query], new_row[loops.match]
     others = query != match  # two frames for one observation may form a loop
-    T_match_query = T_B_N @ loops.T_match_query[others] @ np.linalg.inv(T_B_N)
+    T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
     return LoopClaims(query[others], match[others], T_match_query, loops.weights[others])

@@ -1,4 +1,4 @@
-"""Changes of the coordinate frames: another origin of the odometry, other axes of the body, and the mirror image.
+"""Changes of the coordinate frames: another origin of the odometry, and other axes of the body.
 
 The SLAM gets the same walk in other coordinates, so that it has to make the same claims.
 """
@@ -10,13 +10,12 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.config import VerificationConfig
-from lexis.maths.se3 import exp
+from lexis.maths.se3 import adjoint, exp, inverse
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Pose, Poses
 from lexis.verification import Verifier
-from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import FeatureInput
-from sim.suites.stream_changes import Motion, Nothing
+from sim.suites.stream_changes import Nothing
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class OtherFrames(Nothing):
 
     def camera(self, camera: Camera) -> Camera:
         """Return the camera with its pose in the new body frame."""
-        return replace(camera, T_B_C=np.linalg.inv(self.T_B_N) @ camera.T_B_C)
+        return replace(camera, T_B_C=inverse(self.T_B_N) @ camera.T_B_C)
 
     def features(self, features: FeatureInput) -> FeatureInput:
         """Return the input with a verifier that measures loops between the new body frames."""
@@ -45,7 +44,7 @@ class MovedOrigin(OtherFrames):
     yaw_rad: float = 2.0
 
     @property
-    def T_new_old(self) -> Motion:
+    def T_new_old(self) -> Pose:
         """The motion from the old odometry frame to the new one."""
         T = exp(np.array([0.0, 0.0, self.yaw_rad, 0.0, 0.0, 0.0]))
         T[:3, 3] = self.shift_m
@@ -57,37 +56,9 @@ class TurnedBody(OtherFrames):
     """The body frame has other axes, as data sets whose body frame is that of the IMU have: x up, y left and z backwards."""
 
     @property
-    def T_B_N(self) -> Motion:
+    def T_B_N(self) -> Pose:
         """Pose of the new body frame in the old one, a permutation of axes."""
         return np.array([[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-
-
-@dataclass(frozen=True)
-class Mirrored(OtherFrames):
-    """The house and the walk are mirrored: left and right change places. Percepts stay as they are.
-
-    Images are left alone: neither encoders nor local features are symmetric, so claims would change.
-    """
-
-    def matters(self, scenario: Scenario, slam: object) -> bool:
-        """Whether the scenario is on features."""
-        return scenario.fidelity == "features"
-
-    @property
-    def T_new_old(self) -> Motion:
-        """The reflection of y."""
-        return np.diag([1.0, -1.0, 1.0, 1.0])
-
-    @property
-    def T_B_N(self) -> Motion:
-        """The reflection of y."""
-        return np.diag([1.0, -1.0, 1.0, 1.0])
-
-    def camera(self, camera: Camera) -> Camera:
-        """Return the mirrored camera, whose x axis points to the right again."""
-        k = camera.intrinsics
-        T_B_C = self.T_B_N @ camera.T_B_C @ np.diag([-1.0, 1.0, 1.0, 1.0])
-        return replace(camera, intrinsics=replace(k, cx=k.width - 1 - k.cx), T_B_C=T_B_C)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +77,7 @@ class _BetweenOtherBodies:
         return [
             replace(
                 edge,
-                T_match_query=np.linalg.inv(T_B_N) @ edge.T_match_query @ T_B_N,
+                T_match_query=inverse(T_B_N) @ edge.T_match_query @ T_B_N,
                 covariance=_in_frame(T_B_N, edge.covariance),
             )
             for edge in edges
@@ -122,7 +93,7 @@ class _OriginalGraph(PoseGraph):
 
     def __init__(self, graph: PoseGraph, frames: OtherFrames) -> None:
         self.keyframes, self._graph = graph.keyframes, graph
-        self._left, self._right = np.linalg.inv(frames.T_new_old), np.linalg.inv(frames.T_B_N)
+        self._left, self._right = inverse(frames.T_new_old), inverse(frames.T_B_N)
 
     @property
     def T_W_B(self) -> Poses:
@@ -135,12 +106,10 @@ class _OriginalGraph(PoseGraph):
         return self._graph.path_m
 
 
-def _in_frame(T_B_N: Motion, covariance: Covariance) -> Covariance:
+def _in_frame(T_B_N: Pose, covariance: Covariance) -> Covariance:
     """Convert the covariance of a motion, perturbed on the right, from body frame B to body frame N.
 
-    The two frames have the same origin. Rotation vectors also change their sense of rotation if the motion is a reflection.
+    The two frames have the same origin.
     """
-    R = T_B_N[:3, :3]
-    whole = np.zeros((6, 6))
-    whole[:3, :3], whole[3:, 3:] = np.linalg.det(R) * R.T, R.T
-    return np.asarray(whole @ covariance @ whole.T)
+    Ad = adjoint(inverse(T_B_N))
+    return np.asarray(Ad @ covariance @ Ad.T)

@@ -9,11 +9,11 @@ holds laws of a third kind, about a single run.
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sim.harness.parts import house_spec, tour_config
+from sim.harness.parts import house_spec
 from sim.harness.scenario import Scenario
 from sim.suites.checks import NotBetter, NotWorse, SameClaims
 from sim.suites.false_loops import FalseLoops
-from sim.suites.frame_changes import Mirrored, MovedOrigin, TurnedBody
+from sim.suites.frame_changes import MovedOrigin, TurnedBody
 from sim.suites.image_changes import DarkerImages, ExchangedColours
 from sim.suites.image_evidence import SimilaritiesFollowImages
 from sim.suites.stream_changes import (
@@ -40,12 +40,6 @@ def in_daylight(scenario: Scenario) -> Scenario:
     return replace(scenario, house=in_light(house_spec(scenario), "day"))
 
 
-def twice_as_long(scenario: Scenario) -> Scenario:
-    """The scenario with a tour of twice the length, which visits the same rooms again. It needs a requested length."""
-    length_m = tour_config(scenario).length_m
-    return replace(scenario, length_m=None if length_m is None else 2.0 * length_m)
-
-
 LAWS: Mapping[str, SameClaims | SimilaritiesFollowImages | NotBetter | NotWorse] = {
     law.name: law
     for law in (
@@ -54,11 +48,6 @@ LAWS: Mapping[str, SameClaims | SimilaritiesFollowImages | NotBetter | NotWorse]
             "moved and rotated house",
             "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding.",
             MovedOrigin(),
-        ),
-        SameClaims(
-            "mirrored house",
-            "In the mirrored house the claims are the same, on features. Tolerance: rounding.",
-            Mirrored(),
         ),
         SameClaims(
             "zero of the clock",
@@ -164,12 +153,6 @@ LAWS: Mapping[str, SameClaims | SimilaritiesFollowImages | NotBetter | NotWorse]
             in_daylight,
             (("labels.accuracy", 0.1), ("trajectory.ate_m", 0.1)),
             rate=0.9,
-        ),
-        NotWorse(
-            "second lap",
-            "A tour of twice the length hardly makes the map worse, since it visits the same rooms again. Its views differ.",
-            twice_as_long,
-            (("labels.accuracy", 0.12), ("rooms.pq", 0.25), ("trajectory.ate_m", 0.05), ("loops.recall", 0.25)),
         ),
     )
 }

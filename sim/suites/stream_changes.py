@@ -11,15 +11,12 @@ from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
-from jaxtyping import Float64
 
 from lexis.maths.se3 import adjoint, between
-from lexis.types import Camera, Observation, Percept
+from lexis.types import Camera, Observation, Percept, Pose
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import FeatureInput
 
-Motion = Float64[np.ndarray, "4 4"]
-"""A motion between two frames. Unlike a pose, it may be a reflection."""
 _SYNONYMS = MappingProxyType(
     {
         "kitchen": "cooking area",
@@ -46,11 +43,11 @@ class StreamChange(Protocol):
     """Interface of a change. Changes have no state, so one object serves any number of runs."""
 
     @property
-    def T_new_old(self) -> Motion:
-        """Motion from the odometry frame of the run to the one in which the SLAM is given its input."""
+    def T_new_old(self) -> Pose:
+        """The motion from the odometry frame of the run to the one in which the SLAM is given its input."""
 
     @property
-    def T_B_N(self) -> Motion:
+    def T_B_N(self) -> Pose:
         """Pose of the body frame in which the SLAM is given its input (N) in the body frame of the run (B)."""
 
     def camera(self, camera: Camera) -> Camera:
@@ -77,12 +74,12 @@ class Nothing:
     """No change: the SLAM is run once more."""
 
     @property
-    def T_new_old(self) -> Motion:
+    def T_new_old(self) -> Pose:
         """The identity: the odometry frame stays."""
         return np.eye(4)
 
     @property
-    def T_B_N(self) -> Motion:
+    def T_B_N(self) -> Pose:
         """The identity: the body frame stays."""
         return np.eye(4)
 

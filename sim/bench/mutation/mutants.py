@@ -56,6 +56,12 @@ _KEYFRAMES = (
         "self._covariance = covariance",
     ),
     Mutant(
+        "the covariances that the odometry states are ignored",
+        "keyframes.py",
+        "self._covariance = compose_covariance(self._covariance, increment, covariance)",
+        "self._covariance = compose_covariance(self._covariance, increment, np.diag([1e-6] * 3 + [1e-5] * 3))",
+    ),
+    Mutant(
         "the poses of observations are kept without a copy",
         "slam.py",
         "        observation = with_copied_poses(observation)\n",
@@ -221,6 +227,18 @@ _PLACES = (
         "near = distance <= 0.01 * (config.gate_m + config.gate_share * path_m)",
     ),
     Mutant(
+        "the weights of loops are those of the odometry's poses",
+        "pose_graph.py",
+        "return loop_weights(self.T_W_B, self.loops, self._config)",
+        "return loop_weights(np.stack([each.T_O_B for each in self.keyframes]), self.loops, self._config)",
+    ),
+    Mutant(
+        "all loops count as trusted",
+        "pose_graph.py",
+        "return loop_weights(self.T_W_B, self.loops, self._config)",
+        "return np.full(len(self.loops), 0.9)",
+    ),
+    Mutant(
         "the loops with the fewest inliers are kept",
         "verification.py",
         "key=lambda edge: -edge.inliers",
@@ -329,6 +347,12 @@ _LABELS = (
         "",
     ),
     Mutant(
+        "the last room name is never a label",
+        "room_labels.py",
+        "baseline = similarities.argmax(axis=1)",
+        "baseline = similarities[:, :-1].argmax(axis=1)",
+    ),
+    Mutant(
         "the least similar room name is the label",
         "room_labels.py",
         "baseline = similarities.argmax(axis=1)",
@@ -414,6 +438,12 @@ _ROOMS = (
         "floors.py",
         "        floors[run.slice] = int(np.abs(levels - h).argmin())",
         "        floors[run.slice] = max(0, int(height[run.start] // 3.0))",
+    ),
+    Mutant(
+        "floors are numbered from the top",
+        "floors.py",
+        "        floors[run.slice] = int(np.abs(levels - h).argmin())",
+        "        floors[run.slice] = int(np.abs(levels[::-1] - h).argmin())",
     ),
     Mutant(
         "drift on level floors adds up in the heights of floors",

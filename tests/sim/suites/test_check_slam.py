@@ -20,6 +20,7 @@ from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims
 from sim.suites.consistency import CONSISTENCY
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of, scenario_of
+from sim.suites.figure_table import figure_table
 from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
@@ -448,6 +449,15 @@ def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(cap
     assert re.search(r"^not claimed +0 of 0 +flat: same run twice$", shown, re.MULTILINE)
     assert main(["check", "--suite", "flat", "--workers", "1", "--command", "false {dataset} {out}"]) == 1
     assert "the SLAM ends with exit status 1" in capsys.readouterr().err
+
+
+def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():
+    other = replace(PART, name="other", checks=(), n=3)
+    report = check_slam(OdometryOnly, Suite("two", "", (replace(PART, checks=()), other)))
+    head, first, second = (line.split() for line in figure_table(report).splitlines())
+    assert (first[:3], second[:3]) == (["flat", "2", "-"], ["other", "3", "-"])
+    errors = sorted(each.result["trajectory.ate_m"] for each in report.examined if each.part == "other")
+    assert head[-1] == "trajectory.ate_odometry_m" and second[-1] == f"{errors[1]:.3f}"
 
 
 def test_a_suite_ends_when_its_time_is_over(capsys, monkeypatch):
