@@ -11,8 +11,9 @@ from sim.faults import parse_fault
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ, HOUSE_SEEDS
 from sim.suites.checks import Check
-from sim.suites.consistency import CONSISTENCY
+from sim.suites.consistency import CONSISTENCY, Consistent
 from sim.suites.laws import LAWS
+from sim.suites.plans import plans_can_be_walked
 from sim.suites.suite import Suite, SuitePart, claims
 from worlds.presets import sample_house
 from worlds.valid_names import did_you_mean
@@ -139,12 +140,20 @@ def _loops(recall: float, precision: float, of_possible: float) -> tuple[str, ..
     )
 
 
+PLANS = Consistent(
+    "plans can be walked",
+    "No step of a plan leads through a wall or furniture, and plans begin and end in rooms of the wanted labels.",
+    plans_can_be_walked,
+    rate=0.9,
+)
+"""A law for houses of one storey. A loop closure that is slightly wrong may lead a step through the corner of a table."""
 HOMES = SuitePart(
     "homes",
     "Homes of one storey and three to five rooms. LEXIS does well there, so most laws are checked in them.",
     small_home,
     (
         *CONSISTENCY,
+        PLANS,
         *_EXACT,
         *_laws("a slip of the odometry", "false loop closures", "a pause"),
         *claims(0.9, *_labels(0.65, 0.82, 0.98), *_rooms(0.22, 0.31), *_loops(0.6, 0.97, 0.5), *_FLOORS, _COVERED),

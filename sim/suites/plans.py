@@ -1,0 +1,51 @@
+"""The law that the plans of a SLAM can be walked: judged by geometry, so that plans are checked without driving them."""
+
+from itertools import islice, permutations
+
+import numpy as np
+from jaxtyping import Int
+
+from lexis.errors import PlanError, one_line
+from sim.harness.runner import Run
+from sim.harness.slam_under_test import PlansPaths
+from sim.suites.checks import CheckFinding
+from worlds.labels import STAIRS
+
+_MOST_PLANS = 12
+"""Largest number of plans that are asked for in one run."""
+_THIN_M = 0.02
+"""Radius of the body for which each step of a plan has to be free [m]. The robot itself avoids what it comes close to."""
+_LEVEL_M = 0.05
+"""Steps whose ends differ more in height are not judged, because they lead over stairs [m]."""
+_RIGHT_ENDS = 0.5
+"""Least share of the ends of plans that have the label that was asked for. A planner may go beyond the frames of a room."""
+
+
+def plans_can_be_walked(run: Run) -> CheckFinding:
+    """Ask the SLAM for plans between its labels; look for steps through walls or furniture, and for wrong ends."""
+    rooms, labels, slam = run.estimate.named_rooms(run.room_names), run.estimate.labels, run.slam
+    if rooms is None or labels is None or not isinstance(slam, PlansPaths):
+        return CheckFinding(None, "the SLAM claims no labelled rooms, or makes no plans")
+    names = sorted(set(rooms.values()) - {STAIRS})
+    if len(names) < 2:
+        return CheckFinding(None, "the SLAM claims rooms of one label only")
+    blocked, right, count = 0, 0, 0
+    for start, goal in islice(permutations(names, 2), _MOST_PLANS):
+        try:
+            plan = np.array(slam.plan(start, goal))
+        except PlanError:
+            return CheckFinding(False, f"there is no plan from {start} to {goal}")
+        except Exception as error:  # whatever a user's SLAM raises
+            return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))
+        blocked += _blocked_steps(run, plan)
+        right += sum(run.room_names[labels[row]] == name for row, name in ((plan[0], start), (plan[-1], goal)))
+        count += 1
+    text = f"of {count} plans, {right / (2 * count):.0%} of the ends have the right label; {blocked} steps are blocked"
+    return CheckFinding(blocked == 0 and right >= _RIGHT_ENDS * 2 * count, text)
+
+
+def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:
+    """Number of level steps of a plan, between the true positions of its frames, that are not free."""
+    places = run.true_poses[plan][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
+    level = np.abs(np.diff(places[:, 2])) <= _LEVEL_M
+    return int((~run.walkable.barriers.clear(places[:-1][level], places[1:][level], _THIN_M)).sum())

@@ -1,0 +1,64 @@
+"""The law about plans sees steps through walls and wrong ends, in plans that nobody drives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lexis.errors import PlanError
+from sim.harness import Lexis, Scenario, run
+from sim.harness.adapters import GeometricRooms
+from sim.suites.plans import plans_can_be_walked
+from worlds.presets import sample_house
+
+HOME = Scenario(
+    house=sample_house("home", 12, rooms=4, storeys=1, openness=0.0), seed=3, length_m=60.0, frame_rate_hz=2.0,
+    fidelity="features", encoder="oracle",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def finished():
+    return run(HOME, Lexis("oracle"))
+
+
+class Planner:
+    """Plans as LEXIS does, and changes the plan."""
+
+    def __init__(self, lexis, change):
+        self._lexis, self._change = lexis, change
+
+    def plan(self, start, goal):
+        return self._change(list(self._lexis.plan(start, goal)))
+
+
+def fail(error):
+    def change(plan):
+        raise error
+
+    return change
+
+
+def test_plans_of_lexis_can_be_walked(finished):
+    assert plans_can_be_walked(finished).holds
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda plan: [plan[0], plan[-1]], "steps are blocked"),
+        (lambda plan: plan[::-1], " 0% of the ends have the right label; 0 steps"),
+        (fail(PlanError("no way")), "there is no plan from"),
+        (fail(ZeroDivisionError("oh")), "raises ZeroDivisionError: oh"),
+    ],
+    ids=["straight ahead", "backwards", "none", "crash"],
+)
+def test_plans_through_walls_to_other_rooms_or_none_at_all_are_found(finished, change, said):
+    found = plans_can_be_walked(replace(finished, slam=Planner(finished.slam, change)))
+    assert found.holds is False and said in found.measured
+
+
+def test_a_slam_without_plans_or_with_one_label_is_not_judged(finished):
+    assert plans_can_be_walked(run(HOME, GeometricRooms())).holds is None
+    one = replace(finished.estimate, labels=np.zeros_like(finished.estimate.labels))
+    assert plans_can_be_walked(replace(finished, estimate=one)).holds is None
