@@ -234,9 +234,9 @@ NO_DRIFT = SuitePart(
 )
 LANGUAGE = SuitePart(
     "language",
-    "Homes with other room names: in another order, synonyms, or with names of rooms that no house has.",
+    "Homes with other room names: in another order, in capitals, synonyms, or with names of rooms that no house has.",
     small_home,
-    _laws("order of the room names", "synonyms of room names", "irrelevant room names"),
+    _laws("order of the room names", "room names in capitals", "synonyms of room names", "irrelevant room names"),
     n=20,
 )
 FAULTS = SuitePart(

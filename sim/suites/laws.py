@@ -17,6 +17,7 @@ from sim.suites.frame_changes import MovedOrigin, TurnedBody
 from sim.suites.image_changes import DarkerImages, ExchangedColours
 from sim.suites.image_evidence import SimilaritiesFollowImages
 from sim.suites.stream_changes import (
+    CapitalLetters,
     MoreNames,
     Nothing,
     OtherClock,
@@ -80,6 +81,15 @@ LAWS: Mapping[str, SameClaims | SimilaritiesFollowImages | NotBetter | NotWorse]
             "irrelevant room names",
             "Names of rooms that the house lacks change few labels. A few images may resemble such a room most.",
             MoreNames(),
+            least=0.97,
+            position_m=0.05,
+            rotation_rad=0.05,
+            rate=0.9,
+        ),
+        SameClaims(
+            "room names in capitals",
+            "Capital letters change few labels. Some encoders tell them from small ones.",
+            CapitalLetters(),
             least=0.97,
             position_m=0.05,
             rotation_rad=0.05,

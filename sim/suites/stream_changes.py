@@ -16,6 +16,7 @@ from lexis.maths.se3 import adjoint, between
 from lexis.types import Camera, Observation, Percept, Pose
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import FeatureInput
+from worlds.labels import STAIRS
 
 _SYNONYMS = MappingProxyType(
     {
@@ -209,6 +210,15 @@ class MoreNames(Nothing):
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
         """Return the names, followed by the further ones."""
         return {name: name for name in room_names} | dict.fromkeys(self.more)
+
+
+@dataclass(frozen=True)
+class CapitalLetters(Nothing):
+    """Rooms have their names in capital letters, except for stairs."""
+
+    def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
+        """Return the names in capital letters."""
+        return {name if name == STAIRS else name.upper(): name for name in room_names}
 
 
 @dataclass(frozen=True)

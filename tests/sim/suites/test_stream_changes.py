@@ -15,6 +15,7 @@ from sim.suites.changed_stream import changed
 from sim.suites.false_loops import FalseLoops
 from sim.suites.frame_changes import MovedOrigin, TurnedBody
 from sim.suites.stream_changes import (
+    CapitalLetters,
     MoreNames,
     Nothing,
     OtherClock,
@@ -36,7 +37,7 @@ EXACT = (
     PermutedNames(),
     StepsInTwoParts(),
 )
-CHANGES = (*EXACT, MoreNames(), Synonyms(), Slip(after=5), FalseLoops())
+CHANGES = (*EXACT, MoreNames(), CapitalLetters(), Synonyms(), Slip(after=5), FalseLoops())
 KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
 """Changes behind which a SLAM may keep the arrays that it is given, as `Listening` does."""
 
@@ -168,6 +169,10 @@ def test_room_names_come_in_an_order_that_is_not_the_reverse():
     assert sorted(permuted) == list(names) and permuted not in (names, names[::-1])
     middle = len(names) // 2
     assert permuted[middle] != names[middle]
+
+
+def test_stairs_keep_their_name_in_small_letters():
+    assert dict(CapitalLetters().names(("kitchen", "stairs"))) == {"KITCHEN": "kitchen", "stairs": "stairs"}
 
 
 def test_a_synonym_that_is_a_room_name_already_is_not_used():
