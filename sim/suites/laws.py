@@ -9,6 +9,8 @@ holds laws of a third kind, about a single run.
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from sim.harness.parts import house_spec
 from sim.harness.scenario import Scenario
 from sim.suites.checks import NotBetter, NotWorse, SameClaims
@@ -18,6 +20,7 @@ from sim.suites.image_changes import DarkerImages, ExchangedColours
 from sim.suites.image_evidence import SimilaritiesFollowImages
 from sim.suites.stream_changes import (
     CapitalLetters,
+    HeightDrift,
     MoreNames,
     Nothing,
     OtherClock,
@@ -116,6 +119,17 @@ LAWS: Mapping[str, SameClaims | SimilaritiesFollowImages | NotBetter | NotWorse]
             rate=0.9,
             compares=("labels", "floors"),
             needs_loops=True,
+        ),
+        SameClaims(
+            "a drift in height",
+            "The odometry rises by 2 cm/s on level floors, too. Floors are told by the stairs between them, so few frames "
+            "change their floor.",
+            HeightDrift(),
+            least=0.95,
+            position_m=np.inf,
+            rotation_rad=np.inf,
+            rate=0.9,
+            compares=("floors",),
         ),
         SameClaims(
             "a pause",

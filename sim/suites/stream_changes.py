@@ -174,6 +174,23 @@ class Slip(Nothing):
 
 
 @dataclass(frozen=True)
+class HeightDrift(Nothing):
+    """The odometry rises all the time, also on level floors, and states this uncertainty."""
+
+    rate_m_s: float = 0.02
+    """Speed of the drift [m/s]."""
+
+    def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
+        """Yield the observation with its displaced pose."""
+        T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance.copy()
+        T_O_B[2, 3] += self.rate_m_s * observation.stamp
+        if previous is not None:
+            up = T_O_B[2, :3]  # the vertical, in the body frame
+            covariance[3:, 3:] += np.outer(up, up) * (self.rate_m_s * (observation.stamp - previous.stamp)) ** 2
+        yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance)
+
+
+@dataclass(frozen=True)
 class StepsInTwoParts(Nothing):
     """Before each observation, the robot stands still at the place of the one before it, with half of the uncertainty.
 

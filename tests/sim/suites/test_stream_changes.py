@@ -16,6 +16,7 @@ from sim.suites.false_loops import FalseLoops
 from sim.suites.frame_changes import MovedOrigin, TurnedBody
 from sim.suites.stream_changes import (
     CapitalLetters,
+    HeightDrift,
     MoreNames,
     Nothing,
     OtherClock,
@@ -37,7 +38,7 @@ EXACT = (
     PermutedNames(),
     StepsInTwoParts(),
 )
-CHANGES = (*EXACT, MoreNames(), CapitalLetters(), Synonyms(), Slip(after=5), FalseLoops())
+CHANGES = (*EXACT, MoreNames(), CapitalLetters(), HeightDrift(), Synonyms(), Slip(after=5), FalseLoops())
 KEEPS_ARRAYS = [change for change in CHANGES if not isinstance(change, ReusedArrays)]
 """Changes behind which a SLAM may keep the arrays that it is given, as `Listening` does."""
 
@@ -147,6 +148,17 @@ def test_a_slip_displaces_all_later_poses_and_is_certain_of_nothing_else():
     more = [b.increment_covariance - a.increment_covariance for a, b in zip(plain.seen, slipped.seen, strict=True)]
     assert [i for i, extra in enumerate(more) if extra.any()] == [6]
     np.testing.assert_allclose(np.diag(more[6]), [0, 0, 0, 0.09, 0.09, 0.09], atol=1e-12)
+
+
+def test_a_drift_in_height_raises_every_step_and_is_uncertain_of_the_vertical_alone():
+    plain, risen = Listening(), Listening()
+    run(OPEN_FLAT, plain)
+    run(OPEN_FLAT, changed(risen, HeightDrift(rate_m_s=0.1)))
+    moved = np.array([b.T_O_B[:3, 3] - a.T_O_B[:3, 3] for a, b in zip(plain.seen, risen.seen, strict=True)])
+    np.testing.assert_allclose(moved, np.outer([seen.stamp for seen in plain.seen], [0.0, 0.0, 0.1]), atol=1e-12)
+    for a, b in zip(plain.seen[1:], risen.seen[1:], strict=True):
+        more = b.T_O_B[:3, :3] @ (b.increment_covariance - a.increment_covariance)[3:, 3:] @ b.T_O_B[:3, :3].T
+        np.testing.assert_allclose(more, np.diag([0.0, 0.0, (0.1 * 0.5) ** 2]), atol=1e-12)
 
 
 def test_the_two_parts_of_a_step_have_its_motion_and_its_whole_covariance():
