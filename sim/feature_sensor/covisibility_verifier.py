@@ -176,7 +176,7 @@ class CovisibilityVerifier:
             return None
         drawn = int(rng.integers(len(pool.inliers)))
         measured = true @ pool.error_motions[drawn]
-        return LoopEdge(query, match, measured, pool.covariance[drawn], int(pool.inliers[drawn]))
+        return LoopEdge(query, match, measured, pool.covariance[drawn].copy(), int(pool.inliers[drawn]))
 
 
 def fit_logistic(

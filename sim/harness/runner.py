@@ -159,10 +159,11 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     with closing(iter(session)) as pairs:
         for observation, truth in pairs:
             delivered.append(truth)
+            now = Given(observation.stamp, observation.T_O_B.copy())  # the SLAM may write into the observation
             try:
                 with timed("slam_s"), last.calling_slam():
                     slam.process(observation)
-                given.setdefault(observation.index, Given(observation.stamp, observation.T_O_B))
+                given.setdefault(observation.index, now)
             except ObservationError as error:
                 if not scenario.faults:
                     raise
@@ -178,7 +179,7 @@ def run(scenario: Scenario, slam: SlamUnderTest | None = None, progress: Progres
     seconds = timed.seconds | {"render_s": session.render_seconds - rendered_before_s}
     _check_estimate(estimate, given, len(walked.house.spec.room_labels))
     last.run = Run(
-        scenario, walked.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
+        scenario, session.house, walked.walkable, session, slam, estimate, given, seconds, tuple(delivered), tuple(refused)
     )
     return last.run
 

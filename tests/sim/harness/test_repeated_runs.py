@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from sim.feature_sensor import sensor
+from sim.harness.adapters.lexis import Lexis
 from sim.harness.adapters.odometry_only import OdometryOnly
 from sim.harness.runner import run
 from sim.harness.scenario import Scenario
@@ -36,6 +37,33 @@ def test_a_slam_that_overwrites_its_input_does_not_change_the_next_run():
     run(SCENARIO, second)
     assert len(first.given) == len(second.given) > 30
     assert all(np.array_equal(a, b) for a, b in zip(first.given, second.given, strict=True))
+
+
+def test_the_harness_remembers_the_odometry_that_it_gave():
+    finished = run(SCENARIO, Recorder())
+    np.testing.assert_array_equal(finished.odometry_poses, run(SCENARIO, OdometryOnly()).odometry_poses)
+
+
+class SpoilsLoops(Lexis):
+    """LEXIS with loops whose covariances are overwritten."""
+
+    def start_on_features(self, camera, room_names, features):
+        def verifier(*arguments):
+            edges = features.verifier(*arguments)
+            for edge in edges:
+                edge.covariance[...] *= 1e4
+            return edges
+
+        super().start_on_features(camera, room_names, replace(features, verifier=verifier))
+
+
+def test_a_slam_that_overwrites_loops_does_not_change_the_next_run():
+    scenario = replace(SCENARIO, length_m=50.0)
+    before = run(scenario).estimate
+    run(scenario, SpoilsLoops())
+    again = run(scenario).estimate
+    assert len(before.loops.query)
+    np.testing.assert_array_equal(again.T_W_B, before.T_W_B)
 
 
 def test_percepts_are_computed_once_for_all_runs_of_a_scenario(monkeypatch):
