@@ -68,7 +68,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     _refuse_scenario_options(arguments)
     suite = suite_named(arguments.suite).with_limits(dict(arguments.limit or ()))
     suite = suite.without_laws() if arguments.no_laws else suite
-    suite = suite.with_images() if arguments.images or arguments.program is not None else suite
+    suite = suite.with_images() if arguments.images else suite
     for path in (arguments.json, arguments.picture):
         if path is not None and not path.absolute().parent.is_dir():
             raise SimError(f"{path}: its folder does not exist; valid: a file in an existing folder")
@@ -79,7 +79,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
     print(*map(_line, report.verdicts), sep="\n")
     print(figure_table(report))
-    print(f"{len(report.examined)} of {sum(part.n for part in suite.parts)} scenarios were examined")
+    print(f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined")
     comparison = None if before is None else _compared(report, before)
     worse = () if comparison is None else comparison.worse
     if arguments.json is not None:

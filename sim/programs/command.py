@@ -14,9 +14,9 @@ from typing import BinaryIO
 
 import numpy as np
 
-from lexis.errors import one_line
+from lexis.errors import LexisError, one_line
 from lexis.timing import StageTimer
-from sim.errors import ProgramError, SimError
+from sim.errors import ClaimError, ProgramError, SimError
 from sim.harness.last_run import last_run
 from sim.harness.runner import Given, Progress, Run
 from sim.harness.scenario import Scenario
@@ -86,8 +86,8 @@ def run_command(
         memory_mb: memory that each process of the program may allocate [MB].
         progress: called after every recorded frame with the share of frames done, in [0, 1].
 
-    Raises `ProgramError` if the program fails, `SimError` or `LexisError` if it writes files that are not valid, and
-    whatever `sim.record.record` raises.
+    Raises `ProgramError` if the program fails, `ClaimError` if it writes files that are not valid, and whatever
+    `sim.record.record` raises.
     """
     words = command_words(command)
     check_format(format)
@@ -117,7 +117,10 @@ def run_command(
         last.done = 0.0
         with timed("slam_s"):
             printed = _execute(words, work, timeout_s, memory_mb)
-        estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
+        try:
+            estimate = read_estimate(folders[OUT], _times(take, frames), take.walk.house.spec.room_labels)
+        except (SimError, LexisError) as error:
+            raise ClaimError(str(error)) from error
     walked = frames[take.rest_frames :]
     last.run = Run(
         scenario,

@@ -35,7 +35,7 @@ class ChangedStream:
         number, self._processed = self._processed, self._processed + 1
         previous, self._previous = self._previous, copied(observation)
         for changed in self._change.observations(observation, number, previous):
-            self._given.append(observation.index)
+            self._given.append(changed.index)
             self._slam.process(replace(changed, index=len(self._given) - 1))
 
     def finish(self) -> Estimate:

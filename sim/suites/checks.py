@@ -1,10 +1,11 @@
 """What a suite checks in each scenario: claims about figures, and laws, most of which relate two runs.
 
 A law needs no threshold for how good a SLAM is. It compares a run with a second run whose input was changed in a way that
-must not matter, or that may only help (metamorphic testing; Chen et al., "Metamorphic testing: a review of challenges and
-opportunities", ACM Computing Surveys 51, 2018). Each law states its tolerance, and why it needs one.
+must not matter, that may only help, or that must do harm (metamorphic testing; Chen et al., "Metamorphic testing: a review
+of challenges and opportunities", ACM Computing Surveys 51, 2018). Each law states its tolerance, and why it needs one.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
@@ -128,6 +129,8 @@ class SameClaims:
         found = agreement(base.run.estimate, second.estimate)
         if found.frames == 0.0:
             return CheckFinding(False, "the two runs make claims about different frames")
+        if math.isinf(self.position_m) and all(getattr(found, name) is None for name in self.compares):
+            return CheckFinding(None, f"the SLAM does not claim {', '.join(self.compares)}")
         return CheckFinding(self._holds(found), _written(found))
 
     def _holds(self, found: ClaimAgreement) -> bool:
@@ -180,7 +183,7 @@ class NotWorse:
 class NotBetter:
     """A law about the input: after a change that spoils it, a figure is not much better than without the change.
 
-    It is better if the SLAM had spoilt the input itself, in the opposite way.
+    The figure gets better if the SLAM itself spoils its input in the opposite way, such as by taking BGR for RGB.
     """
 
     name: str
@@ -221,6 +224,8 @@ def attempted(scenario: Scenario, new_slam: NewSlam, change: StreamChange | None
 
     def runner(same: Scenario, progress: Progress | None) -> Run:
         if isinstance(new_slam, Program):
+            if change is not None:
+                raise SimError("program: it reads whole recordings, which cannot be changed; valid: a SLAM in Python")
             return new_slam(same, progress)
         slam = _made(new_slam)
         return run(same, slam if change is None else changed(slam, change), progress)

@@ -1,7 +1,9 @@
 """Runs the scenarios of a suite, in several processes, and collects what the checks find."""
 
+import math
 import os
 import pickle
+import time
 from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -109,16 +111,19 @@ def finding(check: Check | None, scenario: Scenario, new_slam: NewSlam) -> Check
     return CheckFinding(True, "") if check is None else check.examine(base, new_slam)
 
 
-def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Generator[Examination, None, None]:
+def examinations(
+    jobs: Sequence[Job], new_slam: NewSlam, workers: int, end: float = math.inf
+) -> Generator[Examination, None, None]:
     """Examine scenarios in several processes; yield the results in the order of the jobs.
 
+    When `time.monotonic()` reaches `end` [s], no further scenario is begun; the first one is examined in any case.
     `new_slam` has to be picklable if there are several workers. A consumer that stops early has to close the iterator.
     Raises `SimError` for fewer than one worker, for objects that cannot be sent to other processes, and if a process dies.
     """
     if workers < 1:
         raise SimError(f"suite: workers is {workers}; valid: 1 or more")
     if workers == 1 or len(jobs) == 1:
-        yield from (examine(job, new_slam) for job in jobs)
+        yield from (examine(job, new_slam) for job in jobs if job is jobs[0] or time.monotonic() < end)
         return
     for what, thing in (("SLAM", new_slam), *(("suite", part) for part in dict.fromkeys(job.part for job in jobs))):
         _check_picklable(what, thing)
@@ -126,7 +131,9 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
         notes = Path(folder)
         pool = process_pool(workers)
         try:
-            yield from pool.map(_noted, jobs, [new_slam] * len(jobs), [notes] * len(jobs))
+            ends = [math.inf if job is jobs[0] else end for job in jobs]
+            found = pool.map(_noted, jobs, [new_slam] * len(jobs), [notes] * len(jobs), ends)
+            yield from (each for each in found if each is not None)
         except BrokenProcessPool:
             during = ", or ".join(sorted(note.read_text() for note in notes.iterdir()))
             valid = "valid: a SLAM that does not abort; with one process (workers=1), its own messages tell where it does"
@@ -135,8 +142,10 @@ def examinations(jobs: Sequence[Job], new_slam: NewSlam, workers: int) -> Genera
             pool.shutdown(cancel_futures=True)
 
 
-def _noted(job: Job, new_slam: NewSlam, notes: Path) -> Examination:
-    """Examine a scenario; while this takes, a file names the scenario, so that it is known if the process dies."""
+def _noted(job: Job, new_slam: NewSlam, notes: Path, end: float) -> Examination | None:
+    """Examine a scenario unless the time is over; meanwhile a file names it, so that it is known if the process dies."""
+    if time.monotonic() >= end:
+        return None
     note = notes / str(os.getpid())
     note.write_text(f"scenario {job.number} of part {job.part.name}, seed {job.seed}")
     found = examine(job, new_slam)

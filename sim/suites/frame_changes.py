@@ -107,9 +107,6 @@ class _OriginalGraph(PoseGraph):
 
 
 def _in_frame(T_B_N: Pose, covariance: Covariance) -> Covariance:
-    """Convert the covariance of a motion, perturbed on the right, from body frame B to body frame N.
-
-    The two frames have the same origin.
-    """
+    """Convert the covariance of a motion, perturbed on the right, from body frame B to body frame N."""
     Ad = adjoint(inverse(T_B_N))
     return np.asarray(Ad @ covariance @ Ad.T)

@@ -8,7 +8,7 @@ from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reache
 from sim.suites.image_changes import OtherImages
 
 _SAME = 1e-5
-"""Largest difference between two similarities of the same image with the same room name."""
+"""Largest difference between two similarities of the same image with the same name, as a share of the largest of all."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class SimilaritiesFollowImages:
         kept = np.abs(first.similarities[rows_a] - second.similarities[rows_b])[~replaced].max()
         equal = np.ptp(second.similarities[rows_b][replaced], axis=0).max()
         return CheckFinding(
-            bool(max(kept, equal) <= _SAME),
+            bool(max(kept, equal) <= _SAME * np.abs(first.similarities).max()),
             f"similarities of frames with unchanged images change by up to {kept:.2g}; those of frames with the same image "
             f"differ by up to {equal:.2g}",
         )

@@ -37,15 +37,20 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
             return CheckFinding(False, f"there is no plan from {start} to {goal}")
         except Exception as error:  # whatever a user's SLAM raises
             return CheckFinding(False, one_line(f"plan() of the SLAM raises {type(error).__name__}: {error}", 160))
+        if plan.ndim != 1 or not plan.size or plan.dtype.kind not in "iu" or plan.min() < 0 or plan.max() >= len(labels):
+            return CheckFinding(False, f"the plan from {start} to {goal} is no list of rows of the estimate")
         blocked += _blocked_steps(run, plan)
-        right += sum(run.room_names[labels[row]] == name for row, name in ((plan[0], start), (plan[-1], goal)))
+        right += sum(labels[row] == run.room_names.index(name) for row, name in ((plan[0], start), (plan[-1], goal)))
         count += 1
     text = f"of {count} plans, {right / (2 * count):.0%} of the ends have the right label; {blocked} steps are blocked"
-    return CheckFinding(blocked == 0 and right >= _RIGHT_ENDS * 2 * count, text)
+    return CheckFinding(bool(blocked == 0 and right >= _RIGHT_ENDS * 2 * count), text)
 
 
 def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:
-    """Number of level steps of a plan, between the true positions of its frames, that are not free."""
+    """Number of level steps of a plan, between the true positions of its frames, that are not free.
+
+    Steps between successive frames of the estimate are not judged: there the robot walked, though perhaps not straight.
+    """
     places = run.true_poses[plan][:, :3, 3] - [0.0, 0.0, run.session.tour.eye_height_m]
-    level = np.abs(np.diff(places[:, 2])) <= _LEVEL_M
-    return int((~run.walkable.barriers.clear(places[:-1][level], places[1:][level], _THIN_M)).sum())
+    judged = (np.abs(np.diff(places[:, 2])) <= _LEVEL_M) & (np.abs(np.diff(plan)) > 1)
+    return int((~run.walkable.barriers.clear(places[:-1][judged], places[1:][judged], _THIN_M)).sum())

@@ -17,7 +17,7 @@ from sim.harness.last_run import LastRun, watched
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES
-from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam
+from sim.suites.report import SEED, CheckVerdict, SuiteReport, check_slam, runnable
 from sim.suites.suite import Suite, SuitePart
 from worlds.valid_names import did_you_mean
 
@@ -62,7 +62,7 @@ def slam_checks(
     """
     import pytest
 
-    chosen = suite_named(suite)
+    chosen = runnable(suite_named(suite), new_slam)
     items = [Item(part, check) for part in chosen.parts for check in (COMPLETES, *(each.name for each in part.checks))]
     _check_names(expected_failures, items)
     parameters = [pytest.param(item, id=item.name, marks=_marks(item, expected_failures)) for item in items]

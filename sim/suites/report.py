@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from sim.harness.results import RunResult
 from sim.harness.runner import Progress
+from sim.programs.command import Program
 from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
@@ -160,7 +161,8 @@ def check_slam(
     """Check a SLAM by a suite.
 
     Args:
-        new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
+        new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments; or a `Program`, for which all
+            scenarios are rendered.
         suite: a suite, or the name of one in `SUITES`.
         seed: seed of all scenarios.
         workers: number of processes; with more than one, `new_slam` has to be picklable.
@@ -172,17 +174,22 @@ def check_slam(
     Raises:
         SimError: the suite is unknown.
     """
-    chosen, end = suite_named(suite), time.monotonic() + budget_s
+    chosen, end = runnable(suite_named(suite), new_slam), time.monotonic() + budget_s
     jobs = jobs_of(chosen, seed)
     report = SuiteReport(chosen, seed, ())
-    with closing(examinations(jobs, new_slam, workers)) as found:
+    with closing(examinations(jobs, new_slam, workers, end)) as found:
         for each in found:
             report = SuiteReport(chosen, seed, (*report.examined, each))
             if progress is not None:
                 progress(len(report.examined) / len(jobs))
-            if (stop_at_failure and not report.ok) or time.monotonic() >= end:
+            if stop_at_failure and not report.ok:
                 break
     return report
+
+
+def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
+    """Return the suite, on images if `new_slam` is a program, because programs cannot read percepts."""
+    return suite.with_images() if isinstance(new_slam, Program) else suite
 
 
 def _check_data(each: CheckVerdict) -> Mapping[str, Any]:

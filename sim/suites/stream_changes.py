@@ -60,7 +60,8 @@ class StreamChange(Protocol):
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield what the SLAM gets in place of the observation with this number, counted from 0.
 
-        The last one stands for the observation. `previous` is the unchanged observation before it; None at the beginning.
+        Each has the index of the observation that it shows; of several, the last one counts. `previous` is the unchanged
+        observation before; None at the beginning.
         """
 
     def features(self, features: FeatureInput) -> FeatureInput:
@@ -142,9 +143,9 @@ class Pause(Nothing):
     """Time between the repeated observations [s]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation, after its repetitions if the robot stands still there."""
+        """Yield the observation, and then its repetitions if the robot stands still there."""
         late = replace(observation, stamp=observation.stamp + number // self.every * self.repeats * self.period_s)
-        yield late
+        yield copied(late)
         if number % self.every == self.every - 1:
             still = np.eye(6) * 1e-12
             for k in range(1, self.repeats + 1):
@@ -175,7 +176,7 @@ class Slip(Nothing):
 
 @dataclass(frozen=True)
 class HeightDrift(Nothing):
-    """The odometry rises all the time, also on level floors, and states this uncertainty."""
+    """The odometry rises all the time, also on level floors. For each step it states an error as large as its rise."""
 
     rate_m_s: float = 0.02
     """Speed of the drift [m/s]."""
@@ -211,7 +212,7 @@ class StepsInTwoParts(Nothing):
 
 @dataclass(frozen=True)
 class PermutedNames(Nothing):
-    """The room names come in another order, in which no name keeps its neighbours."""
+    """The room names come in another order, which is neither theirs nor its reverse."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
         """Return the names at odd places, followed by those at even places in the reverse order."""

@@ -16,6 +16,7 @@ from sim.cli import main
 from sim.errors import SimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims
 from sim.suites.consistency import CONSISTENCY
@@ -413,6 +414,11 @@ def test_checks_of_equal_names_and_parts_of_equal_names_are_refused():
     ]
 
 
+def test_a_law_about_floors_says_nothing_about_a_slam_without_floors():
+    law = replace(FLAT, parts=(replace(PART, checks=(LAWS["a drift in height"],), n=1),))
+    assert outcomes(check_slam(OdometryOnly, law))["a drift in height"] == "not claimed"
+
+
 def test_false_loops_reach_only_a_slam_that_uses_the_verifier():
     law = replace(FLAT, parts=(replace(PART, checks=(LAWS["false loop closures"],), n=1),))
     assert outcomes(check_slam(OdometryOnly, law))["false loop closures"] == "not claimed"
@@ -449,6 +455,8 @@ def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(cap
     assert re.search(r"^not claimed +0 of 0 +flat: same run twice$", shown, re.MULTILINE)
     assert main(["check", "--suite", "flat", "--workers", "1", "--command", "false {dataset} {out}"]) == 1
     assert "the SLAM ends with exit status 1" in capsys.readouterr().err
+    report = check_slam(Program("true {dataset} {out}"), "flat")
+    assert outcomes(report)[COMPLETES] == "fails" and "trajectory.tum" in str(report)
 
 
 def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():
@@ -461,7 +469,8 @@ def test_the_table_shows_the_median_of_each_part_and_what_is_not_claimed():
 
 
 def test_a_suite_ends_when_its_time_is_over(capsys, monkeypatch):
-    assert len(check_slam(OdometryOnly, FLAT, budget_s=1e-9).examined) == 1
+    for workers in (1, 2):
+        assert [each.number for each in check_slam(OdometryOnly, FLAT, workers=workers, budget_s=1e-9).examined] == [0]
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
     slam = "sim.harness.adapters:OdometryOnly"
     assert main(["check", "--suite", "flat", "--workers", "1", "--slam", slam, "--budget", "0.001s"]) == 0

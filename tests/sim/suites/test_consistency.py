@@ -34,7 +34,8 @@ def claiming(finished, **claims):
 
 @pytest.mark.parametrize("law", CONSISTENCY, ids=lambda law: law.name)
 def test_lexis_does_not_contradict_itself(law, lexis):
-    assert law.find(lexis).holds is not False
+    stairs = law.name == "stairs are climbed"  # there are none
+    assert law.find(lexis).holds is (None if stairs else True)
 
 
 def test_odometry_follows_itself_and_is_not_judged_by_what_it_does_not_claim():
@@ -105,7 +106,7 @@ UP_AND_ON = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 2.5, 2.5
 
 
 def on_a_flight(lexis, stairs):
-    """A run along `UP_AND_ON`, in metre steps; the frames in `stairs` are labelled as stairs."""
+    """A run along `UP_AND_ON`, in steps of 0.85 m to the front; the frames in `stairs` are labelled as stairs."""
     frames = lexis.estimate.frames[: len(UP_AND_ON)]
     T = np.tile(np.eye(4), (len(frames), 1, 1))
     T[:, 0, 3], T[:, 2, 3] = 0.85 * np.arange(len(frames)), UP_AND_ON
