@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
 from lexis.maths.se3 import between
 from sim.harness.runner import Run
@@ -28,6 +28,8 @@ _CLIMB_M = 1.25
 """Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
 _STEEP = 0.45
 """A frame is certainly on stairs if the path climbs as steeply as this before and after it [m/m]. Stairs of houses do."""
+_LANDING_M = 3.0
+"""A level frame is on a half landing if the path climbs in one direction within this length before and after it [m]."""
 _LEVEL_M = 0.2
 """A frame is certainly not on stairs if the heights before and after it differ by no more than this from its own [m]."""
 
@@ -113,14 +115,20 @@ def stairs_are_climbed(run: Run) -> CheckFinding:
     labelled = labels == run.room_names.index(STAIRS)
     positions = run.odometry_poses[:, :3, 3]
     path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1) + 1e-9)])
-    before, here, after = (np.interp(path + offset, path, positions[:, 2]) for offset in (-_CLIMB_M, 0.0, _CLIMB_M))
-    steep = (before - here) * (here - after) > 0
-    climbs = steep & (np.minimum(np.abs(here - before), np.abs(after - here)) >= _STEEP * _CLIMB_M)
-    level = (np.abs(here - before) <= _LEVEL_M) & (np.abs(after - here) <= _LEVEL_M)
+    rise, further = (_rises(path, positions[:, 2], length_m) for length_m in (_CLIMB_M, _LANDING_M))
+    climbs = (rise.prod(axis=0) > 0) & (np.abs(rise) >= _STEEP * _CLIMB_M).all(axis=0)
+    landing = (further.prod(axis=0) > 0) & (np.abs(further) > _LEVEL_M).all(axis=0)
+    level = (np.abs(rise) <= _LEVEL_M).all(axis=0) & ~landing
     missed, wrong = int((climbs & ~labelled).sum()), int((level & labelled).sum())
     return CheckFinding(
         missed == wrong == 0, f"{missed} frames climb and have another label; {wrong} are level and labelled so"
     )
+
+
+def _rises(path: Float64[np.ndarray, "n"], height: Float64[np.ndarray, "n"], length_m: float) -> Float64[np.ndarray, "2 n"]:
+    """The change of height along the path of this length before each frame, and after it [m]."""
+    before, after = (np.interp(path + offset, path, height) for offset in (-length_m, length_m))
+    return np.stack([height - before, after - height])
 
 
 def _mixed(rooms: Int[np.ndarray, "n"], kinds: Int[np.ndarray, "n"]) -> int:
@@ -154,7 +162,7 @@ CONSISTENCY = (
     Consistent(
         "stairs are climbed",
         "Frames in the middle of a climb are labelled as stairs. Frames whose path is level before and after them, for "
-        f"{_CLIMB_M} m each, are not.",
+        f"{_CLIMB_M} m each, are not, except on half landings.",
         stairs_are_climbed,
     ),
 )

@@ -126,6 +126,13 @@ def test_stairs_are_labelled_where_the_path_climbs_and_not_where_it_is_level(lex
     assert stairs_are_climbed(on_a_flight(lexis, stairs)).holds is holds
 
 
+def test_a_half_landing_may_be_labelled_as_stairs_and_the_floor_at_the_top_may_not(lexis, monkeypatch):
+    rising = np.array([0.0, 0.5, 1.0, 1.5, 1.5, 1.5, 1.5, 1.5, 2.0, 2.5, 3.0, 3.0, 3.0, 3.0, 3.0])
+    monkeypatch.setattr(f"{__name__}.UP_AND_ON", rising)
+    assert stairs_are_climbed(on_a_flight(lexis, slice(1, 10))).holds
+    assert stairs_are_climbed(on_a_flight(lexis, slice(1, 14))).holds is False
+
+
 def test_heights_are_measured_along_the_vertical_of_the_odometry(lexis):
     tilted = exp(np.array([0.7, 0.4, 0.0, 1.0, 2.0, 3.0])) @ lexis.estimate.T_W_B
     assert floors_are_level(claiming(lexis, T_W_B=tilted)).holds
