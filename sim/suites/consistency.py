@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int
 
+from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
@@ -23,7 +24,6 @@ _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
 """Largest difference in height between two frames on one floor [m]. It allows for drift; LEXIS reaches 0.4 m."""
-
 _CLIMB_M = 1.25
 """Length of the path before and after a frame that tells whether the frame is on stairs [m]."""
 _STEEP = 0.45
@@ -114,7 +114,7 @@ def stairs_are_climbed(run: Run) -> CheckFinding:
         return CheckFinding(None, "the SLAM claims no labels, or stairs are no room name")
     labelled = labels == run.room_names.index(STAIRS)
     positions = run.odometry_poses[:, :3, 3]
-    path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1) + 1e-9)])
+    path = arc_length(positions)
     rise, further = (_rises(path, positions[:, 2], length_m) for length_m in (_CLIMB_M, _LANDING_M))
     climbs = (rise.prod(axis=0) > 0) & (np.abs(rise) >= _STEEP * _CLIMB_M).all(axis=0)
     landing = (further.prod(axis=0) > 0) & (np.abs(further) > _LEVEL_M).all(axis=0)

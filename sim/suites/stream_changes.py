@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from lexis.inputs import with_copied_poses
 from lexis.maths.se3 import adjoint, between
 from lexis.types import Camera, Observation, Percept, Pose
 from sim.harness.scenario import Scenario
@@ -61,7 +62,7 @@ class StreamChange(Protocol):
         """Yield what the SLAM gets in place of the observation with this number, counted from 0.
 
         Each has the index of the observation that it shows; of several, the last one counts. `previous` is the unchanged
-        observation before; None at the beginning.
+        observation before, a copy of its own; None at the beginning.
         """
 
     def features(self, features: FeatureInput) -> FeatureInput:
@@ -206,7 +207,7 @@ class StepsInTwoParts(Nothing):
         half = 0.5 * observation.increment_covariance
         Ad = adjoint(between(previous.T_O_B, observation.T_O_B))  # from the body at the end of the step to the one before
         stamp = 0.5 * (previous.stamp + observation.stamp)
-        yield replace(copied(previous), stamp=stamp, increment_covariance=Ad @ half @ Ad.T)
+        yield replace(previous, stamp=stamp, increment_covariance=Ad @ half @ Ad.T)
         yield replace(observation, increment_covariance=half)
 
 
@@ -253,5 +254,4 @@ def copied(observation: Observation) -> Observation:
     """Return an observation whose arrays are copies, except for key points."""
     image = observation.image
     seen = replace(image, embedding=image.embedding.copy()) if isinstance(image, Percept) else image.copy()
-    poses = observation.T_O_B.copy(), observation.increment_covariance.copy()
-    return replace(observation, image=seen, T_O_B=poses[0], increment_covariance=poses[1])
+    return replace(with_copied_poses(observation), image=seen)
