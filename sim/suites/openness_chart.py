@@ -13,10 +13,12 @@ from scipy.stats import bootstrap
 from sim.harness.adapters import GeometricRooms, OdometryOnly
 from sim.harness.results import RunResult
 from sim.suites.examination import examinations, jobs_of
-from sim.suites.report import CONFIDENCE, SuiteReport
+from sim.suites.report import SuiteReport
 
 _FIGURES = {"rooms.pq": "panoptic quality of rooms", "labels.accuracy_graded": "graded label accuracy"}
 _COLOURS = ("#1f5fa8", "#c2571a", "#2f8a4a")
+_CONFIDENCE = 0.95
+"""Confidence of the intervals."""
 _WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 360.0, 260.0, 52.0, 48.0, 70.0
 _Series = tuple[str, Sequence[RunResult]]
 """The name of a SLAM, and its results."""
@@ -90,6 +92,6 @@ def _interval(values: Sequence[float]) -> tuple[float, float]:
     if len(values) < 2 or np.ptp(values) == 0.0:
         return float(np.mean(values)), float(np.mean(values))
     low, high = bootstrap(
-        (values,), np.mean, confidence_level=CONFIDENCE, n_resamples=2000, method="percentile", rng=0
+        (values,), np.mean, confidence_level=_CONFIDENCE, n_resamples=2000, method="percentile", rng=0
     ).confidence_interval
     return float(low), float(high)

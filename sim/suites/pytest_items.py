@@ -47,8 +47,8 @@ def slam_checks(
 ) -> Callable[..., None]:
     """Make a test that checks a SLAM by a suite; assign it to a name that begins with `test`.
 
-    An item fails if its check fails with 95 % confidence, and is skipped if the SLAM does not make the claims that the check
-    is about. The first item of a part runs all scenarios of the part.
+    An item fails if its check fails with the confidence of a suite, and is skipped if the SLAM does not make the claims that
+    the check is about. The first item of a part runs all scenarios of the part.
 
     Args:
         new_slam: makes a SLAM that has not run yet, such as a class that takes no arguments.
