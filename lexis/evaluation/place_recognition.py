@@ -24,6 +24,11 @@ class Counts:
     possible: int
     """Number of queries that could be true positives, because at least N of the eligible keyframes are right matches."""
 
+    @property
+    def precision(self) -> float | None:
+        """Share of true positives among all positives; None without positives."""
+        return self.tp / (self.tp + self.fp) if self.tp + self.fp else None
+
 
 def at_one_place(T_W_B: Poses) -> Bool[np.ndarray, "n n"]:
     """Whether each pair of true poses is within 1 m and 0.5 rad."""

@@ -151,7 +151,8 @@ def _place_recognition(run: Run) -> dict[str, MatchFigures]:
     path_m = arc_length(run.odometry_poses[:, :3, 3])
     eligible = np.array([old_enough(query, run.stamps, path_m, _REVISIT) for query in range(len(path_m))])
     right = at_one_place(run.true_poses)
-    return {str(n): MatchFigures(**asdict(count_matches(candidates, eligible, right, n))) for n in _MATCHES}
+    counts = {str(n): count_matches(candidates, eligible, right, n) for n in _MATCHES}
+    return {n: MatchFigures(**asdict(count), precision=count.precision) for n, count in counts.items()}
 
 
 def _coverage(run: Run) -> CoverageFigures:

@@ -85,6 +85,7 @@ class MatchFigures:
     tp: int | None = None
     fp: int | None = None
     possible: int | None = None
+    precision: float | None = None
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def test_a_run_of_one_keyframe_has_no_perfect_figures_of_nothing(fault, whole):
         assert set(result[section].values()) == {None}, section
     assert result["loops"]["precision"] is None and result["loops"]["recall"] is None
     assert result["planning"] == {"queries": 0, "success": None, "spl": None, "collisions": None}
-    assert result["place_recognition"]["1"] == {"tp": 0, "fp": 0, "possible": 0}
+    assert result["place_recognition"]["1"] == {"tp": 0, "fp": 0, "possible": 0, "precision": None}
 
 
 def test_half_a_walk_is_covered_by_half():

@@ -133,6 +133,8 @@ def test_place_recognition_asks_for_n_right_matches():
     earlier = np.tri(6, k=-1, dtype=bool)
     counts = [count_matches(candidates, earlier, at_one_place(truth), n) for n in (1, 3, 5)]
     assert counts == [Counts(1, 1, possible=1), Counts(1, 1, possible=1), Counts(0, 2, possible=0)]
+    assert [count.precision for count in counts] == [0.5, 0.5, 0.0]
+    assert Counts(0, 0, possible=1).precision is None
 
 
 def test_a_query_is_possible_where_enough_keyframes_that_may_be_proposed_are_at_its_place():
