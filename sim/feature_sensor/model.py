@@ -1,6 +1,7 @@
 """`FeatureModel`: all fitted parameters of the feature sensor, and their file format. Loading never unpickles."""
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -75,13 +76,19 @@ class FeatureModel:
             )
 
 
+@lru_cache(maxsize=4)
 def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
-    """Embed a few texts and one image. The embeddings identify the encoder, however its weights are stored."""
+    """Embed a few texts and one image. The embeddings identify the encoder, however its weights are stored.
+
+    Embedding the image takes longer than any other preparation of a run on features, so the result is remembered.
+    """
     ramp = np.linspace(0.0, 255.0, 64)
     image = np.stack(
         [np.broadcast_to(ramp, (48, 64)), np.broadcast_to(ramp[::-1], (48, 64)), np.full((48, 64), 90.0)], axis=-1
     )
-    return np.concatenate([encoder.encode_rooms(_PROBES), encoder.encode_image(image.astype(np.uint8))[None]])
+    embeddings = np.concatenate([encoder.encode_rooms(_PROBES), encoder.encode_image(image.astype(np.uint8))[None]])
+    embeddings.flags.writeable = False
+    return embeddings
 
 
 def save_features(model: FeatureModel, path: Path) -> None:
