@@ -85,15 +85,22 @@ def try_plans(run: Run, steering: Steering = "estimate", blind: bool = False) ->
     on from there. If `blind`, the robot uses no range scan to avoid obstacles. If the SLAM claims no labelled rooms or
     cannot plan paths, there are no trials.
     """
-    rooms = run.estimate.named_rooms(run.room_names)
-    if rooms is None or not isinstance(run.slam, PlansPaths):
+    if not isinstance(run.slam, PlansPaths):
         return []
-    labels = sorted(set(rooms.values()) - {STAIRS})
-    return list(_trials(run, run.slam, labels, Robot(run.house, blind), _Belief.of(run, steering)))
+    return list(_trials(run, run.slam, planned_pairs(run), Robot(run.house, blind), _Belief.of(run, steering)))
 
 
-def _trials(run: Run, slam: PlansPaths, labels: list[str], robot: Robot, belief: _Belief) -> Iterator[Trial]:
-    for query, (start, goal) in enumerate(permutations(labels, 2)):
+def planned_pairs(run: Run) -> list[tuple[str, str]]:
+    """Return all pairs of labels between which plans are asked for: labels of the SLAM's rooms, except stairs, sorted.
+
+    There are none if the SLAM claims no labelled rooms.
+    """
+    rooms = run.estimate.named_rooms(run.room_names) or {}
+    return list(permutations(sorted(set(rooms.values()) - {STAIRS}), 2))
+
+
+def _trials(run: Run, slam: PlansPaths, pairs: list[tuple[str, str]], robot: Robot, belief: _Belief) -> Iterator[Trial]:
+    for query, (start, goal) in enumerate(pairs):
         rng = np.random.default_rng(np.random.SeedSequence(run.scenario.seed, spawn_key=(_STREAM, query)))
         try:
             keyframes = np.array(slam.plan(start, goal))

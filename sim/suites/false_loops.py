@@ -12,7 +12,7 @@ from lexis.types import Camera, Keyframe, LoopEdge
 from lexis.verification import Verifier
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput
-from sim.suites.stream_changes import Nothing
+from sim.suites.stream_changes import NoChange
 
 _SURE = np.repeat([0.01, 0.04], 3) ** 2
 """Variances that a false loop states, as small as those of a true loop: rotation, then translation [rad², m²]."""
@@ -21,7 +21,7 @@ _INLIERS = 40
 
 
 @dataclass(frozen=True)
-class FalseLoops(Nothing):
+class FalseLoops(NoChange):
     """Loop verification confirms some loops with a wrong relative pose, as it does where two places look alike.
 
     SLAM systems that verify loops on their own are not affected.

@@ -15,11 +15,11 @@ from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Pose, Poses
 from lexis.verification import Verifier
 from sim.harness.slam_under_test import FeatureInput
-from sim.suites.stream_changes import Nothing
+from sim.suites.stream_changes import NoChange
 
 
 @dataclass(frozen=True)
-class OtherFrames(Nothing):
+class OtherFrames(NoChange):
     """The base of changes of frames: observations, camera and loops are converted by `T_new_old` and `T_B_N`."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:

@@ -7,11 +7,11 @@ import numpy as np
 
 from lexis.types import Image, Observation, Percept
 from sim.harness.scenario import Scenario
-from sim.suites.stream_changes import Nothing
+from sim.suites.stream_changes import NoChange
 
 
 @dataclass(frozen=True)
-class OtherImages(Nothing):
+class OtherImages(NoChange):
     """Every second observation shows another image: one that is black, or an embedding that is the same for all of them."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
@@ -25,7 +25,7 @@ class OtherImages(Nothing):
 
 
 @dataclass(frozen=True)
-class _ChangedPixels(Nothing):
+class _ChangedPixels(NoChange):
     """The base of changes of pixels, which do not reach a SLAM that is given percepts."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:

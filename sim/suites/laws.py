@@ -25,7 +25,7 @@ from sim.suites.stream_changes import (
     CapitalLetters,
     HeightDrift,
     MoreNames,
-    Nothing,
+    NoChange,
     OtherClock,
     Pause,
     PermutedNames,
@@ -50,7 +50,7 @@ def in_daylight(scenario: Scenario) -> Scenario:
 LAWS: Mapping[str, Check] = {
     law.name: law
     for law in (
-        SameClaims("same run twice", "Two runs on the same observations give the same claims.", Nothing()),
+        SameClaims("same run twice", "Two runs on the same observations give the same claims.", NoChange()),
         SameClaims(
             "moved and rotated house",
             "The claims do not depend on where the odometry frame lies, nor on its heading. Tolerance: rounding.",

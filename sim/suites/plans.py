@@ -1,15 +1,13 @@
 """The law that the plans of a SLAM can be walked: judged by geometry, so that plans are checked without driving them."""
 
-from itertools import islice, permutations
-
 import numpy as np
 from jaxtyping import Int
 
 from lexis.errors import PlanError, one_line
+from sim.harness.planning import planned_pairs
 from sim.harness.runner import Run
 from sim.harness.slam_under_test import PlansPaths
 from sim.suites.checks import CheckFinding
-from worlds.labels import STAIRS
 
 _MOST_PLANS = 12
 """Largest number of plans that are asked for in one run."""
@@ -23,14 +21,11 @@ _RIGHT_ENDS = 0.5
 
 def plans_can_be_walked(run: Run) -> CheckFinding:
     """Ask the SLAM for plans between its labels; look for steps through walls or furniture, and for wrong ends."""
-    rooms, labels, slam = run.estimate.named_rooms(run.room_names), run.estimate.labels, run.slam
-    if rooms is None or labels is None or not isinstance(slam, PlansPaths):
-        return CheckFinding(None, "the SLAM claims no labelled rooms, or makes no plans")
-    names = sorted(set(rooms.values()) - {STAIRS})
-    if len(names) < 2:
-        return CheckFinding(None, "the SLAM claims rooms of one label only")
-    blocked, right, count = 0, 0, 0
-    for start, goal in islice(permutations(names, 2), _MOST_PLANS):
+    pairs, labels, slam = planned_pairs(run)[:_MOST_PLANS], run.estimate.labels, run.slam
+    if not pairs or labels is None or not isinstance(slam, PlansPaths):
+        return CheckFinding(None, "the SLAM claims no rooms of two labels, or makes no plans")
+    blocked, right = 0, 0
+    for start, goal in pairs:
         try:
             plan = np.array(slam.plan(start, goal))
         except PlanError:
@@ -41,9 +36,9 @@ def plans_can_be_walked(run: Run) -> CheckFinding:
             return CheckFinding(False, f"the plan from {start} to {goal} is no list of rows of the estimate")
         blocked += _blocked_steps(run, plan)
         right += sum(labels[row] == run.room_names.index(name) for row, name in ((plan[0], start), (plan[-1], goal)))
-        count += 1
-    text = f"of {count} plans, {right / (2 * count):.0%} of the ends have the right label; {blocked} steps are blocked"
-    return CheckFinding(bool(blocked == 0 and right >= _RIGHT_ENDS * 2 * count), text)
+    ends = 2 * len(pairs)
+    text = f"of {len(pairs)} plans, {right / ends:.0%} of the ends have the right label; {blocked} steps are blocked"
+    return CheckFinding(bool(blocked == 0 and right >= _RIGHT_ENDS * ends), text)
 
 
 def _blocked_steps(run: Run, plan: Int[np.ndarray, "k"]) -> int:

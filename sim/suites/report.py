@@ -19,7 +19,7 @@ from sim.suites.suite import Suite, SuitePart
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each verdict by itself. A suite has up to 200 checks, so 0.95 would fail a good SLAM in one suite of three."""
+"""Confidence of each verdict by itself. With 0.95, one of the 200 checks of a suite would fail LEXIS in every third suite."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed"]

@@ -73,7 +73,7 @@ class StreamChange(Protocol):
 
 
 @dataclass(frozen=True)
-class Nothing:
+class NoChange:
     """No change: the SLAM is run once more."""
 
     @property
@@ -108,7 +108,7 @@ class Nothing:
 
 
 @dataclass(frozen=True)
-class OtherClock(Nothing):
+class OtherClock(NoChange):
     """The clock shows the time since 1970, as those of robots do, instead of the time since the start."""
 
     offset_s: float = 1.75e9
@@ -120,7 +120,7 @@ class OtherClock(Nothing):
 
 
 @dataclass(frozen=True)
-class ReusedArrays(Nothing):
+class ReusedArrays(NoChange):
     """Image or embedding, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
@@ -133,7 +133,7 @@ class ReusedArrays(Nothing):
 
 
 @dataclass(frozen=True)
-class Pause(Nothing):
+class Pause(NoChange):
     """The robot stands still now and then: an observation is repeated, and the later ones come later."""
 
     every: int = 20
@@ -154,7 +154,7 @@ class Pause(Nothing):
 
 
 @dataclass(frozen=True)
-class Slip(Nothing):
+class Slip(NoChange):
     """The odometry slips once and says so: the covariance of this step is as large as the slip, so loops can mend it."""
 
     after: int = 40
@@ -176,7 +176,7 @@ class Slip(Nothing):
 
 
 @dataclass(frozen=True)
-class HeightDrift(Nothing):
+class HeightDrift(NoChange):
     """The odometry rises all the time, also on level floors. For each step it states an error as large as its rise."""
 
     rate_m_s: float = 0.02
@@ -193,7 +193,7 @@ class HeightDrift(Nothing):
 
 
 @dataclass(frozen=True)
-class StepsInTwoParts(Nothing):
+class StepsInTwoParts(NoChange):
     """Before each observation, the robot stands still at the place of the one before it, with half of the uncertainty.
 
     The motion since the observation before, and its whole covariance, are the same as without the additional observation.
@@ -212,7 +212,7 @@ class StepsInTwoParts(Nothing):
 
 
 @dataclass(frozen=True)
-class PermutedNames(Nothing):
+class PermutedNames(NoChange):
     """The room names come in another order, which is neither theirs nor its reverse."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
@@ -221,7 +221,7 @@ class PermutedNames(Nothing):
 
 
 @dataclass(frozen=True)
-class MoreNames(Nothing):
+class MoreNames(NoChange):
     """There are further room names, for rooms that no house has."""
 
     more: tuple[str, ...] = ("swimming pool", "stable")
@@ -232,7 +232,7 @@ class MoreNames(Nothing):
 
 
 @dataclass(frozen=True)
-class CapitalLetters(Nothing):
+class CapitalLetters(NoChange):
     """Rooms have their names in capital letters, except for stairs."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
@@ -241,7 +241,7 @@ class CapitalLetters(Nothing):
 
 
 @dataclass(frozen=True)
-class Synonyms(Nothing):
+class Synonyms(NoChange):
     """Rooms have other names of the same meaning."""
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:

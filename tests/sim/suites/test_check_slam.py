@@ -28,7 +28,7 @@ from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import CheckVerdict, check_slam
 from sim.suites.smallest import smallest_failure
-from sim.suites.stream_changes import Nothing
+from sim.suites.stream_changes import NoChange
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
 
@@ -201,7 +201,7 @@ class Turning(Forgetful):
 
 @pytest.mark.parametrize(("slam", "said"), [(Forgetful, "only one of the two runs claims rooms"), (Turning, "and 1.6 rad")])
 def test_a_law_sees_lost_claims_and_turned_poses(slam, said):
-    again = replace(FLAT, parts=(replace(PART, checks=(SameClaims("again", "Twice the same.", Nothing()),), n=1),))
+    again = replace(FLAT, parts=(replace(PART, checks=(SameClaims("again", "Twice the same.", NoChange()),), n=1),))
     report = check_slam(slam, again)
     assert outcomes(report)["again"] == "fails" and said in str(report)
 

@@ -12,7 +12,7 @@ from sim.harness.adapters import OdometryOnly
 from sim.suites.checks import NotBetter, examined
 from sim.suites.image_changes import DarkerImages, ExchangedColours, OtherImages
 from sim.suites.image_evidence import SimilaritiesFollowImages
-from sim.suites.stream_changes import Nothing
+from sim.suites.stream_changes import NoChange
 
 IMAGE = np.array([[[10, 101, 250], [0, 1, 2]]], np.uint8)
 
@@ -73,7 +73,7 @@ class Inverts(Lexis):
         super().process(inverted(observation))
 
 
-class Inverted(Nothing):
+class Inverted(NoChange):
     """The sign of all embeddings is changed."""
 
     def observations(self, observation, number, previous):

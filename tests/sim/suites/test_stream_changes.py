@@ -18,7 +18,7 @@ from sim.suites.stream_changes import (
     CapitalLetters,
     HeightDrift,
     MoreNames,
-    Nothing,
+    NoChange,
     OtherClock,
     Pause,
     PermutedNames,
@@ -29,7 +29,7 @@ from sim.suites.stream_changes import (
 )
 
 EXACT = (
-    Nothing(),
+    NoChange(),
     MovedOrigin(),
     OtherClock(),
     ReusedArrays(),
@@ -111,8 +111,8 @@ def test_a_label_for_a_name_that_was_added_is_no_label():
 
 
 def test_only_a_slam_that_accepts_features_accepts_them_behind_a_change():
-    assert hasattr(changed(Lexis("oracle"), Nothing()), "start_on_features")
-    assert not hasattr(changed(OdometryOnly(), Nothing()), "start_on_features")
+    assert hasattr(changed(Lexis("oracle"), NoChange()), "start_on_features")
+    assert not hasattr(changed(OdometryOnly(), NoChange()), "start_on_features")
 
 
 def test_arrays_are_overwritten_once_the_slam_has_processed_them():
