@@ -19,7 +19,7 @@ from sim.suites.suite import Suite, SuitePart
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
-"""Confidence of each verdict by itself. With 0.95, one of the 200 checks of a suite would fail LEXIS in every third suite."""
+"""Confidence of each verdict by itself. With 0.95, LEXIS failed one of 200 checks in five of eight suites."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
 SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed"]
