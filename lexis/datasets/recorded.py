@@ -116,7 +116,11 @@ def check_ascending(where: str, stamps: Float64[np.ndarray, "n"]) -> None:
 
 
 def image_file(folder: Path, where: str, name: str) -> Path:
-    """The path of an image that a list names relative to `folder`. Raises DatasetError unless `folder` contains it."""
+    """Return the path of the image `name`, an entry of a dataset's list of images, which is relative to `folder`.
+
+    Raises DatasetError, with the place `where` of the entry, if `name` leads out of `folder`, has no image suffix, or does
+    not exist.
+    """
     relative = PurePosixPath(name)
     if relative.is_absolute() or ".." in relative.parts or relative.suffix.lower() not in IMAGE_SUFFIXES:
         raise DatasetError(f"{where}: {name!r} is not an image inside the dataset; valid: {', '.join(IMAGE_SUFFIXES)}")

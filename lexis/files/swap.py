@@ -15,10 +15,10 @@ _UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM, errno.EX
 
 
 def swap(new: Path, target: Path, old: Path) -> Path:
-    """Rename the folder `new` to `target`; return the new path of the folder that was at `target`: `new` or `old`.
+    """Exchange the folders `new` and `target`; return the path at which the earlier `target` is now.
 
-    If the system cannot exchange names, the earlier folder is first moved to `old`, and for a moment there is no `target`.
-    Raises OSError, and FileNotFoundError if there is no `target`.
+    This path is `new` if the system can exchange names in one step. Otherwise it is `old`: the earlier folder is moved there
+    first, and for a moment there is no `target`. Raises OSError, and FileNotFoundError if there is no `target`.
     """
     if exchange(new, target):
         return new

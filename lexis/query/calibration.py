@@ -29,7 +29,10 @@ _FILE = FileKind("a file of calibrate-queries", 1_000_000)
 
 @dataclass(frozen=True)
 class Calibration:
-    """A fitted conversion of one encoder's similarities, between a text and the best views of a room, to probabilities."""
+    """Converts the similarity of a text and the best views of a room to the probability that the room fits the text.
+
+    It is fitted to one encoder.
+    """
 
     fingerprint: str
     """Fingerprint of the encoder that was calibrated."""

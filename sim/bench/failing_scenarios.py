@@ -1,4 +1,4 @@
-"""Mixed scenarios in which planted bugs show: houses of all presets, with tours, odometry, gaits and faults of all kinds.
+"""Mixed scenarios in which planted bugs show: houses of all presets, all kinds of tours and odometry, and many faults.
 
 All scenarios have the fidelity "features" and few frames per second, so that a run takes well under a second.
 """

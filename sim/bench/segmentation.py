@@ -1,4 +1,4 @@
-"""`lexis-sim bench segmentation`: labels, rooms, loops and plans of whole runs on several houses of a preset."""
+"""`lexis-sim bench segmentation`: measures labels, rooms, floors, loops and driven plans in houses of a preset."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass

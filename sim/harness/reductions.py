@@ -129,7 +129,10 @@ def no_drift(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def plain_motion(scenario: Scenario) -> Iterator[Scenario]:
-    """Yield simpler scenarios: with all settings of `_PLAIN_MOTION`, then with one of them alone."""
+    """Yield the scenario with the simplest motion, then with each part of the simplest motion alone.
+
+    The simplest motion is a tour of the rooms, not in reverse, without sway and without a start manoeuvre.
+    """
     each = (replace(scenario, **{name: usual}) for name, usual in _PLAIN_MOTION.items())
     yield from dict.fromkeys(other for other in (replace(scenario, **_PLAIN_MOTION), *each) if other != scenario)
 

@@ -21,7 +21,10 @@ own axis [m]."""
 
 
 def opening_problems(house: House) -> Iterator[str]:
-    """Yield a message for every rule that an opening or window breaks. The message names its place in the spec."""
+    """Yield a message for every rule that an opening or window breaks.
+
+    The message names an opening by its place in the spec, and a window by its id.
+    """
     for level, storey in enumerate(house.spec.storeys):
         windows = [window for window in house.windows if window.storey == level]
         spans = [(f"openings[{i}]", opening_span(opening)) for i, opening in enumerate(storey.openings)]

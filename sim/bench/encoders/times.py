@@ -59,9 +59,9 @@ def timed(model: str, way: str, image: Image) -> Timing | str:
 
 
 def timed_with_random_weights(architecture: str, ways: Sequence[str], image: Image) -> dict[str, Timing | str]:
-    """Measure an open_clip architecture with random weights, with the options of each name in `ways`.
+    """Measure an open_clip architecture with random weights in several `ways`, which are keys of `WAYS`.
 
-    Returns the times by these names, or in their place the reason why the architecture could not be measured.
+    Returns, for each way, its times, or the reason why it could not be measured.
     """
     try:
         with random_weights(architecture) as model:
