@@ -6,7 +6,7 @@ run.
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen
 
@@ -60,9 +60,10 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
 class LabelConfig(Settings, place="labels", error=ConfigError):
     """Settings for refining the room labels of keyframes and finding stairs (paper, Sec. III-B)."""
 
-    refine: bool = True
-    """Whether labels are refined by a vote among neighbouring keyframes, and stairs are found by their change of height. If
-    False, every keyframe keeps the label of its own image."""
+    method: Literal["image", "vote", "sight"] = "vote"
+    """How a keyframe gets its label. image: from its own image alone. vote: by a vote among the nearest keyframes, as in the
+    paper. sight: from all images that show its place; see `lexis.sight`. Except with "image", stairs are found by their
+    change of height."""
     neighbours: Annotated[int, Ge(1)] = 5
     """Number of nearest keyframes that vote on the label of a keyframe (C in the paper, there 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
@@ -80,6 +81,9 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
 class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Settings for clustering keyframes into rooms and floors (paper, Sec. III-C)."""
 
+    method: Literal["distance", "sight"] = "distance"
+    """What joins keyframes of one label to a room. distance: their distances, as in the paper. sight: whether they see each
+    other's places; see `lexis.sight`."""
     distance_m: Annotated[float, Gt(0)] = 3.0
     """A keyframe joins a cluster of its label only if the cluster's mean position is within this distance [m]."""
     adjacency_m: Annotated[float, Gt(0)] = 1.5
@@ -87,6 +91,30 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     other room lies between the two keyframes [m]. Clusters that contain consecutive keyframes merge at any distance."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The label of stairs; keyframes with this label separate floors."""
+
+
+@dataclass(frozen=True)
+class SightConfig(Settings, place="sight", error=ConfigError):
+    """Settings for labels and rooms from the free space that the images show (beyond the paper)."""
+
+    range_m: Annotated[float, Gt(0)] = 8.0
+    """Largest distance of a landmark from the camera; the space before farther landmarks does not count as seen [m]."""
+    near_m: Annotated[float, Gt(0)] = 0.7
+    """Distance from a keyframe within which visible space belongs to the place of this keyframe [m]."""
+    temperature: Annotated[float, Gt(0)] = 0.063
+    """The similarities of an image are divided by this before the softmax that converts them to probabilities."""
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.001
+    """Is added to the probabilities of an image, so that no image can rule out a label."""
+    own_weight: Annotated[float, Ge(0)] = 0.3
+    """Weight of a keyframe's own image, in addition to the share of its visible space near the keyframe."""
+    neighbour_weight: Annotated[float, Ge(0)] = 4.0
+    """Weight of the beliefs of the neighbours in sight, relative to the evidence of the images."""
+    passes: Annotated[int, Ge(0)] = 3
+    """Number of passes of mean-field inference, in which neighbours in sight come to agree."""
+    share: Annotated[float, Interval(ge=0, lt=1)] = 0.03
+    """A keyframe sees the place of another one if more than this share of its visible space lies there."""
+    min_keyframes: Annotated[int, Ge(1)] = 3
+    """A room of fewer keyframes is absorbed by the room with which it shares most sight."""
 
 
 @dataclass(frozen=True)
@@ -185,6 +213,7 @@ class Config(Settings, place="lexis", error=ConfigError):
     landmarks: LandmarkConfig = field(default_factory=LandmarkConfig)
     labels: LabelConfig = field(default_factory=LabelConfig)
     segmentation: SegmentationConfig = field(default_factory=SegmentationConfig)
+    sight: SightConfig = field(default_factory=SightConfig)
     place_recognition: PlaceRecognitionConfig = field(default_factory=PlaceRecognitionConfig)
     verification: VerificationConfig = field(default_factory=VerificationConfig)
     pose_graph: PoseGraphConfig = field(default_factory=PoseGraphConfig)

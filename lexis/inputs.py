@@ -94,12 +94,15 @@ def check_observation(
         )
 
 
-def with_copied_poses(observation: Observation) -> Observation:
-    """The observation with copies of its pose and covariance, because the caller may reuse the original arrays.
+def with_copied_geometry(observation: Observation) -> Observation:
+    """The observation with copies of its pose, covariance and points, because the caller may reuse the original arrays.
 
     The image is not copied, because LEXIS keeps no image after the observation is processed.
     """
-    return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=observation.increment_covariance.copy())
+    image, covariance = observation.image, observation.increment_covariance.copy()
+    if isinstance(image, Percept):
+        image = replace(image, points=image.points.copy())
+    return replace(observation, T_O_B=observation.T_O_B.copy(), increment_covariance=covariance, image=image)
 
 
 def is_pose(T: object) -> bool:
@@ -155,6 +158,9 @@ def _check_percept(percept: Percept, size: int | None, where: str) -> None:
     if not (_is_rows(points, 2, "f4", "f8") and _is_rows(descriptors, DESCRIPTOR_BYTES, "u1")):
         found = f"key points are {_type_of(points)} and descriptors {_type_of(descriptors)}"
         raise ObservationError(f"{where}: {found}; valid: float32 (n, 2) and uint8 (n, {DESCRIPTOR_BYTES})")
+    if not _is_rows(percept.points, 3, "f8") or not (np.abs(percept.points) <= MAX_POSITION_M).all():
+        found = f"points are {_type_of(percept.points)}"
+        raise ObservationError(f"{where}: {found}; valid: float64 (m, 3), finite and up to {MAX_POSITION_M:g} m")
     if len(points) != len(descriptors) or not (np.abs(points) <= MAX_FOCAL_PX).all():
         found = f"{len(points)} key points and {len(descriptors)} descriptors"
         raise ObservationError(f"{where}: {found}; valid: one descriptor per key point, and finite positions")

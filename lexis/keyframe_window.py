@@ -13,7 +13,7 @@ from jaxtyping import Float32
 from lexis.config import Config
 from lexis.keyframes import Frame
 from lexis.landmarks import View, triangulate
-from lexis.types import Camera, Features, Keyframe
+from lexis.types import Camera, Features, Keyframe, Landmarks, Observation, Percept
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,16 @@ class KeyframeWindow:
             step_covariance=entry.frame.step_covariance,
             embedding=entry.embedding,
             features=entry.features,
-            landmarks=triangulate(entry.view, views, self._camera, self._config.landmarks),
+            landmarks=_with_points(triangulate(entry.view, views, self._camera, self._config.landmarks), observation),
         )
         self._count += 1
         return [keyframe]
+
+
+def _with_points(triangulated: Landmarks, observation: Observation) -> Landmarks:
+    """The landmarks, and the points of the observation's percept as further landmarks without key points."""
+    seen = observation.image
+    if not isinstance(seen, Percept) or not len(seen.points):
+        return triangulated
+    without = np.full(len(seen.points), -1)
+    return Landmarks(np.concatenate([triangulated.points, seen.points]), np.concatenate([triangulated.feature_ids, without]))

@@ -10,6 +10,7 @@ after every optimisation. Unlike in the paper, each pass starts from the labels 
 previous pass. Labels are thus a function of the current graph, and a wrong label disappears as soon as its cause does.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ from lexis.stairs import on_stairs
 Positions = Float64[np.ndarray, "n 3"]
 Labels = Int[np.ndarray, "n"]
 Similarities = Float64[np.ndarray, "n rooms"]
+Refinement = Callable[[Similarities, Int[np.ndarray, "n"]], Labels]
+"""A function that refines the labels of some keyframes, given the similarities of their images and their ids."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,11 @@ def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "room
 
 
 def label_keyframes(
-    similarities: Similarities, positions: Positions, room_names: tuple[str, ...], config: LabelConfig
+    similarities: Similarities,
+    positions: Positions,
+    room_names: tuple[str, ...],
+    config: LabelConfig,
+    refine: Refinement | None = None,
 ) -> RoomLabels:
     """Label all keyframes from their images and their current positions.
 
@@ -60,20 +67,25 @@ def label_keyframes(
         positions: positions of the keyframes in W, in the order of the path [m].
         room_names: the vocabulary.
         config: whether to refine, the number of neighbours C, and the thresholds of a climb.
+        refine: how the labels of keyframes that are not on stairs are refined; None: by the vote of the paper.
     """
     similarities = rounded(similarities)
     baseline = similarities.argmax(axis=1)
-    if not config.refine:
+    if config.method == "image":
         return RoomLabels(baseline, baseline)
+
+    def vote(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Labels:
+        return propagate(scores.argmax(axis=1), scores, positions[keyframes], config.neighbours)
+
+    refine = refine or vote
     if config.stairs_name not in room_names or len(room_names) == 1:
-        return RoomLabels(baseline, propagate(baseline, similarities, positions, config.neighbours))
+        return RoomLabels(baseline, refine(similarities, np.arange(len(positions))))
     stairs = room_names.index(config.stairs_name)
-    level = ~on_stairs(positions, config)
+    level = np.flatnonzero(~on_stairs(positions, config))
     rooms_only = similarities.copy()
     rooms_only[:, stairs] = -np.inf
     refined = np.full(len(positions), stairs)
-    image_labels = rooms_only[level].argmax(axis=1)
-    refined[level] = propagate(image_labels, rooms_only[level], positions[level], config.neighbours)
+    refined[level] = refine(rooms_only[level], level)
     return RoomLabels(baseline, refined)
 
 

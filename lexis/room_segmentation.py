@@ -2,10 +2,11 @@
 
 import math
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Bool, Float64, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -17,6 +18,9 @@ from lexis.types import RoomInstance
 
 Positions = Float64[np.ndarray, "n 3"]
 PerKeyframe = Int[np.ndarray, "n"]
+Clustering = Callable[[PerKeyframe, PerKeyframe, Positions], tuple[PerKeyframe, PerKeyframe]]
+"""A function that groups keyframes, given their labels, floors and positions. It returns the number of the group of every
+keyframe and the labels, which it may correct."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +31,16 @@ class Segmentation:
     """Room instances, ordered by their first keyframe; `rooms[i].id == i`."""
     floors: PerKeyframe
     """Floor number of every keyframe: 0 for the lowest floor, -1 on stairs."""
+    labels: PerKeyframe
+    """Label of every keyframe, as an index into the room names; all keyframes of a room have one label."""
 
 
 def segment(
-    labels: PerKeyframe, positions: Positions, room_names: tuple[str, ...], config: SegmentationConfig
+    labels: PerKeyframe,
+    positions: Positions,
+    room_names: tuple[str, ...],
+    config: SegmentationConfig,
+    cluster: Clustering | None = None,
 ) -> Segmentation:
     """Group labelled keyframes into room instances and floors.
 
@@ -47,15 +57,26 @@ def segment(
         positions: positions of the keyframes in W, in the order of the walk [m].
         room_names: the vocabulary.
         config: the two distances, and the name of the stairs.
+        cluster: how keyframes are grouped, in place of steps 2 and 3; None: as the paper does.
     """
     stairs = np.array([name == config.stairs_name for name in room_names])[labels]
     floors = floor_levels(stairs, positions[:, 2])
+    if cluster is None:
+        groups = _by_distance(labels, floors, stairs, positions, config)
+    else:
+        groups, labels = cluster(labels, floors, positions)
+    instance_of = _by_first_appearance(groups)
+    return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors, labels)
+
+
+def _by_distance(
+    labels: PerKeyframe, floors: PerKeyframe, stairs: Bool[np.ndarray, "n"], positions: Positions, config: SegmentationConfig
+) -> PerKeyframe:
     kinds = np.unique(np.stack([labels, floors], axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     # The flights of a staircase lie above one another: without their heights they form one cluster.
     stairs_flattened = np.where(stairs[:, None], positions * [1.0, 1.0, 0.0], positions)
     clusters = _cluster(kinds, stairs_flattened, config.distance_m)
-    instance_of = _by_first_appearance(_merge(clusters, kinds, positions, config.adjacency_m))
-    return Segmentation(_rooms(instance_of, labels, floors, positions, room_names), floors)
+    return _merge(clusters, kinds, positions, config.adjacency_m)
 
 
 @dataclass

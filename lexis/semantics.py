@@ -11,9 +11,12 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int
 
 from lexis.config import Config
-from lexis.room_labels import Labels, label_keyframes, similarities
-from lexis.room_segmentation import segment
-from lexis.types import Keyframe, Poses, RoomInstance
+from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes, similarities
+from lexis.room_segmentation import Clustering, Positions, segment
+from lexis.sight.pooled_labels import pool_labels
+from lexis.sight.room_clusters import cluster_by_sight
+from lexis.sight.visible_space import VisibleSpace, sight
+from lexis.types import Keyframe, Pose, Poses, RoomInstance
 
 
 @runtime_checkable
@@ -39,9 +42,22 @@ class Semantics:
     rooms: tuple[RoomInstance, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Views:
+    """What the cameras of all keyframes saw, and from where."""
+
+    embeddings: Float32[np.ndarray, "n d"]
+    """CLIP embedding of every keyframe (f_CLIP in the paper), unit norm."""
+    spaces: Sequence[VisibleSpace]
+    """The free space that each keyframe's image shows."""
+    T_W_B: Poses
+    """Current poses."""
+    T_B_C: Pose
+    """Pose of the camera on the body."""
+
+
 def derive(
-    embeddings: Float32[np.ndarray, "n d"],
-    T_W_B: Poses,
+    views: Views,
     text: Float32[np.ndarray, "rooms d"],
     room_names: tuple[str, ...],
     config: Config,
@@ -50,16 +66,31 @@ def derive(
     """Label, refine and cluster all keyframes at their current poses (paper, Sec. III-B and III-C).
 
     Args:
-        embeddings: CLIP embedding of every keyframe (f_CLIP in the paper), unit norm.
-        T_W_B: current poses.
+        views: what the keyframes saw.
         text: text embedding of every room name (f_TEXT in the paper), unit norm.
         room_names: the vocabulary.
-        config: all settings, of which only those of labels and segmentation are used.
+        config: all settings, of which only those of labels, segmentation and sight are used.
         given: labels to cluster in place of the refined labels; None: the refined labels.
     """
-    positions = T_W_B[:, :3, 3]
-    cosines = similarities(embeddings, text)
-    labels = label_keyframes(cosines, positions, room_names, config.labels)
-    refined = labels.refined if given is None else given
-    segmentation = segment(refined, positions, room_names, config.segmentation)
-    return Semantics(cosines, labels.baseline, refined, segmentation.floors, segmentation.rooms)
+    positions, cosines = views.T_W_B[:, :3, 3], similarities(views.embeddings, text)
+    refine, cluster = _by_sight(views, config)
+    labels = label_keyframes(cosines, positions, room_names, config.labels, refine)
+    found = labels.refined if given is None else given
+    rooms = segment(found, positions, room_names, config.segmentation, cluster)
+    return Semantics(cosines, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
+
+
+def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
+    """How labels are refined and rooms are clustered by sight; None in place of either where the paper's method is set."""
+    chosen = config.labels.method == "sight", config.segmentation.method == "sight"
+    if not any(chosen):
+        return None, None
+    sees = sight(views.spaces, views.T_W_B, views.T_B_C, config.sight.near_m)
+
+    def refine(scores: Similarities, keyframes: Int[np.ndarray, "n"]) -> Labels:
+        return pool_labels(scores, sees[keyframes][:, keyframes], config.sight)[0]
+
+    def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
+        return cluster_by_sight(labels, floors, positions, sees, config.sight)
+
+    return refine if chosen[0] else None, cluster if chosen[1] else None

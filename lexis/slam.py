@@ -22,14 +22,15 @@ from dataclasses import replace
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
-from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_poses
+from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.pose_graph import PoseGraph
 from lexis.room_labels import image_label
-from lexis.semantics import Labeller, Semantics, derive
+from lexis.semantics import Labeller, Semantics, Views, derive
+from lexis.sight.visible_space import VisibleSpace, space_in_view
 from lexis.timing import StageTimer
 from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance
 from lexis.verification import Verifier, verify
@@ -76,6 +77,7 @@ class Slam:
         self._extractor = FeatureExtractor(self._config.landmarks)
         self._window = KeyframeWindow(self._camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
+        self._spaces: list[VisibleSpace] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None = None
@@ -90,7 +92,7 @@ class Slam:
             ObservationError: the observation does not fit the camera or the sequence.
         """
         check_observation(observation, self._camera, self._previous, self._text.shape[1])
-        observation = with_copied_poses(observation)
+        observation = with_copied_geometry(observation)
         self._previous = observation
         frame = self._selector.select(observation)
         if frame is None:
@@ -126,6 +128,7 @@ class Slam:
         every keyframe would be slow, because it labels all keyframes.
         """
         self._graph.add_keyframe(keyframe)
+        self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
         self._close_loops(keyframe)
         optimised = self._optimise()
         if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:
@@ -135,7 +138,8 @@ class Slam:
         """Labels, rooms and floors of all keyframes at their current poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            return derive(self._graph.embeddings, self._graph.T_W_B, self._text, self._room_names, self._config, given)
+            views = Views(self._graph.embeddings, self._spaces, self._graph.T_W_B, self._camera.T_B_C)
+            return derive(views, self._text, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
         """Propose loop candidates in the room that the image shows, verify them by PnP, and add the loop edges."""

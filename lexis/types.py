@@ -60,6 +60,8 @@ class Percept:
     """Embedding of the image with unit norm (f_CLIP in the paper), made by the encoder that also encodes the room names."""
     features: Features
     """AKAZE features of the image (f_AKAZE in the paper). There may be none."""
+    points: Float64[np.ndarray, "m 3"] = field(default_factory=lambda: np.zeros((0, 3)))
+    """Points on the surfaces in view, in the body frame B [m], as a depth camera measures them. There may be none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +86,7 @@ class Landmarks:
     points: Float64[np.ndarray, "m 3"]
     """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """For each point, the row of its key point in the keyframe's features."""
+    """For each point, the row of its key point in the keyframe's features; -1 for a point of a percept, which has none."""
 
 
 @dataclass(frozen=True, eq=False)

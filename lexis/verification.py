@@ -151,8 +151,10 @@ class Locator:
 
     def _match(self, keyframe: Keyframe) -> Int[np.ndarray, "k 2"]:
         if keyframe.id not in self._matches:
-            landmarks = keyframe.features.descriptors[keyframe.landmarks.feature_ids]
-            self._matches[keyframe.id] = mutual_matches(self._query.features.descriptors, landmarks, self._config.ratio)
+            rows = np.flatnonzero(keyframe.landmarks.feature_ids >= 0)
+            landmarks = keyframe.features.descriptors[keyframe.landmarks.feature_ids[rows]]
+            matches = mutual_matches(self._query.features.descriptors, landmarks, self._config.ratio)
+            self._matches[keyframe.id] = np.stack([matches[:, 0], rows[matches[:, 1]]], axis=1)
         return self._matches[keyframe.id]
 
 

@@ -157,7 +157,7 @@ def _check_references(arrays: Arrays) -> None:
         "loop_match": (0, n),
         "candidate_query": (0, n),
         "candidate_match": (0, n),
-        "landmark_feature": (0, max(len(arrays["keypoints"]), 1)),
+        "landmark_feature": (-1, max(len(arrays["keypoints"]), 1)),
         "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
     }
     for name, (low, high) in bounds.items():

@@ -9,7 +9,8 @@ from lexis.config import Config
 from lexis.inputs import check_room_names
 from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
-from lexis.semantics import derive
+from lexis.semantics import Views, derive
+from lexis.sight.visible_space import space_in_view
 from lexis.types import LexisMap
 
 
@@ -28,8 +29,11 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     check_room_names(room_names)
     check_encoder(map, encoder)
     names = tuple(room_names)
+    config, T_B_C = config or Config(), map.camera.T_B_C
     embeddings = np.array([keyframe.embedding for keyframe in map.keyframes])
-    meaning = derive(embeddings, map.T_W_B, encoder.encode_rooms(names), names, config or Config())
+    spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes]
+    views = Views(embeddings, spaces, map.T_W_B, T_B_C)
+    meaning = derive(views, encoder.encode_rooms(names), names, config)
     return replace(
         map,
         room_names=names,

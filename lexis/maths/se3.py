@@ -26,7 +26,7 @@ def between(
     return np.asarray(inverse(T_a_b) @ T_a_c)
 
 
-def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
+def transform(T_a_b: Float64[np.ndarray, "4 4"], points: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
     """Transform points from frame b to frame a."""
     return np.asarray(points @ T_a_b[:3, :3].T + T_a_b[:3, 3])
 

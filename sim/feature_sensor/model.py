@@ -1,8 +1,8 @@
 """`FeatureModel`: all fitted parameters of the feature sensor, and their file format. Loading never unpickles."""
 
 from dataclasses import dataclass, fields
-from functools import lru_cache
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -55,6 +55,8 @@ _SAME = 0.999
 machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
 """Texts that are encoded for the fingerprint."""
+_FINGERPRINTS: WeakKeyDictionary[Encoder, Float32[np.ndarray, "probes d"]] = WeakKeyDictionary()
+"""Fingerprints of the encoders that have been asked for in this process."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +78,17 @@ class FeatureModel:
             )
 
 
-@lru_cache(maxsize=4)
 def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
     """Embed a few texts and one image. The embeddings identify the encoder, however its weights are stored.
 
     Embedding the image takes longer than any other preparation of a run on features, so the result is remembered.
     """
+    if encoder not in _FINGERPRINTS:
+        _FINGERPRINTS[encoder] = _fingerprint(encoder)
+    return _FINGERPRINTS[encoder]
+
+
+def _fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
     ramp = np.linspace(0.0, 255.0, 64)
     image = np.stack(
         [np.broadcast_to(ramp, (48, 64)), np.broadcast_to(ramp[::-1], (48, 64)), np.full((48, 64), 90.0)], axis=-1

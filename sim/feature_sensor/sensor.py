@@ -10,8 +10,9 @@ from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Float64
 
+from lexis.maths.se3 import transform
 from lexis.types import Camera, Features, Percept, Poses
 from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, LoopModel, TrueView
 from sim.feature_sensor.model import FeatureModel
@@ -27,6 +28,8 @@ _CHUNK = 256
 """Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 """The features of all simulated percepts: no key points, because loops are verified by covisibility."""
+_EVERY = slice(None, None, 4), slice(None, None, 3)
+"""Columns and rows of the rays whose end points a percept contains: 100 points, about as many as LEXIS triangulates."""
 
 
 class FeatureSensor:
@@ -69,23 +72,23 @@ class SensedTour:
         """Depths of the rays [m], by number of the chunk of frames, for the chunks whose rays have been cast."""
         self._drawn: dict[int, Float32[np.ndarray, "n d"]] = {}
         """Embeddings by number of the chunk of frames, for the chunks whose percepts have been asked for."""
+        self._grid = RayGrid.of(camera.intrinsics, COLUMNS, ROWS)
 
     def percepts(self) -> Iterator[Percept]:
-        """Yield the percept of each frame. Its embedding is a copy, because the SLAM may write into it."""
+        """Yield the percept of each frame. Its arrays are copies, because the SLAM may write into them."""
         for number, chunk in enumerate(self._chunks):
             if number not in self._drawn:
                 self._drawn[number] = self._embeddings(self._look(number), self._T_W_B[chunk.frames])
-            for embedding in self._drawn[number]:
-                yield Percept(embedding.copy(), NO_FEATURES)
+            for embedding, points in zip(self._drawn[number], self._points(number), strict=True):
+                yield Percept(embedding.copy(), NO_FEATURES, points[np.isfinite(points[:, 0])])
 
     def verifier(self) -> CovisibilityVerifier:
         """Return the loop verifier for this tour."""
-        grid = RayGrid.of(self._camera.intrinsics, COLUMNS, ROWS)
 
         @cache
         def view_of(frame: int) -> TrueView:
             T_W_B = np.asarray(self._T_W_B[frame])
-            return TrueView(T_W_B, T_W_B @ self._camera.T_B_C, self._depth(frame), grid)
+            return TrueView(T_W_B, T_W_B @ self._camera.T_B_C, self._depth(frame), self._grid)
 
         return CovisibilityVerifier(self._loops, view_of, self._seed)
 
@@ -94,6 +97,15 @@ class SensedTour:
         if number not in self._depths:
             self._look(number)
         return np.asarray(self._depths[number][frame - self._chunks[number].frames.start])
+
+    def _points(self, number: int) -> Float64[np.ndarray, "n points 3"]:
+        """Return end points of rays at the frames of a chunk, in the body frame [m]; NaN for rays that hit nothing."""
+        columns, rows = _EVERY
+        depth = self._depths[number][:, columns, rows].astype(np.float64)
+        depth[~np.isfinite(depth)] = np.nan
+        x, y = np.meshgrid(self._grid.x[columns], self._grid.y[rows], indexing="ij")
+        ends = depth[..., None] * np.stack([x, y, np.ones_like(x)], axis=-1)
+        return np.asarray(transform(self._camera.T_B_C, ends.reshape(len(depth), x.size, 3)))
 
     def _look(self, number: int) -> VisibleShares:
         """Return the visible contents at the frames of the chunk with this number."""

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.config import VerificationConfig
-from lexis.maths.se3 import adjoint, exp, inverse
+from lexis.maths.se3 import adjoint, exp, inverse, transform
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Pose, Poses
+from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Percept, Pose, Poses
 from lexis.verification import Verifier
 from sim.harness.slam_under_test import FeatureInput
 from sim.suites.stream_changes import NoChange
@@ -25,7 +25,10 @@ class OtherFrames(NoChange):
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield the observation in the new frames."""
         T_O_B = self.T_new_old @ observation.T_O_B @ self.T_B_N
-        yield replace(observation, T_O_B=T_O_B, increment_covariance=_in_frame(self.T_B_N, observation.increment_covariance))
+        covariance, image = _in_frame(self.T_B_N, observation.increment_covariance), observation.image
+        if isinstance(image, Percept):
+            image = replace(image, points=transform(inverse(self.T_B_N), image.points))
+        yield replace(observation, T_O_B=T_O_B, increment_covariance=covariance, image=image)
 
     def camera(self, camera: Camera) -> Camera:
         """Return the camera with its pose in the new body frame."""

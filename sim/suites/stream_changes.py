@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lexis.inputs import with_copied_poses
+from lexis.inputs import with_copied_geometry
 from lexis.maths.se3 import adjoint, between
 from lexis.types import Camera, Observation, Percept, Pose
 from sim.harness.scenario import Scenario
@@ -252,6 +252,7 @@ class Synonyms(NoChange):
 
 def copied(observation: Observation) -> Observation:
     """Return an observation whose arrays are copies, except for key points."""
-    image = observation.image
+    own = with_copied_geometry(observation)
+    image = own.image
     seen = replace(image, embedding=image.embedding.copy()) if isinstance(image, Percept) else image.copy()
-    return replace(with_copied_poses(observation), image=seen)
+    return replace(own, image=seen)

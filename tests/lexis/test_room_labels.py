@@ -130,5 +130,5 @@ def test_keyframes_at_one_place_vote_too():
 
 def test_without_refinement_every_keyframe_keeps_its_images_label(rng):
     scores, positions = rng.normal(size=(30, 3)), walk(rng, 30)
-    labels = label_keyframes(scores, positions, NAMES, LabelConfig(refine=False))
+    labels = label_keyframes(scores, positions, NAMES, LabelConfig(method="image"))
     np.testing.assert_array_equal(labels.refined, labels.baseline)

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass, field, fields, is_dataclass
-from typing import Annotated, Literal, get_type_hints
+from typing import Annotated, Literal, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -88,9 +88,8 @@ def test_bad_data_names_the_file_and_the_setting(data, message):
 def test_every_number_of_lexis_declares_its_range():
     for stage in fields(Config):
         for name, hint in get_type_hints(stage.default_factory, include_extras=True).items():
-            declared = (
-                hint is bool or hasattr(hint, "__metadata__") or any(hasattr(o, "__metadata__") for o in hint.__args__)
-            )
+            choice = hint is bool or get_origin(hint) is Literal
+            declared = choice or hasattr(hint, "__metadata__") or any(hasattr(o, "__metadata__") for o in hint.__args__)
             assert declared or name in ("place", "error"), f"{stage.name}.{name}"
         assert is_dataclass(stage.default_factory) and stage.default_factory.place == stage.name
 

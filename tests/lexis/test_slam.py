@@ -168,13 +168,13 @@ def reusing_buffers(observations):
 
 def _arrays(observation):
     seen = observation.image
-    of_image = [seen.embedding, *vars(seen.features).values()] if isinstance(seen, Percept) else [seen]
+    of_image = [seen.embedding, seen.points, *vars(seen.features).values()] if isinstance(seen, Percept) else [seen]
     return [observation.T_O_B, observation.increment_covariance, *of_image]
 
 
 def _observation(observation, buffers):
     T_O_B, covariance, *of_image = buffers
-    image = of_image[0] if len(of_image) == 1 else Percept(of_image[0], Features(*of_image[1:]))
+    image = of_image[0] if len(of_image) == 1 else Percept(of_image[0], Features(*of_image[2:]), of_image[1])
     return replace(observation, image=image, T_O_B=T_O_B, increment_covariance=covariance)
 
 
@@ -183,7 +183,8 @@ def percepts(observations):
     encoder, extractor = ThumbnailEncoder(), FeatureExtractor(CONFIG.landmarks)
     for observation in observations:
         image = observation.image
-        yield replace(observation, image=Percept(encoder.encode_image(image), extractor.extract(image)))
+        points = np.array([[1.0 + 0.1 * observation.index, 0.5, 0.0]])
+        yield replace(observation, image=Percept(encoder.encode_image(image), extractor.extract(image), points))
 
 
 class ReusingEncoder(ThumbnailEncoder):

@@ -64,7 +64,7 @@ _KEYFRAMES = (
     Mutant(
         "the poses of observations are kept without a copy",
         "slam.py",
-        "        observation = with_copied_poses(observation)\n",
+        "        observation = with_copied_geometry(observation)\n",
         "",
     ),
 )

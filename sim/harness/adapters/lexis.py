@@ -151,5 +151,5 @@ def _switched(config: Config, loops: bool, refine: bool) -> Config:
     if not loops:
         config = replace(config, place_recognition=replace(config.place_recognition, candidates=0))
     if not refine:
-        config = replace(config, labels=replace(config.labels, refine=False))
+        config = replace(config, labels=replace(config.labels, method="image"))
     return config

@@ -60,7 +60,7 @@ def test_the_order_of_names_changes_numbers_and_no_names(lexis_map, encoder):
 
 
 def test_settings_are_heeded(lexis_map, encoder):
-    plain = relabel(lexis_map, NAMES, encoder, Config(labels=LabelConfig(refine=False)))
+    plain = relabel(lexis_map, NAMES, encoder, Config(labels=LabelConfig(method="image")))
     np.testing.assert_array_equal(plain.labels, lexis_map.baseline_labels)
 
 

@@ -1,0 +1,81 @@
+"""Room instances as groups of keyframes that see each other's places."""
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from lexis.config import SightConfig
+from lexis.floors import NO_FLOOR
+from lexis.maths.ties import rounded
+
+_STAIRCASE_M = 3.0
+"""Keyframes on stairs are of one staircase if a chain of keyframes joins them, with horizontal steps of up to this [m]."""
+
+PerKeyframe = Int[np.ndarray, "n"]
+Positions = Float64[np.ndarray, "n 3"]
+Pairs = Int[np.ndarray, "m 2"]
+
+
+def cluster_by_sight(
+    labels: PerKeyframe, floors: PerKeyframe, positions: Positions, sees: csr_array, config: SightConfig
+) -> tuple[PerKeyframe, PerKeyframe]:
+    """Group keyframes into rooms; return the number of the room of every keyframe, and the labels of the keyframes.
+
+    1. Two keyframes of one label and floor are in one room if they are consecutive, or if one sees the place of the other.
+    2. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
+       from, most. Its keyframes take the label of that room.
+
+    Twin rooms with a wall between them stay two, however close they are, and one long room stays one. Keyframes on stairs
+    belong together by their horizontal distance instead, because the flights of a staircase lie above one another.
+
+    Args:
+        labels: label of every keyframe.
+        floors: floor of every keyframe; `NO_FLOOR` on stairs.
+        positions: positions of the keyframes in W [m].
+        sees: the matrix that `lexis.sight.visible_space.sight` returns.
+        config: the least share of a visible space that counts as seeing a place, and the least size of a room.
+    """
+    n = len(labels)
+    pairs = np.concatenate([_consecutive(n), _seeing(sees, config.share)])
+    first, second = pairs.T
+    alike = (labels[first] == labels[second]) & (floors[first] == floors[second])
+    joined = np.concatenate([pairs[alike], _on_one_staircase(floors == NO_FLOOR, positions)])
+    graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(n, n))
+    rooms = np.asarray(connected_components(graph, directed=False)[1])
+    return _absorbed(rooms, labels, floors, sees, config.min_keyframes)
+
+
+def _consecutive(n: int) -> Pairs:
+    return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
+
+
+def _seeing(sees: csr_array, share: float) -> Pairs:
+    """Pairs of keyframes, one of which sees the place of the other with more than the share of its visible space."""
+    entries = sees.tocoo()
+    return np.stack(entries.coords, axis=1)[rounded(entries.data) > share]
+
+
+def _on_one_staircase(stairs: Bool[np.ndarray, "n"], positions: Positions) -> Pairs:
+    """Pairs of keyframes on stairs that are horizontally close."""
+    climbing = np.flatnonzero(stairs)
+    close = cKDTree(positions[climbing, :2]).query_pairs(_STAIRCASE_M, output_type="ndarray")
+    return np.asarray(climbing[close]).reshape(-1, 2)
+
+
+def _absorbed(
+    rooms: PerKeyframe, labels: PerKeyframe, floors: PerKeyframe, sees: csr_array, min_keyframes: int
+) -> tuple[PerKeyframe, PerKeyframe]:
+    """Merge each small room into the larger room of its floor with which it shares most sight, if there is one."""
+    rooms, labels, shared = rooms.copy(), labels.copy(), sees + sees.T
+    size = np.bincount(rooms)
+    small = (size < min_keyframes)[rooms] & (floors != NO_FLOOR)
+    large = ~small & (floors != NO_FLOOR)
+    for room in np.unique(rooms[small]).tolist():
+        members = np.flatnonzero(rooms == room)
+        weight = shared[members].sum(axis=0) * (large & (floors == floors[members[0]]))
+        into = int(rounded(np.bincount(rooms, weight)).argmax())
+        if weight[rooms == into].any():
+            rooms[members], labels[members] = into, labels[rooms == into][0]
+    return rooms, labels

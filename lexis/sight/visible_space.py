@@ -1,0 +1,79 @@
+"""The free space that each keyframe's camera looks into, and which keyframes stand in it.
+
+The space between a camera and a landmark is free, and belongs to what the image shows. Landmarks lie on walls and furniture,
+so this space does not reach through walls.
+
+1. Sample places on the way from the camera to each landmark, at the height of the camera (`space_in_view`). The last part of
+   the way is left out, because a landmark may have been triangulated behind the wall on which it lies.
+2. For each pair of keyframes, compute the share of the one's places that lie near the other (`sight`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from lexis.config import SightConfig
+from lexis.maths.se3 import inverse, transform
+from lexis.types import Keyframe, Pose, Poses
+
+_SHARES = np.array([0.0, 0.2, 0.4, 0.6])
+"""Places are sampled at these shares of the way from the camera to a landmark."""
+_CELL_M = 0.35
+"""Width of the cells over which places are averaged, so that there are few of them [m]."""
+_COUNT = 1000
+"""Number of cells along each axis, which is more than any range needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class VisibleSpace:
+    """Places in the free space that one image shows, at the height of the camera."""
+
+    places: Float64[np.ndarray, "k 3"]
+    """Positions in the frame of the camera [m]."""
+    weights: Float64[np.ndarray, "k"]
+    """Share of the visible space that each place stands for; the shares add up to 1."""
+
+
+def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> VisibleSpace:
+    """Sample the free space between the camera of a keyframe and its landmarks.
+
+    Landmarks farther away than `config.range_m` are left out. Without other landmarks, only the place of the camera is known
+    to be free.
+
+    Args:
+        keyframe: its landmarks are used, and the direction of gravity in its odometry pose.
+        T_B_C: pose of the camera on the body.
+        config: the range.
+    """
+    rays = transform(inverse(T_B_C), keyframe.landmarks.points)
+    rays = rays[np.linalg.norm(rays, axis=1) <= config.range_m]
+    if not len(rays):
+        return VisibleSpace(np.zeros((1, 3)), np.ones(1))
+    up = T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3]  # z of O points upwards
+    level = rays - (rays @ up)[:, None] * up
+    places = (_SHARES[:, None, None] * level).reshape(-1, 3)
+    cells = np.floor(places / _CELL_M).astype(np.int64) + _COUNT // 2
+    _, cell, count = np.unique(cells @ [_COUNT * _COUNT, _COUNT, 1], return_inverse=True, return_counts=True)
+    sums = np.stack([np.bincount(cell, axis) for axis in places.T], axis=1)
+    return VisibleSpace(sums / count[:, None], count / len(places))
+
+
+def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: float) -> csr_array:
+    """Return which keyframes see the places of which others, as a sparse matrix (n, n).
+
+    The entry (i, j) is the share of keyframe j's visible space that lies within `near_m` [m] of the camera of keyframe i. It
+    depends on the relative poses of the keyframes only, and not on the frame W.
+    """
+    T_W_C = T_W_B @ T_B_C
+    viewer = np.repeat(np.arange(len(spaces)), [len(space.weights) for space in spaces])
+    weights = np.concatenate([space.weights for space in spaces])
+    local = np.concatenate([space.places for space in spaces])
+    places = np.einsum("nij,nj->ni", T_W_C[viewer, :3, :3], local) + T_W_C[viewer, :3, 3]
+    cameras = cKDTree(T_W_C[:, :3, 3])
+    near = cameras.sparse_distance_matrix(cKDTree(places), near_m, output_type="ndarray")
+    seen, place = near["i"], near["j"]
+    return csr_array((weights[place], (seen, viewer[place])), shape=(len(spaces), len(spaces)))

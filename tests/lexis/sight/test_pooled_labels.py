@@ -1,0 +1,59 @@
+"""Labels follow the images that show a place, and not the image that was taken there."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+
+from lexis.config import SightConfig
+from lexis.sight.pooled_labels import pool_labels
+
+KITCHEN, OFFICE = [0.5, 0.1, 0.1], [0.1, 0.5, 0.1]
+
+
+def random_views(seed, n):
+    rng = np.random.default_rng(seed)
+    sees = np.where(rng.random((n, n)) < 0.4, rng.random((n, n)), 0.0)
+    return rng.uniform(-0.2, 0.6, (n, 3)), csr_array(sees)
+
+
+def test_an_image_that_nobody_shares_keeps_its_label():
+    labels, beliefs = pool_labels(np.array([KITCHEN, OFFICE]), csr_array((2, 2)), SightConfig())
+    assert labels.tolist() == [0, 1]
+    np.testing.assert_allclose(beliefs.sum(axis=1), 1.0)
+
+
+def test_a_keyframe_that_looks_into_the_next_room_gets_the_label_of_its_own():
+    # Keyframes 0 to 2 stand in the kitchen, 3 to 5 in the office; keyframe 2 stands in the door and looks into the office.
+    sees = np.zeros((6, 6))
+    sees[:3, :2], sees[3:, 2:] = 0.3, 0.3
+    images = np.array([KITCHEN, KITCHEN, OFFICE, OFFICE, OFFICE, OFFICE])
+    assert pool_labels(images, csr_array(sees), SightConfig())[0].tolist() == [0, 0, 0, 1, 1, 1]
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 20))
+def test_labels_do_not_depend_on_the_order_of_keyframes_or_names(seed, n):
+    similarities, sees = random_views(seed, n)
+    rng = np.random.default_rng(seed)
+    rows, names = rng.permutation(n), rng.permutation(3)
+    _, beliefs = pool_labels(similarities, sees, SightConfig())
+    labels, moved = pool_labels(similarities[rows][:, names], sees[rows][:, rows], SightConfig())
+    np.testing.assert_allclose(moved, beliefs[rows][:, names], atol=1e-9)
+    np.testing.assert_allclose(moved[np.arange(n), labels], moved.max(axis=1), atol=1e-6)
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 20))
+def test_without_passes_beliefs_are_the_weighted_product_of_the_images_probabilities(seed, n):
+    similarities, sees = random_views(seed, n)
+    config = SightConfig(passes=0)
+    shares = np.exp(similarities.round(6) / config.temperature)
+    evidence = np.log(shares / shares.sum(axis=1, keepdims=True) + config.least_probability)
+    expected = np.exp((sees.toarray() + config.own_weight * np.eye(n)) @ evidence)
+    _, beliefs = pool_labels(similarities, sees, config)
+    np.testing.assert_allclose(beliefs, expected / expected.sum(axis=1, keepdims=True), rtol=1e-6, atol=1e-12)
+
+
+def test_a_name_that_is_excluded_is_never_a_label():
+    similarities = np.array([[-np.inf, 0.1, 0.2], [-np.inf, 0.5, 0.2]])
+    labels, beliefs = pool_labels(similarities, csr_array(np.ones((2, 2))), SightConfig())
+    assert 0 not in labels.tolist() and np.isfinite(beliefs).all()

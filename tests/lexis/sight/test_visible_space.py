@@ -1,0 +1,104 @@
+"""Visible space lies between camera and landmarks, and who sees whom depends on relative poses alone."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lexis.config import SightConfig
+from lexis.maths.se3 import exp, inverse, transform
+from lexis.sight.visible_space import VisibleSpace, sight, space_in_view
+from lexis.types import Features, Keyframe, Landmarks
+
+FORWARD = np.array([[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0]])
+"""A camera on a body with x forward and z up that looks forward."""
+NEAR_M = 0.7
+
+
+def keyframe(points, T_O_B=None):
+    """A keyframe that has these landmarks in its body frame."""
+    nothing = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
+    points = np.asarray(points, float).reshape(-1, 3)
+    landmarks = Landmarks(points, np.full(len(points), -1))
+    pose = np.eye(4) if T_O_B is None else T_O_B
+    return Keyframe(0, 0, 0.0, pose, np.eye(6), np.ones(2, np.float32), nothing, landmarks)
+
+
+def scattered(rng, n):
+    """Poses of upright bodies in a room of 6 m, and the spaces of their cameras."""
+    poses = exp(np.stack([np.r_[0.0, 0.0, yaw, np.zeros(3)] for yaw in rng.uniform(-3, 3, n)]))
+    poses[:, :3, 3] = rng.uniform(0.0, 6.0, (n, 3)) * [1.0, 1.0, 0.1]
+    spaces = [space_in_view(keyframe(rng.normal(size=(20, 3)) * 2.0), FORWARD, SightConfig()) for _ in range(n)]
+    return poses, spaces
+
+
+def slow_sight(spaces, T_W_B):
+    """The definition, place by place."""
+    T_W_C = T_W_B @ FORWARD
+    n = len(spaces)
+    shares = np.zeros((n, n))
+    for j, space in enumerate(spaces):
+        for place, weight in zip(transform(T_W_C[j], space.places), space.weights, strict=True):
+            shares[np.linalg.norm(T_W_C[:, :3, 3] - place, axis=1) <= NEAR_M, j] += weight
+    return shares
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 60))
+def test_places_lie_at_the_height_of_the_camera_on_the_way_to_landmarks(seed, n):
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-5.0, 5.0, (n, 3))
+    space = space_in_view(keyframe(points), FORWARD, SightConfig(range_m=6.0))
+    places = transform(FORWARD, space.places)
+    assert space.weights.sum() == pytest.approx(1.0) and (space.weights > 0).all()
+    np.testing.assert_allclose(places[:, 2], FORWARD[2, 3], atol=1e-12)
+    near = points[np.linalg.norm(points - FORWARD[:3, 3], axis=1) <= 6.0]
+    reach = np.linalg.norm((near - FORWARD[:3, 3])[:, :2], axis=1).max(initial=0.0)
+    assert np.linalg.norm((places - FORWARD[:3, 3])[:, :2], axis=1).max() <= 0.6 * reach + 1e-9
+
+
+def test_a_single_landmark_gives_the_first_part_of_the_way_to_it():
+    space = space_in_view(keyframe([[5.1, 0.0, 1.0]]), FORWARD, SightConfig())
+    places = transform(FORWARD, space.places)
+    order = np.argsort(places[:, 0])
+    np.testing.assert_allclose(places[order], [[0.1 + 5.0 * share, 0.0, 0.2] for share in (0.0, 0.2, 0.4, 0.6)], atol=1e-12)
+    np.testing.assert_allclose(space.weights, 0.25)
+
+
+def test_without_landmarks_in_range_the_camera_s_own_place_is_all_that_is_seen():
+    for points in ([], [[100.0, 0.0, 0.0]]):
+        space = space_in_view(keyframe(points), FORWARD, SightConfig())
+        np.testing.assert_array_equal(space.places, np.zeros((1, 3)))
+        np.testing.assert_array_equal(space.weights, [1.0])
+
+
+def test_neither_the_axes_of_the_body_nor_the_place_in_o_change_the_visible_space(rng):
+    points = rng.uniform(-4.0, 4.0, (50, 3))
+    T_B_N, T_O_B = exp(rng.normal(size=6)), exp(np.array([0.02, -0.03, 2.0, 5.0, 1.0, 0.5]))
+    here = space_in_view(keyframe(points, T_O_B), FORWARD, SightConfig())
+    moved = exp(np.array([0.0, 0.0, 1.0, 9.0, 9.0, 9.0])) @ T_O_B @ T_B_N
+    there = space_in_view(keyframe(transform(inverse(T_B_N), points), moved), inverse(T_B_N) @ FORWARD, SightConfig())
+    np.testing.assert_allclose(there.places, here.places, atol=1e-9)
+    np.testing.assert_allclose(there.weights, here.weights, atol=1e-12)
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 12))
+def test_sight_is_the_share_of_places_nearby(seed, n):
+    poses, spaces = scattered(np.random.default_rng(seed), n)
+    np.testing.assert_allclose(sight(spaces, poses, FORWARD, NEAR_M).toarray(), slow_sight(spaces, poses), atol=1e-12)
+
+
+def test_sight_does_not_depend_on_the_world_s_frame(rng):
+    poses, spaces = scattered(rng, 30)
+    here = sight(spaces, poses, FORWARD, NEAR_M).toarray()
+    there = sight(spaces, exp(np.array([0.3, -0.1, 2.0, 40.0, -9.0, 3.0])) @ poses, FORWARD, NEAR_M).toarray()
+    assert here.any() and not here.all()
+    np.testing.assert_allclose(there, here, atol=1e-9)
+
+
+def test_nobody_sees_through_a_wall():
+    facing_the_wall = space_in_view(keyframe([[0.6, y, 0.0] for y in (-0.4, 0.0, 0.4)]), FORWARD, SightConfig())
+    through_a_door = space_in_view(keyframe([[5.0, y, 0.0] for y in (-0.4, 0.0, 0.4)]), FORWARD, SightConfig())
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, 0, 3] = 0.0, 0.0, 1.5  # the third keyframe stands 1.5 m ahead of the others
+    sees = sight([facing_the_wall, through_a_door, VisibleSpace(np.zeros((1, 3)), np.ones(1))], poses, FORWARD, NEAR_M)
+    assert sees[[2], [0]] == 0.0 and sees[[2], [1]] > 0.2
