@@ -337,8 +337,8 @@ _LABELS = (
     Mutant(
         "labels of single images are not refined by their neighbours",
         "room_labels.py",
-        "refined[level] = propagate(image_labels, rooms_only[level], positions[level], config.neighbours)",
-        "refined[level] = image_labels",
+        "refined[level] = refine(rooms_only[level], level)",
+        "refined[level] = rooms_only[level].argmax(axis=1)",
     ),
     Mutant(
         "a keyframe that sees stairs is labelled as stairs",
