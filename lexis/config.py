@@ -103,15 +103,15 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     """Distance from a keyframe within which visible space belongs to the place of this keyframe [m]."""
     temperature: Annotated[float, Gt(0)] = 0.063
     """The similarities of an image are divided by this before the softmax that converts them to probabilities."""
-    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.001
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 1e-4
     """Is added to the probabilities of an image, so that no image can rule out a label."""
-    own_weight: Annotated[float, Ge(0)] = 0.3
+    own_weight: Annotated[float, Ge(0)] = 0.6
     """Weight of a keyframe's own image, in addition to the share of its visible space near the keyframe."""
     neighbour_weight: Annotated[float, Ge(0)] = 4.0
     """Weight of the beliefs of the neighbours in sight, relative to the evidence of the images."""
     passes: Annotated[int, Ge(0)] = 3
     """Number of passes of mean-field inference, in which neighbours in sight come to agree."""
-    share: Annotated[float, Interval(ge=0, lt=1)] = 0.03
+    share: Annotated[float, Interval(ge=0, lt=1)] = 0.06
     """A keyframe sees the place of another one if more than this share of its visible space lies there."""
     min_keyframes: Annotated[int, Ge(1)] = 3
     """A room of fewer keyframes is absorbed by the room with which it shares most sight."""

@@ -20,9 +20,9 @@ from lexis.config import SightConfig
 from lexis.maths.se3 import inverse, transform
 from lexis.types import Keyframe, Pose, Poses
 
-_SHARES = np.array([0.0, 0.2, 0.4, 0.6])
+_SHARES = np.array([0.0, 0.25, 0.5])
 """Places are sampled at these shares of the way from the camera to a landmark."""
-_CELL_M = 0.35
+_CELL_M = 0.5
 """Width of the cells over which places are averaged, so that there are few of them [m]."""
 _COUNT = 1000
 """Number of cells along each axis, which is more than any range needs."""

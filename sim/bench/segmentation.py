@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lexis.config import Config
 from sim.bench.houses import configs
 from sim.harness import Scenario, evaluate, run, try_plans
 from sim.harness.adapters import Lexis
@@ -38,13 +39,13 @@ class SegmentationRow:
 
 
 def run_houses(
-    config: Scenario, seeds: Sequence[int], openness: float | None = None
+    config: Scenario, seeds: Sequence[int], openness: float | None = None, settings: Config | None = None
 ) -> Iterator[tuple[int, SegmentationRow]]:
     """Make one run for each scenario of `sim.bench.houses.configs`; yield the seed and the figures of each run.
 
-    The arguments are those of `configs`.
+    The first three arguments are those of `configs`; `settings` are those of LEXIS.
     """
-    slam = Lexis(config.encoder)
+    slam = Lexis(config.encoder, settings)
     for own in configs(config, seeds, openness):
         finished = run(own, slam)
         result = evaluate(finished, try_plans(finished))

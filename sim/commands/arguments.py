@@ -39,6 +39,7 @@ _DESCRIBES_A_RUN = (
     "preset", "house", "seed", "tour", "length", "reverse", "sway", "rate", "start_manoeuvre", "odometry", "overconfidence",
     "fault", "encoder", "fidelity", "feature_model", "rig",
 )  # fmt: skip
+CONFIG_HELP = "settings of LEXIS as JSON; 'lexis config' prints the defaults"
 PRESET_HELP = f"family of houses: {', '.join(PRESETS)} (default: %(default)s)"
 
 

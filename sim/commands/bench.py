@@ -18,6 +18,7 @@ from lexis.command_line import Command, Commands, positive
 from sim.commands import bench_encoders
 from sim.commands.action import Action, add_actions
 from sim.commands.arguments import (
+    CONFIG_HELP,
     ENCODER_HELP,
     FEATURE_MODEL_HELP,
     FIDELITY_HELP,
@@ -44,6 +45,7 @@ _HOUSES = argument("--houses", type=positive, default=5, help="number of houses,
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _OWN_PYTESTS = 10
 """Approximate number of tests replaying a reduced scenario that pytest also runs in a process of its own."""
+_CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -75,6 +77,7 @@ def _houses(arguments: argparse.Namespace) -> str:
 
 
 def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.config import read_config
     from sim.bench.segmentation import SegmentationRow, mean_and_spread, run_houses
     from sim.harness import Scenario
     from sim.report.figures import shown
@@ -89,7 +92,8 @@ def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
         fidelity=arguments.fidelity,
         feature_model=arguments.feature_model,
     )
-    for house, row in run_houses(config, range(arguments.seed, last + 1), arguments.openness):
+    settings = read_config(arguments.config) if arguments.config else None
+    for house, row in run_houses(config, range(arguments.seed, last + 1), arguments.openness, settings):
         rows.append(row)
         table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
     for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
@@ -284,6 +288,7 @@ _BENCHMARKS = (
             _ENCODER,
             argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
             _FEATURE_MODEL,
+            _CONFIG,
             SEED,
         ),
     ),

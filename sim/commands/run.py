@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 
 from lexis.command_line import Commands, add_command, warn_of_replacement
-from sim.commands.arguments import DEMO_SEED, add_run_seed, add_scenario, folder, scenario_of_arguments
+from sim.commands.arguments import CONFIG_HELP, DEMO_SEED, add_run_seed, add_scenario, folder, scenario_of_arguments
 
 if TYPE_CHECKING:
     from sim.harness import Run, RunResult, Scenario
@@ -33,9 +33,7 @@ def add_to(commands: Commands) -> None:
     )
     add_scenario(run)
     _add_out(run, Path("lexis-run"))
-    run.add_argument(
-        "--config", type=Path, metavar="FILE", help="settings of LEXIS as JSON; 'lexis config' prints the defaults"
-    )
+    run.add_argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
     run.add_argument("--no-loops", action="store_true", help="close no loops")
     run.add_argument("--no-refine", action="store_true", help="keep the labels that single images give")
 

@@ -79,7 +79,7 @@ def test_all_keyframes_of_a_room_have_one_label_and_floor(seed, n):
     assert (corrected[~large] == labels[~large]).all()
 
 
-@pytest.mark.parametrize("share", [0.05, 0.15])
+@pytest.mark.parametrize("share", [0.08, 0.15])
 def test_a_glance_is_not_sight(share):
     rooms, _ = cluster([0] * 4 + [1] * 3 + [0] * 4, [(9, 1)], config=SightConfig(share=share))
     assert len(partition(rooms)) == (2 if share < 0.1 else 3)
