@@ -52,7 +52,7 @@ def propose(
     distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
     ids = np.array(members[closest.id])
-    similarity = np.array([graph.keyframes[i].embedding for i in ids.tolist()], np.float64) @ query.embedding
+    similarity = graph.embeddings[ids].astype(np.float64) @ query.embedding
     best = np.argsort(-rounded(similarity), kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
 

@@ -21,6 +21,7 @@ class PoseGraph:
         self._config = config
         self._T_W_B = GrowingArray((4, 4))
         self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
+        self._embeddings = GrowingArray((0,), np.float32)
         self._optimiser: GraphOptimiser | None = None
         self._unused_loops = False
         self._last_optimised = 0
@@ -35,7 +36,7 @@ class PoseGraph:
     @property
     def embeddings(self) -> Float32[np.ndarray, "n d"]:
         """CLIP embeddings of all keyframes (f_CLIP in the paper)."""
-        return np.stack([keyframe.embedding for keyframe in self.keyframes])
+        return self._embeddings.rows
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
@@ -56,6 +57,7 @@ class PoseGraph:
         """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose."""
         if self._optimiser is None:
             self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
+            self._embeddings = GrowingArray(keyframe.embedding.shape, np.float32)
             self._T_W_B.append(keyframe.T_O_B)
             self._path_m.append(0.0)
         else:
@@ -64,6 +66,7 @@ class PoseGraph:
             self._optimiser.add_keyframe(self.T_W_B[-1], step, keyframe.step_covariance)
             self._path_m.append(self.path_m[-1] + np.linalg.norm(step[:3, 3]))
         self._stamps.append(keyframe.stamp)
+        self._embeddings.append(keyframe.embedding)
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:

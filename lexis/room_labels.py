@@ -37,16 +37,18 @@ class RoomLabels:
     """Labels after propagation between neighbours and detection of stairs by height."""
 
 
-def similarities(embeddings: Float[np.ndarray, "n d"], text: Float[np.ndarray, "rooms d"]) -> Similarities:
-    """Cosine similarity S_c between every image embedding and every text embedding (Eq. 1), in double precision."""
+def similarities(
+    embeddings: Float[np.ndarray, "*n d"], text: Float[np.ndarray, "rooms d"]
+) -> Float64[np.ndarray, "*n rooms"]:
+    """Cosine similarity S_c of each image embedding with every text embedding (Eq. 1), in double precision."""
     images, prompts = embeddings.astype(np.float64), text.astype(np.float64)
-    norms = np.linalg.norm(images, axis=1)[:, None] * np.linalg.norm(prompts, axis=1)
+    norms = np.linalg.norm(images, axis=-1)[..., None] * np.linalg.norm(prompts, axis=1)
     return np.asarray(images @ prompts.T / norms)
 
 
-def image_label(embedding: Float[np.ndarray, "d"], text: Float[np.ndarray, "rooms d"]) -> int:
-    """Index of the room name whose text embedding is most similar to an image embedding: the label before refinement."""
-    return int(rounded(similarities(embedding[None], text)).argmax())
+def most_similar(similarities: Float64[np.ndarray, "rooms"]) -> int:
+    """Index of the room name that an image is most similar to: the label of its keyframe before refinement."""
+    return int(rounded(similarities).argmax())
 
 
 def label_keyframes(

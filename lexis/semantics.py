@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int
+from jaxtyping import Float64, Int
 
 from lexis.config import Config
-from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes, similarities
+from lexis.room_labels import Labels, Refinement, Similarities, label_keyframes
 from lexis.room_segmentation import Clustering, Positions, segment
 from lexis.sight.pooled_labels import pool_labels
 from lexis.sight.room_clusters import cluster_by_sight
@@ -46,8 +46,8 @@ class Semantics:
 class Views:
     """What the cameras of all keyframes saw, and from where."""
 
-    embeddings: Float32[np.ndarray, "n d"]
-    """CLIP embedding of every keyframe (f_CLIP in the paper), unit norm."""
+    similarities: Float64[np.ndarray, "n rooms"]
+    """Cosine similarity of every keyframe's image with every room name (paper, Eq. 1)."""
     spaces: Sequence[VisibleSpace]
     """The free space that each keyframe's image shows."""
     T_W_B: Poses
@@ -58,7 +58,6 @@ class Views:
 
 def derive(
     views: Views,
-    text: Float32[np.ndarray, "rooms d"],
     room_names: tuple[str, ...],
     config: Config,
     given: Labels | None = None,
@@ -67,17 +66,16 @@ def derive(
 
     Args:
         views: what the keyframes saw.
-        text: text embedding of every room name (f_TEXT in the paper), unit norm.
         room_names: the vocabulary.
         config: all settings, of which only those of labels, segmentation and sight are used.
         given: labels to cluster in place of the refined labels; None: the refined labels.
     """
-    positions, cosines = views.T_W_B[:, :3, 3], similarities(views.embeddings, text)
+    positions = views.T_W_B[:, :3, 3]
     refine, cluster = _by_sight(views, config)
-    labels = label_keyframes(cosines, positions, room_names, config.labels, refine)
+    labels = label_keyframes(views.similarities, positions, room_names, config.labels, refine)
     found = labels.refined if given is None else given
     rooms = segment(found, positions, room_names, config.segmentation, cluster)
-    return Semantics(cosines, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
+    return Semantics(views.similarities, labels.baseline, rooms.labels, rooms.floors, rooms.rooms)
 
 
 def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:

@@ -25,10 +25,11 @@ from lexis.features import FeatureExtractor
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
+from lexis.maths.growing_array import GrowingArray
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.pose_graph import PoseGraph
-from lexis.room_labels import image_label
+from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive
 from lexis.sight.visible_space import VisibleSpace, space_in_view
 from lexis.timing import StageTimer
@@ -77,6 +78,7 @@ class Slam:
         self._extractor = FeatureExtractor(self._config.landmarks)
         self._window = KeyframeWindow(self._camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
+        self._similarities = GrowingArray((len(self._room_names),))
         self._spaces: list[VisibleSpace] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
         self._rooms: tuple[RoomInstance, ...] = ()
@@ -128,6 +130,7 @@ class Slam:
         every keyframe would be slow, because it labels all keyframes.
         """
         self._graph.add_keyframe(keyframe)
+        self._similarities.append(similarities(keyframe.embedding, self._text))
         self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
         self._close_loops(keyframe)
         optimised = self._optimise()
@@ -138,13 +141,13 @@ class Slam:
         """Labels, rooms and floors of all keyframes at their current poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            views = Views(self._graph.embeddings, self._spaces, self._graph.T_W_B, self._camera.T_B_C)
-            return derive(views, self._text, self._room_names, self._config, given)
+            views = Views(self._similarities.rows, self._spaces, self._graph.T_W_B, self._camera.T_B_C)
+            return derive(views, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
         """Propose loop candidates in the room that the image shows, verify them by PnP, and add the loop edges."""
         with self._timed("propose"):
-            label = self._room_names[image_label(query.embedding, self._text)]
+            label = self._room_names[most_similar(self._similarities.rows[query.id])]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
             loops = self._verify(query, candidates, self._graph, self._camera, self._config.verification)

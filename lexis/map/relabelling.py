@@ -9,6 +9,7 @@ from lexis.config import Config
 from lexis.inputs import check_room_names
 from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
+from lexis.room_labels import similarities
 from lexis.semantics import Views, derive
 from lexis.sight.visible_space import space_in_view
 from lexis.types import LexisMap
@@ -32,8 +33,8 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     config, T_B_C = config or Config(), map.camera.T_B_C
     embeddings = np.array([keyframe.embedding for keyframe in map.keyframes])
     spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes]
-    views = Views(embeddings, spaces, map.T_W_B, T_B_C)
-    meaning = derive(views, encoder.encode_rooms(names), names, config)
+    views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, T_B_C)
+    meaning = derive(views, names, config)
     return replace(
         map,
         room_names=names,

@@ -3,6 +3,7 @@ import pytest
 
 from lexis.config import Config
 from lexis.maths import se3
+from lexis.room_labels import similarities
 from lexis.semantics import Views, derive
 from lexis.sight.visible_space import VisibleSpace
 
@@ -12,7 +13,7 @@ TEXT = np.eye(3, dtype=np.float32)
 
 def views(embeddings, T):
     """Views of cameras that only know their own places."""
-    return Views(embeddings, [VisibleSpace(np.zeros((1, 3)), np.ones(1))] * len(T), T, np.eye(4))
+    return Views(similarities(embeddings, TEXT), [VisibleSpace(np.zeros((1, 3)), np.ones(1))] * len(T), T, np.eye(4))
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def walk(rng):
 
 
 def test_a_clear_walk_gives_its_two_rooms(walk):
-    result = derive(views(*walk), TEXT, NAMES, Config())
+    result = derive(views(*walk), NAMES, Config())
     assert [(room.label, room.keyframes) for room in result.rooms] == [
         ("kitchen", tuple(range(10))),
         ("office", tuple(range(10, 20))),
@@ -38,7 +39,7 @@ def test_a_clear_walk_gives_its_two_rooms(walk):
 def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):
     embeddings, T = walk
     elsewhere = se3.exp(np.array([0.0, 0.0, 2.0, 30.0, -20.0, 5.0]))
-    here, there = (derive(views(embeddings, poses), TEXT, NAMES, Config()) for poses in (T, elsewhere @ T))
+    here, there = (derive(views(embeddings, poses), NAMES, Config()) for poses in (T, elsewhere @ T))
     np.testing.assert_array_equal(here.labels, there.labels)
     np.testing.assert_array_equal(here.floors, there.floors)
     assert [room.keyframes for room in here.rooms] == [room.keyframes for room in there.rooms]
