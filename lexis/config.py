@@ -180,9 +180,13 @@ class VerificationConfig(Settings, place="verification", error=ConfigError):
 class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """Settings for optimising the pose graph (paper, Eq. 2)."""
 
-    dcs: Annotated[float, Gt(0)] = 12.6
-    """Squared whitened residual above which dynamic covariance scaling (DCS) down-weights a loop edge. The default is the
-    0.95 quantile of chi² with 6 degrees of freedom."""
+    kernel: Literal["dcs", "gnc", "huber", "none"] = "dcs"
+    """How the influence of wrong loop edges is limited. dcs: dynamic covariance scaling (Agarwal et al., 2013), as in the
+    paper. gnc: graduated non-convexity with truncated least squares (Yang et al., 2020), which is several times slower and
+    starts from no trust in the current poses. huber: the Huber kernel. none: least squares."""
+    outlier_threshold: Annotated[float, Gt(0)] = 12.6
+    """Squared whitened residual above which the kernel down-weights a loop edge. The default is the 0.95 quantile of chi²
+    with 6 degrees of freedom."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4

@@ -1,6 +1,7 @@
 """Robust optimisation of a pose graph (paper, Eq. 2)."""
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import gtsam
 import numpy as np
@@ -11,6 +12,7 @@ from lexis.errors import LexisError
 from lexis.maths.se3 import between
 from lexis.types import Covariance, LoopEdge, Pose, Poses
 
+_Kernel: TypeAlias = gtsam.noiseModel.mEstimator.DCS | gtsam.noiseModel.mEstimator.Huber | gtsam.noiseModel.mEstimator.Null
 _PRIOR_SIGMA = 1e-6
 """Standard deviation of the prior on the first pose [rad, m], which only fixes the gauge freedom."""
 
@@ -18,8 +20,8 @@ _PRIOR_SIGMA = 1e-6
 class GraphOptimiser:
     """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed.
 
-    Residuals of odometry edges are simply squared. Those of loop edges pass through the robust DCS kernel, so that a wrong
-    loop counts little. Edges and poses are reused from one optimisation to the next.
+    Residuals of odometry edges are simply squared. Those of loop edges pass through a robust kernel, by default DCS, so that
+    a wrong loop counts little. Edges and poses are reused from one optimisation to the next.
     """
 
     def __init__(self, first: Pose, config: PoseGraphConfig) -> None:
@@ -31,7 +33,7 @@ class GraphOptimiser:
         self._odometry.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(first), prior))
         self._poses.insert(0, gtsam.Pose3(first))
         self._min_covariance = _min_covariance(config)
-        self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
+        self._kernel = _kernel(config)
 
     def add_keyframe(self, T_W_B: Pose, step: Pose, covariance: Covariance) -> None:
         """Append a keyframe at an initial pose.
@@ -54,7 +56,8 @@ class GraphOptimiser:
                 edge = f"{loop.match} -> {loop.query}"
                 raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {self._count}")
         for loop in loops:
-            noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))
+            plain = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)
+            noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)
             self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
 
     def optimise(self) -> Poses:
@@ -64,8 +67,20 @@ class GraphOptimiser:
         graph.push_back(self._loops)
         parameters = gtsam.LevenbergMarquardtParams()
         parameters.setMaxIterations(self._config.max_iterations)
-        self._poses = gtsam.LevenbergMarquardtOptimizer(graph, self._poses, parameters).optimize()
+        if self._config.kernel == "gnc" and self._loops.size():
+            self._poses = self._graduated(graph, parameters)
+        else:
+            self._poses = gtsam.LevenbergMarquardtOptimizer(graph, self._poses, parameters).optimize()
         return _matrices(self._poses)
+
+    def _graduated(self, graph: gtsam.NonlinearFactorGraph, parameters: gtsam.LevenbergMarquardtParams) -> gtsam.Values:
+        """Optimise by graduated non-convexity; all edges but the loops are known to be right."""
+        graduated = gtsam.GncLMParams(parameters)
+        graduated.setLossType(gtsam.GncLossType.TLS)
+        graduated.setKnownInliers(list(range(self._odometry.size())))
+        optimiser = gtsam.GncLMOptimizer(graph, self._poses, graduated)
+        optimiser.setInlierCostThresholds(self._config.outlier_threshold / 2.0)  # the cost is half of the squared residual
+        return optimiser.optimize()
 
 
 def _matrices(poses: gtsam.Values) -> Poses:
@@ -77,9 +92,26 @@ def _matrices(poses: gtsam.Values) -> Poses:
 
 
 def loop_weights(T_W_B: Poses, loops: Sequence[LoopEdge], config: PoseGraphConfig) -> Float64[np.ndarray, "loops"]:
-    """DCS weights (Agarwal et al., 2013) of loop edges at given poses, in [0, 1]; below 0.5, a loop counts as rejected."""
-    kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)
-    return np.array([kernel.weight(np.sqrt(squared_residual(T_W_B, loop))) for loop in loops], dtype=np.float64)
+    """Weights of loop edges under the kernel at given poses, in [0, 1]; below 0.5, a loop counts as rejected.
+
+    Without a kernel, all weights are 1. Under graduated non-convexity they are 1 or 0.
+    """
+    squared = np.array([squared_residual(T_W_B, loop) for loop in loops], dtype=np.float64)
+    if config.kernel == "gnc":
+        return (squared <= config.outlier_threshold).astype(np.float64)
+    kernel = _kernel(config)
+    return np.array([kernel.weight(residual) for residual in np.sqrt(squared)], dtype=np.float64)
+
+
+def _kernel(config: PoseGraphConfig) -> _Kernel:
+    """The robust kernel of loop edges; the null kernel, whose weights are 1, if the optimiser needs none."""
+    match config.kernel:
+        case "dcs":
+            return gtsam.noiseModel.mEstimator.DCS.Create(config.outlier_threshold)
+        case "huber":
+            return gtsam.noiseModel.mEstimator.Huber.Create(np.sqrt(config.outlier_threshold))
+        case _:
+            return gtsam.noiseModel.mEstimator.Null.Create()
 
 
 def squared_residual(T_W_B: Poses, loop: LoopEdge) -> float:

@@ -29,7 +29,7 @@ BAD = [
     (PlaceRecognitionConfig, "candidates", -1),
     (VerificationConfig, "min_inliers", 3),
     (VerificationConfig, "min_cells", 37),
-    (PoseGraphConfig, "dcs", 0.0),
+    (PoseGraphConfig, "outlier_threshold", 0.0),
     (PlannerConfig, "shortcut_m", -0.1),
 ]
 

@@ -41,12 +41,12 @@ def loops_between(true, pairs):
     return [LoopEdge(j, i, se3.between(true[i], true[j]), LOOP_COVARIANCE, 50) for i, j in pairs]
 
 
-def solve(T, steps, loops, covariance=STEP_COVARIANCE):
-    return optimiser(T, steps, loops, covariance).optimise()
+def solve(T, steps, loops, covariance=STEP_COVARIANCE, config=CONFIG):
+    return optimiser(T, steps, loops, covariance, config).optimise()
 
 
-def optimiser(T, steps, loops, covariance=STEP_COVARIANCE):
-    graph = GraphOptimiser(T[0], CONFIG)
+def optimiser(T, steps, loops, covariance=STEP_COVARIANCE, config=CONFIG):
+    graph = GraphOptimiser(T[0], config)
     for pose, step in zip(T[1:], steps, strict=True):
         graph.add_keyframe(pose, step, covariance)
     graph.add_loops(loops)
@@ -99,6 +99,48 @@ def test_a_false_loop_is_rejected_among_true_ones(true, drifting):
     assert weights[-1] < 0.5
     assert (weights[:-1] > 0.5).all()
     assert error(with_false, true) < error(solve(T, steps, loops), true) + 0.02
+
+
+def false_loops(rng, count):
+    """Loops between random keyframes whose relative poses are random, too."""
+    ends = np.sort(rng.choice(40, (count, 2)), axis=1) + [0, 1]
+    motions = se3.exp(rng.normal(size=(count, 6)) * [0.0, 0.0, 1.0, 2.0, 2.0, 0.0])
+    return [
+        LoopEdge(int(min(j, 39)), int(min(i, j - 1)), motion, LOOP_COVARIANCE, 50)
+        for (i, j), motion in zip(ends, motions, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("kernel", ["dcs", "gnc"])
+def test_as_many_false_loops_as_true_ones_are_rejected(true, drifting, rng, kernel):
+    steps, T = drifting
+    config = PoseGraphConfig(kernel=kernel)
+    loops, false = loops_between(true, [(k, 20 + k) for k in range(0, 20, 2)]), false_loops(rng, 10)
+    without, found = (solve(T, steps, each, config=config) for each in (loops, [*loops, *false]))
+    weights = loop_weights(found, [*loops, *false], config)
+    assert (weights[:10] > 0.5).all() and (weights[10:] < 0.5).all()
+    assert error(found, true) < error(without, true) + 0.02
+
+
+@pytest.mark.parametrize("kernel", ["dcs", "gnc", "huber", "none"])
+def test_without_false_loops_every_kernel_finds_the_least_squares_solution(true, drifting, kernel):
+    steps, T = drifting
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 3)])
+    config = PoseGraphConfig(kernel=kernel, outlier_threshold=1e4)
+    found = solve(T, steps, loops, config=config)
+    np.testing.assert_allclose(found, solve(T, steps, loops, config=PoseGraphConfig(kernel="none")), atol=1e-3)
+    np.testing.assert_allclose(loop_weights(found, loops, config), 1.0)
+
+
+def test_kernels_trust_a_false_loop_less_the_more_robust_they_are(true, drifting):
+    steps, T = drifting
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 3)])
+    loops.append(LoopEdge(30, 3, se3.exp(np.array([0.0, 0, 0.3, 1.0, 1.0, 0.0])), LOOP_COVARIANCE, 50))
+    configs = [PoseGraphConfig(kernel=kernel) for kernel in ("none", "huber", "dcs", "gnc")]
+    found = [solve(T, steps, loops, config=config) for config in configs]
+    weights = [loop_weights(T_W_B, loops, config)[-1] for T_W_B, config in zip(found, configs, strict=True)]
+    assert weights == sorted(weights, reverse=True) and weights[0] == 1.0 and weights[-1] == 0.0
+    assert error(found[0], true) > 2 * error(found[2], true)
 
 
 def test_odometry_that_claims_no_error_still_gives_a_solution(true):

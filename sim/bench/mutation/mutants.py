@@ -142,8 +142,8 @@ _GRAPH = (
     Mutant(
         "loop edges have no robust kernel",
         "graph_optimisation.py",
-        "noise = gtsam.noiseModel.Robust.Create(self._kernel, gtsam.noiseModel.Gaussian.Covariance(loop.covariance))",
-        "noise = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)",
+        "noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)",
+        "noise = plain",
     ),
     Mutant(
         "loop edges are added the wrong way round",
@@ -154,8 +154,8 @@ _GRAPH = (
     Mutant(
         "rotation and translation are swapped in the covariances of loops",
         "graph_optimisation.py",
-        "gtsam.noiseModel.Gaussian.Covariance(loop.covariance))",
-        "gtsam.noiseModel.Gaussian.Covariance(np.roll(loop.covariance, 3, (0, 1))))",
+        "gtsam.noiseModel.Gaussian.Covariance(loop.covariance)",
+        "gtsam.noiseModel.Gaussian.Covariance(np.roll(loop.covariance, 3, (0, 1)))",
     ),
     Mutant(
         "the covariances of the odometry are taken for information matrices",
@@ -172,8 +172,8 @@ _GRAPH = (
     Mutant(
         "the threshold of the robust kernel is squared",
         "graph_optimisation.py",
-        "self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs)",
-        "self._kernel = gtsam.noiseModel.mEstimator.DCS.Create(config.dcs**2)",
+        "return gtsam.noiseModel.mEstimator.DCS.Create(config.outlier_threshold)",
+        "return gtsam.noiseModel.mEstimator.DCS.Create(config.outlier_threshold**2)",
     ),
 )
 
