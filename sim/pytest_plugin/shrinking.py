@@ -45,9 +45,11 @@ def shrunk(
 
     def fails(candidate: "Scenario") -> "Signature | None":
         nonlocal last
-        _, tried = execute(item, nextitem, _Chosen(candidate))
+        reports, tried = execute(item, nextitem, _Chosen(candidate))
         if _signature(tried) == signature:
             last = tried
+        if tried.failure is None and any(report.failed for report in reports):
+            raise SimError("the test cannot be set up in this scenario; valid: a scenario that can run")
         return _signature(tried)
 
     try:

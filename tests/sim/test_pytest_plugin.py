@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tomllib
 import types
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -20,6 +21,7 @@ import sim.pytest_plugin.protocol
 from sim.harness import Scenario
 from sim.harness.world_tests import FreshWorld
 from worlds.presets import sample_from_rooms
+from worlds.spec import HouseSpec
 
 pytest_plugins = ["pytester"]
 
@@ -226,6 +228,18 @@ def test_drift(run):
         raise ValueError("another failure")
     assert run.labels.accuracy > 2.0
 """
+
+
+def test_a_scenario_that_cannot_run_is_not_one_that_passes(pytester, inner, monkeypatch):
+    room = {"id": "a", "label": "kitchen", "polygon_m": [[0, 0], [1.2, 0], [1.2, 1.2], [0, 1.2]]}
+    cupboard = HouseSpec.from_json(json.dumps({"storeys": [{"rooms": [room]}]}))  # valid, but there is nowhere to walk to
+    steps = {"a cupboard": lambda scenario: [sim.harness.reductions.with_listed_house(replace(scenario, house=cupboard))]}
+    monkeypatch.setattr(sim.harness.reducer, "reduce", partial(sim.harness.reducer.reduce, steps=steps))
+    pytester.makepyfile(test_slam=SLAM + DRIFTS)
+    inner().assert_outcomes(failed=1)
+    (why,) = (page.read_text() for page in pytester.path.glob(".lexis-failures/*/why.md"))
+    assert "No scenario that is one step smaller passes." in why
+    assert "1 candidates, 0 steps" in why
 
 
 def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pytester, inner, monkeypatch):
