@@ -60,7 +60,7 @@ class BlameTable:
         """Summarise the table, as in "mended by: oracle encoder. Not mended by: perfect odometry."."""
         mending, others = ", ".join(self.named("mends")), ", ".join(self.named("does not mend"))
         if not (mending or others):
-            return "there is nothing to replace: what could be replaced is as simple as can be already."
+            return "no change was tried, because each would leave this scenario as it is."
         return f"mended by: {mending or 'nothing'}." + (f" Not mended by: {others}." if others else "")
 
 

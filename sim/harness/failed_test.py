@@ -80,13 +80,16 @@ def write_failed_test(
     outcome: FinishedRun | Crash,
     search: Search | None = None,
     figure: str | None = None,
+    message: str = "",
 ) -> None:
     """Write scenario.json, why.md and test_replay.py, and either the files of `write_run` or the traceback of a crash.
 
     `name` is the test as pytest names it, file and function without parameters, such as "tests/test_slam.py::test_rooms".
     `options` are the options of pytest that a replay needs besides the scenario. `search` is the search that found the
-    scenario, if there was one. `figure` is the figure that the failing assertion is about, if it is known. An earlier folder
-    of the same failure is replaced. Raises `LexisError` where `folder` holds anything else or cannot be written.
+    scenario, if there was one. `figure` is the figure that the failing assertion is about, if it is known. `message` is what
+    pytest says about the failure. An earlier folder of the same failure is replaced.
+
+    Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
         found = (None, None) if search is None else (search.reduction, search.blamed)
@@ -95,7 +98,7 @@ def write_failed_test(
             page = crash_page(f"{name} fails", outcome, *found)
         else:
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new)
-            page = failed_test_page(name, outcome.run, figure, *found)
+            page = failed_test_page(name, outcome.run, figure, *found, message=message)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:

@@ -59,15 +59,16 @@ def why_page(reduction: Reduction, test: FailureTest, blamed: BlameTable, smalle
 
 
 def failed_test_page(
-    name: str, run: Run, figure: str | None, reduction: Reduction | None, blamed: BlameTable | None
+    name: str, run: Run, figure: str | None, reduction: Reduction | None, blamed: BlameTable | None, message: str = ""
 ) -> Page:
     """Make the page about a test that fails.
 
     `figure` is the figure that the failing assertion is about, such as "floors.accuracy"; None if it is unknown.
     `reduction` is None if no smaller scenario was searched for. `blamed` is None if no change was tried that could mend the
-    failure.
+    failure. `message` is what pytest says about the failure, if it is known.
     """
-    return _page([f"# {name} fails"], wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
+    head = [f"# {name} fails", *(["", "```", *message.splitlines(), "```"] if message else [])]
+    return _page(head, wrong_frame_page(run, figure), _search_sections(reduction, blamed), _WHOLE_RUN)
 
 
 def crash_page(title: str, crash: Crash, reduction: Reduction | None = None, blamed: BlameTable | None = None) -> Page:

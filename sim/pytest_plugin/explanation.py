@@ -92,7 +92,9 @@ def _folder(item: pytest.Item, execution: Execution, outcome: "FinishedRun | Cra
     replayed = _replayed(item, execution)
     if replayed is not None and replayed.parent.name == folder.name:
         return replayed.parent
-    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search, _figure(execution))
+    failure = execution.failure
+    message = "" if failure is None else f"{failure.message}\n{failure.where}: {failure.statement}"
+    write_failed_test(folder, name_of(item), loading_options(item.config), outcome, search, _figure(execution), message)
     return folder
 
 

@@ -254,6 +254,7 @@ def test_a_failure_is_stored_in_the_smallest_scenario_with_what_mends_it(pyteste
     assert small["length_m"] < 20.0 and small["odometry"] == original["odometry"] != "perfect"
     assert json.loads((folder / "result.json").read_text())["scenario"] == folder.name[-16:]
     why = (folder / "why.md").read_text()
+    assert "test_slam.py:33: assert run.labels.accuracy > 2.0" in why and "AssertionError: assert 0." in why
     assert "Mended by: nothing. Not mended by: no clutter" in why
     assert "| perfect odometry | unknown: it fails differently: raises ValueError" in why
     assert "| length of the tour [m] |" in why and "(first-wrong-plan.png)" in why
