@@ -5,7 +5,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,7 +77,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
     with progress_bar("checking by the suite") as progress:
         budget_s = math.inf if arguments.budget is None else arguments.budget
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
-    print(*map(_line, report.verdicts), sep="\n")
+    for line in _lines(report.failed if arguments.exitfirst and report.failed else report.verdicts):
+        print(line)
     print(figure_table(report))
     print(f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined")
     comparison = None if before is None else _compared(report, before)
@@ -95,6 +96,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
         print(f"not compared with {arguments.against}, which has none of the scenarios that were completed", file=sys.stderr)
     if worse:
         print(f"failed: {', '.join(worse)} worse than in {arguments.against}", file=sys.stderr)
+    if report.failed and arguments.out is None:
+        print("--out DIR writes the smallest scenario in which each failed check still fails", file=sys.stderr)
     if arguments.out is not None:
         how = runner_of(arguments), replay_of(arguments), is_lexis(arguments)
         for verdict in report.failed:
@@ -112,9 +115,14 @@ def _compared(report: "SuiteReport", before: "Sequence[RunResult]") -> "Comparis
     return compare_results(earlier, report.results) if common else None
 
 
-def _line(verdict: "CheckVerdict") -> str:
-    held = len(verdict.examined) - len(verdict.failures)
-    return f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} {verdict.name}"
+def _lines(verdicts: "Sequence[CheckVerdict]") -> Iterator[str]:
+    """Yield a line for each check of the parts that have been begun, and the names of the other parts."""
+    for verdict in verdicts:
+        if verdict.is_begun:
+            held, wanted = len(verdict.examined) - len(verdict.failures), 1.0 if verdict.rate is None else verdict.rate
+            yield f"{verdict.outcome:11} {held:3} of {len(verdict.examined):<3} wanted: {wanted:4.0%}  {verdict.name}"
+    if missing := dict.fromkeys(verdict.part.name for verdict in verdicts if not verdict.is_begun):
+        yield f"not examined: {', '.join(missing)}"
 
 
 def _write_json(report: "SuiteReport", worse: Sequence[str], path: Path) -> None:

@@ -92,13 +92,13 @@ def write_failed_test(
     Raises `LexisError` where `folder` holds anything else or cannot be written.
     """
     with replaced_folder(folder, SCENARIO) as new:
-        found = (None, None) if search is None else (search.reduction, search.blamed)
+        reduction, blamed = (None, None) if search is None else (search.reduction, search.blamed)
         if isinstance(outcome, Crash):
             fill_crash_folder(outcome, new)
-            page = crash_page(f"{name} fails", outcome, *found)
+            page = crash_page(f"{name} fails", outcome, reduction, blamed)
         else:
             fill_run_folder(outcome.run, outcome.result, outcome.trials, new)
-            page = failed_test_page(name, outcome.run, figure, *found, message=message)
+            page = failed_test_page(name, outcome.run, figure, reduction, blamed, message)
         for each, content in page.files.items():
             (new / each).write_bytes(content)
         if search is not None:

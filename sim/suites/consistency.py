@@ -160,7 +160,7 @@ CONSISTENCY = (
         floors_are_level,
     ),
     Consistent(
-        "stairs are climbed",
+        "labels on stairs",
         "Frames in the middle of a climb are labelled as stairs. Frames whose path is level before and after them, for "
         f"{_CLIMB_M} m each, are not, except on half landings.",
         stairs_are_climbed,

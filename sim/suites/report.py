@@ -22,7 +22,7 @@ CONFIDENCE = 0.99
 """Confidence of each verdict by itself. With 0.95, LEXIS failed one of 200 checks in five of eight suites."""
 SEED = 7
 """Default seed of the scenarios of a suite; `lexis-sim check --suite` uses the same."""
-SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed"]
+SuiteOutcome = Literal["holds", "fails", "undecided", "not claimed", "not examined"]
 _EXAMPLES = 3
 """Number of failing scenarios that the text of a report names for each check."""
 
@@ -38,6 +38,8 @@ class CheckVerdict:
     """Share of scenarios in which the check has to hold; None: one failure decides."""
     examined: tuple[Examination, ...]
     """The scenarios in which the check said something, in their order."""
+    is_begun: bool = True
+    """Whether any scenario of the part has been examined."""
 
     @property
     def name(self) -> str:
@@ -66,12 +68,12 @@ class CheckVerdict:
 
     @property
     def outcome(self) -> SuiteOutcome:
-        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario.
+        """The outcome of `verdict`; "not claimed" if the check said nothing about any scenario that was examined.
 
         A check that has to hold always fails at its first failure, and holds as long as there is none.
         """
         if not self.examined:
-            return "not claimed"
+            return "not claimed" if self.is_begun else "not examined"
         if self.verdict is None:
             return "fails" if self.failures else "holds"
         return self.verdict.outcome
@@ -79,14 +81,17 @@ class CheckVerdict:
     def __str__(self) -> str:
         """Part, check and verdict; if the check fails, also what it says and what it measured in the first scenarios."""
         if not self.examined:
-            return f"{self.name}: not claimed"
+            return f"{self.name}: {self.outcome}"
         held = len(self.examined) - len(self.failures)
         counts = f"in {held} of {len(self.examined)} scenarios (wanted: all): {self.outcome}"
-        lines = [f"{self.name} {self.verdict or counts}"]
+        lines = [f"{self.name} holds {self.verdict or counts}"]
         if self.outcome == "fails":
             lines.append(f"  {self.says}")
             first = self.failures[:_EXAMPLES]
-            lines += [f"  scenario {each.number}: {each.findings[self.check].measured}" for each in first]
+            lines += [
+                f"  scenario {each.number}, seed {each.scenario.seed}: {each.findings[self.check].measured}"
+                for each in first
+            ]
         return "\n".join(lines)
 
     def _independent(self) -> Iterator[bool]:
@@ -147,7 +152,7 @@ class SuiteReport:
         rows: list[tuple[str, str, float | None]] = [first]
         for name, says, rate in rows + [(check.name, check.says, check.rate) for check in part.checks]:
             told = tuple(each for each in own if name in each.findings and each.findings[name].holds is not None)
-            yield CheckVerdict(part, name, says, rate, told)
+            yield CheckVerdict(part, name, says, rate, told, bool(own))
 
 
 def check_slam(

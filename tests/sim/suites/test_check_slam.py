@@ -26,7 +26,7 @@ from sim.suites.frame_changes import MovedOrigin
 from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import slam_checks
-from sim.suites.report import CheckVerdict, check_slam
+from sim.suites.report import CheckVerdict, SuiteReport, check_slam
 from sim.suites.smallest import smallest_failure
 from sim.suites.stream_changes import NoChange
 from sim.suites.suite import Suite, SuitePart, claims
@@ -169,6 +169,13 @@ def test_a_failure_that_was_certain_once_stays_one():
     assert verdict_on(*[False] * 3).outcome == "fails"
     assert verdict_on(*[False] * 3, *[True] * 17).outcome == "fails"
     assert verdict_on(*[False] * 2, *[True] * 18).outcome == "undecided"
+
+
+def test_a_part_that_was_not_begun_is_not_examined_rather_than_not_claimed():
+    other = replace(PART, name="other")
+    report = SuiteReport(replace(FLAT, parts=(PART, other)), 0, (Examination("flat", 0, OPEN_FLAT, None, {}),))
+    outcomes = {(verdict.part.name, verdict.outcome) for verdict in report.verdicts}
+    assert outcomes == {("flat", "not claimed"), ("other", "not examined")} and report.ok
 
 
 def test_a_group_of_scenarios_counts_once():
@@ -331,11 +338,11 @@ def test_the_command_writes_verdicts_and_results(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": FLAT})
     slam = ["--slam", "sim.harness.adapters:GeometricRooms", "--workers", "1"]
     assert main(["check", "--suite", "flat", *slam, "--json", str(tmp_path / "all.json")]) == 0
-    assert "holds         2 of 2   flat: the run completes" in capsys.readouterr().out
+    assert re.search(r"^holds +2 of 2 +wanted: 100%  flat: the run completes$", capsys.readouterr().out, re.MULTILINE)
     assert len(load_results(tmp_path / "all.json")) == 2
     assert json.loads((tmp_path / "all.json").read_text())["ok"] is True
     assert main(["check", "--suite", "flat", *slam, "-x", "--limit", "floors.accuracy=1.1"]) == 1
-    assert "failed: flat: floors.accuracy >= 1.1 in 0 of 2 houses" in capsys.readouterr().err
+    assert "failed: flat: floors.accuracy >= 1.1 holds in 0 of 2 houses" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -374,7 +381,10 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     monkeypatch.setattr("sim.commands.check_suite._new_slam", lambda arguments: FloorsByHeight)
     assert main(["check", "--suite", "flat", "-x", "--workers", "1", "--out", str(tmp_path / "small")]) == 1
     shown = capsys.readouterr()
-    assert "failed: flat: origin in 0 of 1 scenarios" in shown.err and "The claims do not depend on the origin." in shown.err
+    assert (
+        "failed: flat: origin holds in 0 of 1 scenarios" in shown.err
+        and "The claims do not depend on the origin." in shown.err
+    )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
     assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: rooms 3 -> 1" in shown.out
 
@@ -451,8 +461,8 @@ def test_a_program_is_checked_on_images_by_what_needs_no_change_of_its_input(cap
     monkeypatch.setattr("sim.suites.catalogue.SUITES", {"flat": replace(FLAT, parts=(part,))})
     assert main(["check", "--suite", "flat", "--workers", "1", "--command", program("drift")]) == 0
     shown = capsys.readouterr().out
-    assert re.search(r"^holds +1 of 1 +flat: steps follow the odometry$", shown, re.MULTILINE)
-    assert re.search(r"^not claimed +0 of 0 +flat: same run twice$", shown, re.MULTILINE)
+    assert re.search(r"^holds +1 of 1 +wanted: 100%  flat: steps follow the odometry$", shown, re.MULTILINE)
+    assert re.search(r"^not claimed +0 of 0 +wanted: 100%  flat: same run twice$", shown, re.MULTILINE)
     assert main(["check", "--suite", "flat", "--workers", "1", "--command", "false {dataset} {out}"]) == 1
     assert "the SLAM ends with exit status 1" in capsys.readouterr().err
     report = check_slam(Program("true {dataset} {out}"), "flat")
