@@ -115,6 +115,17 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
+def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.room_methods import compare_methods
+
+    table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    for row in compare_methods(arguments.preset, seeds, arguments.openness):
+        spreads = f"{row.labels:.3f} ± {row.labels_std:.3f}", f"{row.rooms:.3f} ± {row.rooms_std:.3f}"
+        table.add_row(row.method, *spreads, f"{row.splits_and_merges:.1f}")
+    yield table
+
+
 def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
     from statistics import median
 
@@ -291,6 +302,13 @@ _BENCHMARKS = (
             _CONFIG,
             SEED,
         ),
+    ),
+    Action(
+        "rooms",
+        _printing(_rooms),
+        "labels and rooms by the methods of the paper and by sight, on the same walks",
+        "lexis-sim bench rooms --preset uh2-apt --houses 5 --seed 900",
+        (_PRESET, _HOUSES, _OPENNESS, SEED),
     ),
     Action(
         "encoders",
