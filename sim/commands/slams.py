@@ -76,10 +76,13 @@ def replay_of(arguments: argparse.Namespace) -> "Replay":
 
     if arguments.program is not None:
         given = ", ".join(map(repr, (arguments.program, *_limits(arguments))))
-        return Replay("from sim.programs import run_command", f"run_command(scenario, {given})")
+        return Replay(
+            "from sim.programs import Program, run_command", f"run_command(scenario, {given})", f"Program({given})"
+        )
     if arguments.slam is not None:
         imports = "from sim.commands.slams import slam_factory\nfrom sim.harness import run"
-        return Replay(imports, f"run(scenario, slam_factory({arguments.slam!r})())")
+        new_slam = f"slam_factory({arguments.slam!r})"
+        return Replay(imports, f"run(scenario, {new_slam}())", new_slam)
     return LEXIS_REPLAY
 
 

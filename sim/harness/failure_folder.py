@@ -20,6 +20,8 @@ class Replay:
 
     imports: str = "from sim.harness import run"
     run: str = "run(scenario)"
+    new_slam: str = "None"
+    """An expression for a function that makes the SLAM, or for a program; "None" for LEXIS."""
 
 
 LEXIS_REPLAY = Replay()

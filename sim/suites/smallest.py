@@ -1,18 +1,53 @@
-"""The smallest scenario in which a check of a suite fails, with what is to blame where the check is a claim."""
+"""The smallest scenario in which a check of a suite fails, a test that replays it, and what is to blame for a claim."""
 
 from pathlib import Path
 
 from sim.errors import SimError
+from sim.harness.adapters.lexis import Lexis
 from sim.harness.blame_table import blame
 from sim.harness.crash import Runner
-from sim.harness.failure_folder import Replay, write_failure
+from sim.harness.failure_folder import LEXIS_REPLAY, Replay, write_failure
 from sim.harness.failure_signature import FailureTest, Signature
 from sim.harness.reducer import DEADLINE_S, Reduction, reduce
 from sim.harness.scenario import Scenario
 from sim.harness.world_tests import SCENARIO, slug_of
-from sim.suites.checks import Check, ClaimCheck, NewSlam
-from sim.suites.examination import finding
+from sim.suites import catalogue
+from sim.suites.checks import Check, CheckFinding, ClaimCheck, NewSlam
+from sim.suites.examination import COMPLETES, finding
 from sim.suites.report import CheckVerdict
+
+_REPLAY = '''"""Replays a failure. It fails as long as the check {name!r} fails in the scenario beside it."""
+
+from pathlib import Path
+
+from sim.harness import Scenario
+from sim.suites.smallest import finding_of
+{imports}
+
+
+def test_replay():
+    scenario = Scenario.load(Path(__file__).with_name("scenario.json"))
+    found = finding_of({part!r}, {check!r}, scenario, {new_slam})
+    assert found.holds is not False, found.measured
+'''
+
+
+def finding_of(part: str, check: str, scenario: Scenario, new_slam: NewSlam | None = None) -> CheckFinding:
+    """Make one check of a suite on a scenario.
+
+    Args:
+        part: name of the part of a suite that has the check.
+        check: name of the check.
+        scenario: any scenario.
+        new_slam: makes a SLAM, or is a program; None: LEXIS.
+
+    Raises `SimError` for an unknown check and an impossible scenario.
+    """
+    parts = [each for suite in catalogue.SUITES.values() for each in suite.parts if each.name == part]
+    known: dict[str, Check | None] = {COMPLETES: None} | {each.name: each for found in parts for each in found.checks}
+    if not parts or check not in known:
+        raise SimError(f"no suite has the check {part}: {check}; valid: a check that lexis-sim check --suite prints")
+    return finding(known[check], scenario, new_slam or Lexis)
 
 
 def smallest_failure(
@@ -38,8 +73,10 @@ def write_smallest(
     """Write the smallest scenario in which a check fails into a folder of its own in `out`, and return what was found.
 
     For a claim the folder is that of `lexis-sim shrink`, with a page that says why the SLAM fails; for any other check it
-    holds the scenario alone. `runner` runs the same SLAM as `new_slam`, and `replay` is the code for that. The result also
-    says if the failure did not come back. Raises `LexisError` if the folder cannot be written.
+    holds the scenario and a test that replays the failure. `runner` runs the same SLAM as `new_slam`, and `replay` is the
+    code for that. The result also says if the failure did not come back.
+
+    Raises `LexisError` if the folder cannot be written.
     """
     try:
         return _written(verdict, new_slam, runner, replay, is_lexis, out)
@@ -61,6 +98,9 @@ def _written(verdict: CheckVerdict, new_slam: NewSlam, runner: Runner, replay: R
         reduction = smallest_failure(check, scenario, new_slam)
         folder.mkdir(parents=True, exist_ok=True)
         reduction.scenario.save(folder / SCENARIO)
-        found = f"scenario: {folder / SCENARIO}"
+        imports = "" if replay == LEXIS_REPLAY else replay.imports
+        names = {"name": verdict.name, "part": verdict.part.name, "check": verdict.check}
+        (folder / "test_replay.py").write_text(_REPLAY.format(**names, imports=imports, new_slam=replay.new_slam))
+        found = f"replay: pytest {folder / 'test_replay.py'}"
     old, new = reduction.sizes
     return f"{verdict.name}: rooms {old.rooms} -> {new.rooms}, walk {old.length_m:g} -> {new.length_m:g} m\n  {found}"

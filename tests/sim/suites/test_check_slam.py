@@ -27,7 +27,7 @@ from sim.suites.laws import LAWS
 from sim.suites.openness_chart import openness_chart
 from sim.suites.pytest_items import slam_checks
 from sim.suites.report import CheckVerdict, SuiteReport, check_slam
-from sim.suites.smallest import smallest_failure
+from sim.suites.smallest import finding_of, smallest_failure
 from sim.suites.stream_changes import NoChange
 from sim.suites.suite import Suite, SuitePart, claims
 from sim.verdicts import load_results
@@ -387,6 +387,17 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     )
     kept = Scenario.load(tmp_path / "small" / "flat-origin" / "scenario.json")
     assert len(kept.house.storeys[0].rooms) == 1 and "flat: origin: rooms 3 -> 1" in shown.out
+    replay = tmp_path / "small" / "flat-origin" / "test_replay.py"
+    assert f"replay: pytest {replay}" in shown.out
+    code = {"__file__": str(replay), "FloorsByHeight": FloorsByHeight}
+    exec(replay.read_text().replace("scenario, None)", "scenario, FloorsByHeight)"), code)
+    with pytest.raises(AssertionError):
+        code["test_replay"]()
+
+
+def test_a_replayed_check_that_no_suite_has_is_refused():
+    with pytest.raises(SimError, match="no suite has the check homes: nonsense"):
+        finding_of("homes", "nonsense", OPEN_FLAT)
 
 
 def test_the_command_says_why_a_claim_fails(tmp_path, capsys, monkeypatch):
