@@ -8,6 +8,8 @@ from jaxtyping import Float64, Int
 
 from lexis.maths.paths import arc_length
 from lexis.maths.se3 import between
+from lexis.types import Poses
+from sim.harness.estimate import LoopClaims
 from sim.harness.runner import Run
 from sim.suites.agreement import apart
 from sim.suites.checks import CheckFinding, Examined, NewSlam
@@ -20,6 +22,11 @@ _STEP_SHARE, _STEP_RAD_M = 0.05, 0.01
 """What is added to these bounds for each metre of a step, for a SLAM whose frames are far apart [m/m, rad/m]."""
 _LOOP_M, _LOOP_RAD = 0.5, 0.15
 """Largest difference between a trusted loop closure and the poses that it joins [m, rad]. LEXIS reaches 0.21 m, 0.03 rad."""
+_FITS_M, _FITS_RAD = 0.06, 0.02
+"""Largest difference between a loop closure and the poses that it joins, for which the loop certainly fits [m, rad]."""
+_FITTING_SHARE, _FITTING_LOOPS = 0.5, 5
+"""Least share of the fitting loops that have to be trusted, and the least number of them for which this is judged. LEXIS
+trusts all of them."""
 _TRUSTED = 0.5
 """A loop closure counts as trusted if its weight is larger than this."""
 _FLOOR_M = 1.0
@@ -72,14 +79,31 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     if not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
-    moved, turned = apart(
-        np.asarray(loops.T_match_query, float)[trusted], between(poses[loops.match[trusted]], poses[loops.query[trusted]])
-    )
+    moved, turned = (errors[trusted] for errors in _loop_errors(loops, poses))
     return CheckFinding(
         bool(moved.max() <= _LOOP_M and turned.max() <= _LOOP_RAD),
         f"of {trusted.sum()} trusted loop closures, one contradicts the trajectory by {moved.max():.2g} m, one by "
         f"{turned.max():.2g} rad",
     )
+
+
+def fitting_loops_are_trusted(run: Run) -> CheckFinding:
+    """Look for loop closures that the trajectory satisfies although the SLAM does not trust them."""
+    poses, loops = run.estimate.T_W_B, run.estimate.loops
+    if poses is None or loops is None:
+        return CheckFinding(None, "the SLAM claims no poses or no loop closures")
+    moved, turned = _loop_errors(loops, poses)
+    fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
+    if fits.sum() < _FITTING_LOOPS:
+        return CheckFinding(None, f"the trajectory satisfies {fits.sum()} loop closures, too few to judge")
+    trusted = (np.asarray(loops.weights)[fits] > _TRUSTED).mean()
+    found = f"of {fits.sum()} loop closures that the trajectory satisfies, {trusted:.0%} are trusted"
+    return CheckFinding(bool(trusted >= _FITTING_SHARE), found)
+
+
+def _loop_errors(loops: LoopClaims, poses: Poses) -> tuple[Float64[np.ndarray, "loops"], Float64[np.ndarray, "loops"]]:
+    """Distances [m] and angles [rad] between loop closures and the relative poses in the trajectory."""
+    return apart(np.asarray(loops.T_match_query, float), between(poses[loops.match], poses[loops.query]))
 
 
 def rooms_are_uniform(run: Run) -> CheckFinding:
@@ -148,6 +172,12 @@ CONSISTENCY = (
         "trusted loops fit the trajectory",
         f"The trajectory satisfies every trusted loop closure within {_LOOP_M} m and {_LOOP_RAD} rad.",
         trusted_loops_fit,
+    ),
+    Consistent(
+        "fitting loops are trusted",
+        f"At least {_FITTING_SHARE:.0%} of the loop closures that the trajectory satisfies within {_FITS_M} m and "
+        f"{_FITS_RAD} rad are trusted.",
+        fitting_loops_are_trusted,
     ),
     Consistent(
         "rooms are uniform",

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from helpers.open_flat import OPEN_FLAT
 
-from lexis.maths.se3 import exp
+from lexis.maths.se3 import between, exp
 from sim.faults import parse_fault
 from sim.harness import Estimate, Lexis, run
 from sim.harness.adapters import OdometryOnly
 from sim.suites.checks import Examined
 from sim.suites.consistency import (
     CONSISTENCY,
+    fitting_loops_are_trusted,
     floors_are_level,
     rooms_are_uniform,
     stairs_are_climbed,
@@ -40,7 +41,7 @@ def test_lexis_does_not_contradict_itself(law, lexis):
 
 def test_odometry_follows_itself_and_is_not_judged_by_what_it_does_not_claim():
     finished = run(OPEN_FLAT, OdometryOnly())
-    assert [law.find(finished).holds for law in CONSISTENCY] == [True, None, None, None, None]
+    assert [law.find(finished).holds for law in CONSISTENCY] == [True, None, None, None, None, None]
 
 
 def test_a_jump_of_the_trajectory_is_found(lexis):
@@ -55,6 +56,22 @@ def test_a_single_frame_has_no_steps(lexis):
     only = replace(lexis.estimate, labels=None, rooms=None, floors=None, baseline_labels=None, loops=None, candidates=None,
                    similarities=None, **one)  # fmt: skip
     assert steps_follow_odometry(replace(lexis, estimate=only)).holds is None
+
+
+def test_loops_that_fit_have_to_be_trusted(lexis):
+    loops, poses = lexis.estimate.loops, lexis.estimate.T_W_B
+    fitting = replace(
+        loops, T_match_query=between(poses[loops.match], poses[loops.query]), weights=np.ones(len(loops.query))
+    )
+    assert len(loops.query) >= 5 and fitting_loops_are_trusted(claiming(lexis, loops=fitting)).holds
+    doubted = replace(fitting, weights=np.full(len(loops.query), 0.2))
+    assert fitting_loops_are_trusted(claiming(lexis, loops=doubted)).holds is False
+    few = [values[:4] for values in (doubted.query, doubted.match, doubted.T_match_query, doubted.weights)]
+    few_loops = replace(doubted, **dict(zip(("query", "match", "T_match_query", "weights"), few, strict=True)))
+    assert fitting_loops_are_trusted(claiming(lexis, loops=few_loops)).holds is None
+    far = doubted.T_match_query.copy()
+    far[:, 0, 3] += 0.3
+    assert fitting_loops_are_trusted(claiming(lexis, loops=replace(doubted, T_match_query=far))).holds is None
 
 
 def test_a_trusted_loop_that_the_trajectory_does_not_satisfy_is_found_and_an_untrusted_one_is_not(lexis):
