@@ -223,6 +223,11 @@ class Config(Settings, place="lexis", error=ConfigError):
     pose_graph: PoseGraphConfig = field(default_factory=PoseGraphConfig)
     planner: PlannerConfig = field(default_factory=PlannerConfig)
 
+    @property
+    def by_sight(self) -> bool:
+        """Whether labels or rooms are found by sight."""
+        return "sight" in (self.labels.method, self.segmentation.method)
+
     def __post_init__(self) -> None:
         """Raise ConfigError if the settings of two stages contradict each other."""
         views = 2 * self.keyframes.supports + 1

@@ -49,7 +49,7 @@ class Views:
     similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every keyframe's image with every room name (paper, Eq. 1)."""
     spaces: Sequence[VisibleSpace]
-    """The free space that each keyframe's image shows."""
+    """The free space that each keyframe's image shows. Only methods by sight need it; it may be empty for others."""
     T_W_B: Poses
     """Current poses."""
     T_B_C: Pose
@@ -80,8 +80,7 @@ def derive(
 
 def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clustering | None]:
     """How labels are refined and rooms are clustered by sight; None in place of either where the paper's method is set."""
-    chosen = config.labels.method == "sight", config.segmentation.method == "sight"
-    if not any(chosen):
+    if not config.by_sight:
         return None, None
     sees = sight(views.spaces, views.T_W_B, views.T_B_C, config.sight.near_m)
 
@@ -91,4 +90,5 @@ def _by_sight(views: Views, config: Config) -> tuple[Refinement | None, Clusteri
     def cluster(labels: Labels, floors: Labels, positions: Positions) -> tuple[Labels, Labels]:
         return cluster_by_sight(labels, floors, positions, sees, config.sight)
 
-    return refine if chosen[0] else None, cluster if chosen[1] else None
+    labels, rooms = config.labels.method == "sight", config.segmentation.method == "sight"
+    return refine if labels else None, cluster if rooms else None

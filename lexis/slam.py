@@ -131,7 +131,8 @@ class Slam:
         """
         self._graph.add_keyframe(keyframe)
         self._similarities.append(similarities(keyframe.embedding, self._text))
-        self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
+        if self._config.by_sight:
+            self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
         self._close_loops(keyframe)
         optimised = self._optimise()
         if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from helpers.unchecked import unchecked
 
+from lexis.config import Config, LabelConfig, SegmentationConfig
 from lexis.encoder.open_clip_encoder import load_encoder
 from lexis.errors import EncoderError
+from lexis.map import load_map, relabel, save_map
 from lexis.maths.se3 import inverse, transform
 from lexis.types import Percept
 from sim.errors import SimError
@@ -106,6 +108,17 @@ def test_the_points_of_a_percept_are_where_rays_hit_the_house(finished):
         ends = TrueView(truth.T_W_B, truth.T_W_B @ camera.T_B_C, depth, grid).points.T
         assert 10 < len(points) <= 100
         assert np.abs(points[:, None] - ends).sum(axis=2).min(axis=1).max() < 1e-3
+
+
+def test_a_map_by_sight_means_the_same_after_it_was_saved(config, tmp_path):
+    settings = Config(labels=LabelConfig(method="sight"), segmentation=SegmentationConfig(method="sight"))
+    encoder = LabelEncoder()
+    lexis_map = run(config, Lexis(encoder, settings)).slam.map
+    save_map(lexis_map, tmp_path / "map")
+    again = relabel(load_map(tmp_path / "map"), lexis_map.room_names, encoder, settings)
+    assert min(len(keyframe.landmarks.points) for keyframe in lexis_map.keyframes) > 10
+    np.testing.assert_array_equal(again.labels, lexis_map.labels)
+    assert [room.keyframes for room in again.rooms] == [room.keyframes for room in lexis_map.rooms]
 
 
 def test_a_percept_has_no_place_for_truth(finished):
