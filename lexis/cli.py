@@ -143,6 +143,9 @@ def _add_relabel(commands: Commands) -> None:
     relabel.add_argument("map", type=Path, metavar="MAP")
     relabel.add_argument("--rooms", required=True, help=ROOMS_HELP)
     relabel.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
+    relabel.add_argument(
+        "--config", type=Path, metavar="FILE", help="settings as JSON, as for 'lexis run' (default: defaults)"
+    )
     relabel.add_argument("--encoder", help=MAP_ENCODER_HELP)
 
 
@@ -244,7 +247,8 @@ def _relabel(arguments: argparse.Namespace) -> int:
     warn_of_replacement(arguments.out, JSON_FILE)
     lexis_map = load_map(arguments.map)
     names = _rooms(arguments.rooms)
-    renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder))
+    config = read_config(arguments.config) if arguments.config else None
+    renamed = relabel(lexis_map, names, _map_encoder(lexis_map, arguments.encoder), config)
     save_map(renamed, arguments.out)
     _report(renamed, arguments.out)
     return 0

@@ -97,7 +97,7 @@ class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
 class SightConfig(Settings, place="sight", error=ConfigError):
     """Settings for labels and rooms from the free space that the images show (beyond the paper)."""
 
-    range_m: Annotated[float, Gt(0)] = 8.0
+    range_m: Annotated[float, Interval(gt=0, le=100)] = 8.0
     """Largest distance of a landmark from the camera; the space before farther landmarks does not count as seen [m]."""
     near_m: Annotated[float, Gt(0)] = 0.7
     """Distance from a keyframe within which visible space belongs to the place of this keyframe [m]."""
@@ -110,7 +110,7 @@ class SightConfig(Settings, place="sight", error=ConfigError):
     neighbour_weight: Annotated[float, Ge(0)] = 4.0
     """Weight of the beliefs of the neighbours in sight, relative to the evidence of the images."""
     passes: Annotated[int, Ge(0)] = 3
-    """Number of passes of mean-field inference, in which neighbours in sight come to agree."""
+    """Number of passes of opinion pooling, in which neighbours in sight come to agree."""
     share: Annotated[float, Interval(ge=0, lt=1)] = 0.06
     """A keyframe sees the place of another one if more than this share of its visible space lies there."""
     min_keyframes: Annotated[int, Ge(1)] = 3
@@ -182,8 +182,9 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
 
     kernel: Literal["dcs", "gnc", "huber", "none"] = "dcs"
     """How the influence of wrong loop edges is limited. dcs: dynamic covariance scaling (Agarwal et al., 2013), as in the
-    paper. gnc: graduated non-convexity with truncated least squares (Yang et al., 2020), which is several times slower and
-    starts from no trust in the current poses. huber: the Huber kernel. none: least squares."""
+    paper. gnc: graduated non-convexity with truncated least squares (Yang et al., 2020), which solves the graph many times:
+    it starts with equal trust in all loops, and lowers the weights of those that do not fit. huber: the Huber kernel. none:
+    least squares."""
     outlier_threshold: Annotated[float, Gt(0)] = 12.6
     """Squared whitened residual above which the kernel down-weights a loop edge. The default is the 0.95 quantile of chi²
     with 6 degrees of freedom."""

@@ -68,7 +68,7 @@ def label_keyframes(
         similarities: cosine similarities, rows in the order of the keyframes.
         positions: positions of the keyframes in W, in the order of the path [m].
         room_names: the vocabulary.
-        config: whether to refine, the number of neighbours C, and the thresholds of a climb.
+        config: the method, the number of neighbours C, and the thresholds of a climb.
         refine: how the labels of keyframes that are not on stairs are refined; None: by the vote of the paper.
     """
     similarities = rounded(similarities)

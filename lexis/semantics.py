@@ -4,7 +4,7 @@ All three are recomputed from scratch each time instead of being updated, so tha
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -71,6 +71,8 @@ def derive(
         given: labels to cluster in place of the refined labels; None: the refined labels.
     """
     positions = views.T_W_B[:, :3, 3]
+    if given is not None or config.labels.method == "image":  # labels that are not to be corrected
+        config = replace(config, sight=replace(config.sight, min_keyframes=1))
     refine, cluster = _by_sight(views, config)
     labels = label_keyframes(views.similarities, positions, room_names, config.labels, refine)
     found = labels.refined if given is None else given

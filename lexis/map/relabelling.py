@@ -22,7 +22,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
         map: the map to relabel; its old room names are ignored.
         room_names: the new room names.
         encoder: the encoder that made the map.
-        config: settings, which should equal those that the map was made with; only labels and segmentation matter.
+        config: settings, which should equal those that the map was made with; only labels, segmentation and sight matter.
 
     Raises:
         LexisError: the room names are unusable, or the map was made with another encoder.
@@ -32,7 +32,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     names = tuple(room_names)
     config, T_B_C = config or Config(), map.camera.T_B_C
     embeddings = np.array([keyframe.embedding for keyframe in map.keyframes])
-    spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes]
+    spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes if config.by_sight]
     views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, T_B_C)
     meaning = derive(views, names, config)
     return replace(

@@ -21,7 +21,7 @@ def pool_labels(
     1. Convert the similarities of each image to log probabilities, which are its evidence.
     2. Sum up, for each keyframe, the evidence of all images, weighted by the share of the image's visible space that lies
        near the keyframe. The keyframe's own image counts `own_weight` in addition.
-    3. Let the keyframes that are connected by sight agree, by a few passes of mean-field inference in a Potts model: each
+    3. Let the keyframes that are connected by sight come to agree, in a few passes of logarithmic opinion pooling: each
        keyframe adds the mean log belief of its neighbours, times `neighbour_weight`, to its evidence.
 
     Args:

@@ -27,8 +27,9 @@ def cluster_by_sight(
     2. A room of fewer than `min_keyframes` keyframes is absorbed by the larger room of its floor that it sees, or is seen
        from, most. Its keyframes take the label of that room.
 
-    Twin rooms with a wall between them stay two, however close they are, and one long room stays one. Keyframes on stairs
-    belong together by their horizontal distance instead, because the flights of a staircase lie above one another.
+    Twin rooms with a wall between them thus stay two, unless keyframes on both sides are within `near_m` of each other, and
+    one long room stays one. Keyframes on stairs belong together by their horizontal distance instead, because the flights of
+    a staircase lie above one another.
 
     Args:
         labels: label of every keyframe.

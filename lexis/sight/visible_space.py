@@ -1,7 +1,7 @@
 """The free space that each keyframe's camera looks into, and which keyframes stand in it.
 
 The space between a camera and a landmark is free, and belongs to what the image shows. Landmarks lie on walls and furniture,
-so this space does not reach through walls.
+so this space ends at walls. Only the place of the camera itself counts as near to everything within `near_m`.
 
 1. Sample places on the way from the camera to each landmark, at the height of the camera (`space_in_view`). The last part of
    the way is left out, because a landmark may have been triangulated behind the wall on which it lies.
@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from lexis.config import SightConfig
 from lexis.maths.se3 import inverse, transform
+from lexis.maths.ties import rounded
 from lexis.types import Keyframe, Pose, Poses
 
 _SHARES = np.array([0.0, 0.25, 0.5])
@@ -25,7 +26,11 @@ _SHARES = np.array([0.0, 0.25, 0.5])
 _CELL_M = 0.5
 """Width of the cells over which places are averaged, so that there are few of them [m]."""
 _COUNT = 1000
-"""Number of cells along each axis, which is more than any range needs."""
+"""Number of cells along each axis, which is more than the largest `range_m` needs."""
+_STEEP = 0.1
+"""Cosine of the elevation beyond which a camera counts as looking straight up or down."""
+_SPARE_M = 1e-5
+"""Spare distance with which neighbours are searched, before their distances are rounded and compared [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +55,29 @@ def space_in_view(keyframe: Keyframe, T_B_C: Pose, config: SightConfig) -> Visib
         config: the range.
     """
     rays = transform(inverse(T_B_C), keyframe.landmarks.points)
-    rays = rays[np.linalg.norm(rays, axis=1) <= config.range_m]
+    rays = rays[rounded(np.linalg.norm(rays, axis=1)) <= config.range_m]
     if not len(rays):
         return VisibleSpace(np.zeros((1, 3)), np.ones(1))
-    up = T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3]  # z of O points upwards
-    level = rays - (rays @ up)[:, None] * up
-    places = (_SHARES[:, None, None] * level).reshape(-1, 3)
-    cells = np.floor(places / _CELL_M).astype(np.int64) + _COUNT // 2
-    _, cell, count = np.unique(cells @ [_COUNT * _COUNT, _COUNT, 1], return_inverse=True, return_counts=True)
-    sums = np.stack([np.bincount(cell, axis) for axis in places.T], axis=1)
-    return VisibleSpace(sums / count[:, None], count / len(places))
+    axes = _horizontal(T_B_C[:3, :3].T @ keyframe.T_O_B[2, :3])  # z of O points upwards
+    places = (_SHARES[:, None, None] * (rays @ axes.T)).reshape(-1, 2)
+    # Rounded, because places on the border of two cells must not change sides by the last bit.
+    cells = np.floor(rounded(places) / _CELL_M).astype(np.int64) + _COUNT // 2
+    _, cell, count = np.unique(cells @ [_COUNT, 1], return_inverse=True, return_counts=True)
+    means = np.stack([np.bincount(cell, axis) for axis in places.T], axis=1) / count[:, None]
+    return VisibleSpace(means @ axes, count / len(places))
+
+
+def _horizontal(up: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
+    """Two horizontal unit vectors in the frame of the camera, to its right and to its front, as rows.
+
+    `up` points upwards in that frame. For a camera that looks straight up or down, the front is that of its image.
+    """
+    seen = np.array([0.0, 0.0, 1.0])  # the optical axis
+    front = seen - (seen @ up) * up
+    if np.linalg.norm(front) < _STEEP:
+        front = np.array([0.0, -1.0, 0.0]) + up[1] * up
+    front = front / np.linalg.norm(front)
+    return np.stack([np.cross(front, up), front])
 
 
 def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: float) -> csr_array:
@@ -74,6 +92,7 @@ def sight(spaces: Sequence[VisibleSpace], T_W_B: Poses, T_B_C: Pose, near_m: flo
     local = np.concatenate([space.places for space in spaces])
     places = np.einsum("nij,nj->ni", T_W_C[viewer, :3, :3], local) + T_W_C[viewer, :3, 3]
     cameras = cKDTree(T_W_C[:, :3, 3])
-    near = cameras.sparse_distance_matrix(cKDTree(places), near_m, output_type="ndarray")
+    near = cameras.sparse_distance_matrix(cKDTree(places), near_m + _SPARE_M, output_type="ndarray")
+    near = near[rounded(near["v"]) <= near_m]
     seen, place = near["i"], near["j"]
     return csr_array((weights[place], (seen, viewer[place])), shape=(len(spaces), len(spaces)))

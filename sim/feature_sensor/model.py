@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -55,8 +54,8 @@ _SAME = 0.999
 machines."""
 _PROBES = ("kitchen", "bedroom", "corridor")
 """Texts that are encoded for the fingerprint."""
-_FINGERPRINTS: WeakKeyDictionary[Encoder, Float32[np.ndarray, "probes d"]] = WeakKeyDictionary()
-"""Fingerprints of the encoders that have been asked for in this process."""
+_LATEST: list[tuple[Encoder, Float32[np.ndarray, "probes d"]]] = []
+"""The encoder whose fingerprint was asked for last in this process, and its fingerprint."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +82,9 @@ def fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:
 
     Embedding the image takes longer than any other preparation of a run on features, so the result is remembered.
     """
-    if encoder not in _FINGERPRINTS:
-        _FINGERPRINTS[encoder] = _fingerprint(encoder)
-    return _FINGERPRINTS[encoder]
+    if not _LATEST or _LATEST[0][0] is not encoder:
+        _LATEST[:] = [(encoder, _fingerprint(encoder))]
+    return _LATEST[0][1]
 
 
 def _fingerprint(encoder: Encoder) -> Float32[np.ndarray, "probes d"]:

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Float64
 
-from lexis.maths.se3 import transform
+from lexis.maths.se3 import inverse
 from lexis.types import Camera, Features, Percept, Poses
 from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier, LoopModel, TrueView
 from sim.feature_sensor.model import FeatureModel
 from sim.feature_sensor.oracle import true_embeddings
-from sim.feature_sensor.ray_origins import RayGrid
+from sim.feature_sensor.ray_origins import RayGrid, cameras_at
 from sim.feature_sensor.surroundings import Surroundings, survey
 from sim.feature_sensor.visible_shares import COLUMNS, ROWS, VisibleShares, look
 from worlds.house import House
@@ -28,8 +28,8 @@ _CHUNK = 256
 """Number of frames whose rays are cast together."""
 NO_FEATURES = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
 """The features of all simulated percepts: no key points, because loops are verified by covisibility."""
-_EVERY = slice(None, None, 4), slice(None, None, 3)
-"""Columns and rows of the rays whose end points a percept contains: 100 points, about as many as LEXIS triangulates."""
+_COLUMNS, _ROWS = np.r_[2:20:4, 21:40:4], np.r_[1:30:3]
+"""Columns and rows of the 100 rays whose end points a percept contains, symmetric about the centre of the image."""
 
 
 class FeatureSensor:
@@ -100,12 +100,15 @@ class SensedTour:
 
     def _points(self, number: int) -> Float64[np.ndarray, "n points 3"]:
         """Return end points of rays at the frames of a chunk, in the body frame [m]; NaN for rays that hit nothing."""
-        columns, rows = _EVERY
-        depth = self._depths[number][:, columns, rows].astype(np.float64)
+        frames = self._chunks[number].frames
+        eyes = cameras_at(self._T_W_B[frames] @ self._camera.T_B_C, np.zeros(frames.stop - frames.start, int), self._grid)
+        depth = self._depths[number][:, _COLUMNS][:, :, _ROWS].astype(np.float64)
         depth[~np.isfinite(depth)] = np.nan
-        x, y = np.meshgrid(self._grid.x[columns], self._grid.y[rows], indexing="ij")
-        ends = depth[..., None] * np.stack([x, y, np.ones_like(x)], axis=-1)
-        return np.asarray(transform(self._camera.T_B_C, ends.reshape(len(depth), x.size, 3)))
+        across = eyes.place[:, None, None] + depth[..., None] * eyes.lines[:, _COLUMNS, None]
+        height = eyes.height[:, None, None] + depth * eyes.slope[:, None, _ROWS]
+        ends = np.concatenate([across, height[..., None]], axis=-1).reshape(len(depth), -1, 3)
+        T_B_W = inverse(self._T_W_B[frames])
+        return np.asarray(ends @ np.swapaxes(T_B_W[:, :3, :3], 1, 2) + T_B_W[:, None, :3, 3])
 
     def _look(self, number: int) -> VisibleShares:
         """Return the visible contents at the frames of the chunk with this number."""

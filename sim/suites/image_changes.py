@@ -65,4 +65,4 @@ def _other(image: Image | Percept) -> Image | Percept:
         return np.zeros_like(image)
     same = np.zeros_like(image.embedding)
     same[0] = 1.0
-    return replace(image, embedding=same)
+    return replace(image, embedding=same, points=image.points[:0])

@@ -121,14 +121,15 @@ class OtherClock(NoChange):
 
 @dataclass(frozen=True)
 class ReusedArrays(NoChange):
-    """Image or embedding, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
+    """Image or percept, pose and covariance are overwritten once the SLAM has processed them, as by a driver's buffers."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
         """Yield a copy of the observation, and overwrite the copy when the next observation is asked for."""
         lent = copied(observation)
         yield lent
         seen = lent.image
-        for array in (seen.embedding if isinstance(seen, Percept) else seen, lent.T_O_B, lent.increment_covariance):
+        of_image = (seen.embedding, seen.points) if isinstance(seen, Percept) else (seen,)
+        for array in (*of_image, lent.T_O_B, lent.increment_covariance):
             array[...] = 0
 
 

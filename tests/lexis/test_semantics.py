@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lexis.config import Config
+from lexis.config import Config, LabelConfig, SegmentationConfig
 from lexis.maths import se3
 from lexis.room_labels import similarities
 from lexis.semantics import Views, derive
@@ -34,6 +34,16 @@ def test_a_clear_walk_gives_its_two_rooms(walk):
     ]
     np.testing.assert_array_equal(result.labels, np.repeat([0, 1], 10))
     np.testing.assert_allclose(result.similarities, walk[0] @ TEXT.T, atol=1e-6)
+
+
+def test_labels_that_are_given_are_not_corrected_by_sight(walk):
+    given = np.repeat([0, 1], 10)
+    given[5] = 1  # one keyframe of an office in the kitchen
+    config = Config(segmentation=SegmentationConfig(method="sight"))
+    np.testing.assert_array_equal(derive(views(*walk), NAMES, config, given).labels, given)
+    image = Config(segmentation=SegmentationConfig(method="sight"), labels=LabelConfig(method="image"))
+    found = derive(views(*walk), NAMES, image)
+    np.testing.assert_array_equal(found.labels, found.baseline_labels)
 
 
 def test_the_meaning_does_not_depend_on_where_the_world_s_origin_lies(walk):

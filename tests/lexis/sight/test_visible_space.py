@@ -81,6 +81,17 @@ def test_neither_the_axes_of_the_body_nor_the_place_in_o_change_the_visible_spac
     np.testing.assert_allclose(there.weights, here.weights, atol=1e-12)
 
 
+@given(seed=st.integers(0, 2**32 - 1), level=st.booleans())
+def test_the_last_bits_of_a_pose_change_nothing_but_last_bits(seed, level):
+    rng = np.random.default_rng(seed)
+    points, lean = rng.uniform(-4.0, 4.0, (60, 3)).round(2), np.zeros(3) if level else rng.normal(size=3) * 0.1
+    T_O_B = exp(np.r_[lean[:2], rng.uniform(-3, 3), 1.0, 2.0, 0.5])
+    here = space_in_view(keyframe(points, T_O_B), FORWARD, SightConfig())
+    shaken = space_in_view(keyframe(points, T_O_B @ exp(rng.normal(size=6) * 1e-15)), FORWARD, SightConfig())
+    assert len(here.places) == len(shaken.places)
+    np.testing.assert_allclose(shaken.places, here.places, atol=1e-9)
+
+
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 12))
 def test_sight_is_the_share_of_places_nearby(seed, n):
     poses, spaces = scattered(np.random.default_rng(seed), n)
@@ -93,6 +104,14 @@ def test_sight_does_not_depend_on_the_world_s_frame(rng):
     there = sight(spaces, exp(np.array([0.3, -0.1, 2.0, 40.0, -9.0, 3.0])) @ poses, FORWARD, NEAR_M).toarray()
     assert here.any() and not here.all()
     np.testing.assert_allclose(there, here, atol=1e-9)
+
+
+def test_a_camera_that_looks_straight_down_sees_space_around_it():
+    down = np.array([[0.0, -1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 1.0], [0.0, 0.0, 0.0, 1.0]])
+    space = space_in_view(keyframe([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), down, SightConfig())
+    places = transform(down, space.places)
+    np.testing.assert_allclose(places[:, 2], 1.0, atol=1e-12)
+    assert places[:, 0].max() == pytest.approx(1.0) and places[:, 1].max() == pytest.approx(1.0)
 
 
 def test_nobody_sees_through_a_wall():

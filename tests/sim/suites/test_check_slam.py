@@ -393,6 +393,9 @@ def test_the_command_keeps_the_smallest_failing_scenario(tmp_path, capsys, monke
     exec(replay.read_text().replace("scenario, None)", "scenario, FloorsByHeight)"), code)
     with pytest.raises(AssertionError):
         code["test_replay"]()
+    code["FloorsByHeight"] = BrokenNow
+    with pytest.raises(AssertionError):  # a SLAM that crashes has not been mended
+        code["test_replay"]()
 
 
 def test_a_replayed_check_that_no_suite_has_is_refused():

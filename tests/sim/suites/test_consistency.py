@@ -63,7 +63,9 @@ def test_loops_that_fit_have_to_be_trusted(lexis):
     fitting = replace(
         loops, T_match_query=between(poses[loops.match], poses[loops.query]), weights=np.ones(len(loops.query))
     )
-    assert len(loops.query) >= 5 and fitting_loops_are_trusted(claiming(lexis, loops=fitting)).holds
+    assert len(loops.query) >= 5 and fitting_loops_are_trusted(claiming(lexis, loops=fitting)).holds is None
+    mostly = replace(fitting, weights=np.linspace(0.45, 1.0, len(loops.query)))
+    assert fitting_loops_are_trusted(claiming(lexis, loops=mostly)).holds
     doubted = replace(fitting, weights=np.full(len(loops.query), 0.2))
     assert fitting_loops_are_trusted(claiming(lexis, loops=doubted)).holds is False
     few = [values[:4] for values in (doubted.query, doubted.match, doubted.T_match_query, doubted.weights)]
