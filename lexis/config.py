@@ -60,15 +60,15 @@ class LandmarkConfig(Settings, place="landmarks", error=ConfigError):
 class LabelConfig(Settings, place="labels", error=ConfigError):
     """Settings for refining the room labels of keyframes and finding stairs (paper, Sec. III-B)."""
 
-    method: Literal["image", "vote", "sight"] = "vote"
-    """How a keyframe gets its label. image: from its own image alone. vote: by a vote among the nearest keyframes, as in the
-    paper. sight: from all images that show its place; see `lexis.sight`. Except with "image", stairs are found by their
+    method: Literal["image", "vote", "sight"] = "sight"
+    """How a keyframe gets its label. sight: from all images that show its place; see `lexis.sight`. vote: by a vote among
+    the nearest keyframes, as in the paper. image: from its own image alone. Except with "image", stairs are found by their
     change of height."""
     neighbours: Annotated[int, Ge(1)] = 5
     """Number of nearest keyframes that vote on the label of a keyframe (C in the paper, there 3 to 7)."""
     every: Annotated[int, Ge(1)] = 9
     """Largest number of new keyframes between two refinements of the labels (K in the paper, there 7 to 12). Labels are also
-    refined after every optimisation."""
+    refined after every optimisation. Only if loops are searched by room are labels refined before the map is finished."""
     stairs_name: Annotated[str, MinLen(1)] = "stairs"
     """The room name that keyframes on stairs get. If the user's room names lack it, stairs are not detected."""
     stairs_window_m: Annotated[float, Gt(0)] = 2.0
@@ -81,9 +81,9 @@ class LabelConfig(Settings, place="labels", error=ConfigError):
 class SegmentationConfig(Settings, place="segmentation", error=ConfigError):
     """Settings for clustering keyframes into rooms and floors (paper, Sec. III-C)."""
 
-    method: Literal["distance", "sight"] = "distance"
-    """What joins keyframes of one label to a room. distance: their distances, as in the paper. sight: whether they see each
-    other's places; see `lexis.sight`."""
+    method: Literal["distance", "sight"] = "sight"
+    """What joins keyframes of one label to a room. sight: whether they see each other's places; see `lexis.sight`. distance:
+    their distances, as in the paper."""
     distance_m: Annotated[float, Gt(0)] = 3.0
     """A keyframe joins a cluster of its label only if the cluster's mean position is within this distance [m]."""
     adjacency_m: Annotated[float, Gt(0)] = 1.5
@@ -121,12 +121,30 @@ class SightConfig(Settings, place="sight", error=ConfigError):
 class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigError):
     """Settings for proposing loop candidates (paper, Sec. III-D)."""
 
+    method: Literal["probability", "room", "similarity"] = "probability"
+    """Which keyframes are proposed. probability: those that the new keyframe revisits most probably, by image and estimated
+    pose. room: the most similar ones of the closest room that the image's label names, as in the paper. similarity: the most
+    similar ones of all."""
     candidates: Annotated[int, Ge(0)] = 5
     """Largest number of loop candidates that are proposed for one query, which is a new keyframe."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
     """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.01
+    """Least probability of a revisit at which the method "probability" proposes a keyframe. A proposal costs a verification,
+    which is cheap beside a loop that is not found."""
+    log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
+    """Log odds of a revisit if the similarity of the images is 0 and the estimated poses are equal. This setting and the
+    next one are fitted to the encoder `mini`."""
+    similarity_weight: Annotated[float, Ge(0)] = 12.7
+    """Log odds that are added per unit of cosine similarity of the images."""
+    place_m: Annotated[float, Gt(0)] = 0.424
+    """Estimated distance that lowers the log odds by 1 [m]; they fall with its square."""
+    place_rad: Annotated[float, Gt(0)] = 0.24
+    """Estimated angle that lowers the log odds by 1 [rad]; they fall with its square."""
+    lost_log_odds: Annotated[float, Ge(0)] = 12.4
+    """Largest reduction of the log odds by distance and angle, because the estimate may be wrong altogether."""
 
 
 @dataclass(frozen=True)
@@ -240,6 +258,14 @@ class Config(Settings, place="lexis", error=ConfigError):
             self.segmentation.refuse(
                 "stairs_name", f"{self.labels.stairs_name!r}, as labels.stairs_name, or no floor is found"
             )
+
+
+PAPER = Config(
+    labels=LabelConfig(method="vote"),
+    segmentation=SegmentationConfig(method="distance"),
+    place_recognition=PlaceRecognitionConfig(method="room"),
+)
+"""LEXIS with the methods of the paper where the defaults use others."""
 
 
 def read_config(path: Path) -> Config:

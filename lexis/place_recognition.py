@@ -1,15 +1,25 @@
-"""Place recognition: loop candidates for a new keyframe, from the room that its image shows (paper, Sec. III-D)."""
+"""Place recognition: earlier keyframes that may show the place of a new keyframe, the loop candidates (paper, Sec. III-D).
+
+The paper searches the room that the image shows, by its label (`in_labelled_room`). One wrong label hides the right room,
+and the most similar keyframe of the room is proposed even where the robot has never been before. The default is therefore a
+calibrated probability of a revisit, from the similarity of the images and the estimated poses (`by_probability`).
+"""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int
+from scipy.special import logit
 
 from lexis.config import PlaceRecognitionConfig
+from lexis.maths.se3 import between, rotation_angle
 from lexis.maths.ties import reaches, rounded
 from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
+
+Ids = Int[np.ndarray, "k"]
+PerKeyframe = Float64[np.ndarray, "k"]
 
 
 @runtime_checkable
@@ -26,35 +36,93 @@ class PlaceRecogniser(Protocol):
 def propose(
     query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
 ) -> tuple[int, ...]:
-    """Propose earlier keyframes as loop candidates for a new keyframe, the query; return their ids, most similar first.
-
-    1. Take the rooms that have the query's label and at least one keyframe old enough to close a loop with. Rooms with
-       recent keyframes only are left out: when the robot re-enters a room, its new keyframes may at first form a cluster of
-       their own, which would be closer than the old cluster of the room.
-    2. Choose the room whose mean position is closest to the query at the current pose estimate.
-    3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
-
-    The result is empty if no room has the label and an old enough keyframe.
+    """Propose earlier keyframes as loop candidates for a new keyframe, the query; return their ids, best first.
 
     Args:
         query: the new keyframe, already in the graph.
         label: room name that the query's image resembles most.
         rooms: the current room instances.
         graph: the current poses and embeddings.
-        config: how many keyframes to propose, and how old they must be.
+        config: the method, how many keyframes to propose, and how old they must be.
     """
-    old = old_enough(query.id, graph.stamps, graph.path_m, config)
-    members = {room.id: [i for i in room.keyframes if old[i]] for room in rooms if room.label == label}
-    eligible = [room for room in rooms if members.get(room.id)]
+    old = np.flatnonzero(old_enough(query.id, graph.stamps, graph.path_m, config))
+    match config.method:
+        case "probability":
+            return by_probability(query, old, graph, config)
+        case "room":
+            return in_labelled_room(query, label, rooms, old, graph, config)
+        case "similarity":
+            return _most_similar(query, old, graph, config)
+
+
+def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
+    """Propose the keyframes `old` that the query revisits most probably, down to the probability `least_probability`.
+
+    The result is empty at a place that is seen for the first time. See `revisit_log_odds` for the probability.
+    """
+    T_old_query = between(graph.T_W_B[old], graph.T_W_B[query.id])
+    distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
+    odds = rounded(revisit_log_odds(_similarities(query, old, graph), distances, angles, config))
+    likely = odds >= logit(config.least_probability)
+    best = np.argsort(-odds[likely], kind="stable")[: config.candidates]
+    return tuple(old[likely][best].tolist())
+
+
+def revisit_log_odds(
+    similarities: PerKeyframe, distances_m: PerKeyframe, angles_rad: PerKeyframe, config: PlaceRecognitionConfig
+) -> PerKeyframe:
+    """Log odds that a new keyframe is at the place of each earlier keyframe, which means within 1 m and 0.5 rad.
+
+    They rise with the similarity of the images and fall with the squares of the estimated distance and angle, but not
+    without limit: a robot that is lost can be anywhere, so a very similar image far from the estimate counts too.
+    `lexis-sim bench places --fit` fits the settings to runs of which the truth is known.
+
+    Args:
+        similarities: cosine similarities of the images.
+        distances_m: estimated distances between the keyframes [m].
+        angles_rad: estimated angles between the keyframes [rad].
+        config: the settings of the model.
+    """
+    misplaced = (distances_m / config.place_m) ** 2 + (angles_rad / config.place_rad) ** 2
+    return config.log_odds + config.similarity_weight * similarities - np.minimum(misplaced, config.lost_log_odds)
+
+
+def in_labelled_room(
+    query: Keyframe,
+    label: str,
+    rooms: Sequence[RoomInstance],
+    old: Ids,
+    graph: PoseGraph,
+    config: PlaceRecognitionConfig,
+) -> tuple[int, ...]:
+    """Propose the most similar of the keyframes `old` in the closest room that has the query's label, as in the paper.
+
+    1. Take the rooms that have the query's label and at least one old enough keyframe. Rooms with recent keyframes only are
+       left out: when the robot re-enters a room, its new keyframes may at first form a cluster of their own, which would be
+       closer than the old cluster of the room.
+    2. Choose the room whose mean position is closest to the query at the current pose estimate.
+    3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
+
+    The result is empty if no room has the label and an old enough keyframe.
+    """
+    members = {room.id: np.intersect1d(room.keyframes, old) for room in rooms if room.label == label}
+    eligible = [room for room in rooms if len(members.get(room.id, ()))]
     if not eligible:
         return ()
     position = graph.T_W_B[query.id, :3, 3]
     distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
-    ids = np.array(members[closest.id])
-    similarity = graph.embeddings[ids].astype(np.float64) @ query.embedding
-    best = np.argsort(-rounded(similarity), kind="stable")[: config.candidates]
+    return _most_similar(query, members[closest.id], graph, config)
+
+
+def _most_similar(query: Keyframe, ids: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
+    best = np.argsort(-rounded(_similarities(query, ids, graph)), kind="stable")[: config.candidates]
     return tuple(ids[best].tolist())
+
+
+def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
+    """Cosine similarities of the query's embedding with those of other keyframes."""
+    return np.asarray(graph.embeddings[ids].astype(np.float64) @ query.embedding)
 
 
 def old_enough(

@@ -7,13 +7,13 @@ Every observation passes through these stages (with the sections of the paper):
    loop candidates, the features to verify loops.
 3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
 4. Add the keyframe to the pose graph (`lexis.pose_graph`, III-A), at the pose that odometry predicts.
-5. Propose loop candidates in the room that the image shows (`lexis.place_recognition`, III-D). Searching one room instead of
-   the whole map saves time and avoids look-alikes elsewhere.
+5. Propose loop candidates (`lexis.place_recognition`, III-D): earlier keyframes that the robot probably revisits, by the
+   similarity of the images and by the estimated poses. The paper searches the room that the image shows instead.
 6. Verify the candidates by PnP and add the confirmed loops as edges (`lexis.verification`, III-D), because two images of
    one room need not show the same place.
 7. Optimise the graph when loops have been added (`lexis.graph_optimisation`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
-   This happens after every `labels.every` keyframes and after every optimisation, because the result depends on all poses.
+   This happens when the map is finished, because the result depends on all poses.
 """
 
 from collections.abc import Sequence
@@ -124,10 +124,11 @@ class Slam:
         return self._map(self._derive_semantics())
 
     def _add(self, keyframe: Keyframe) -> None:
-        """Add a keyframe to the graph, close its loops, and update the rooms if they are due.
+        """Add a keyframe to the graph, and close its loops.
 
-        Loops are searched in the rooms that were derived last, at most `labels.every` keyframes ago. Deriving the rooms for
-        every keyframe would be slow, because it labels all keyframes.
+        Rooms are needed before the map is finished only if loops are searched by room, as in the paper. They are then
+        derived after every `labels.every` keyframes and after every optimisation. Deriving them for every keyframe would be
+        slow, because it labels all keyframes.
         """
         self._graph.add_keyframe(keyframe)
         self._similarities.append(similarities(keyframe.embedding, self._text))
@@ -135,7 +136,8 @@ class Slam:
             self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
         self._close_loops(keyframe)
         optimised = self._optimise()
-        if optimised or len(self._graph.keyframes) % self._config.labels.every == 0:
+        due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
+        if due and self._config.place_recognition.method == "room":
             self._rooms = self._derive_semantics().rooms
 
     def _derive_semantics(self) -> Semantics:
@@ -146,7 +148,7 @@ class Slam:
             return derive(views, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
-        """Propose loop candidates in the room that the image shows, verify them by PnP, and add the loop edges."""
+        """Propose loop candidates, verify them by PnP, and add the loop edges."""
         with self._timed("propose"):
             label = self._room_names[most_similar(self._similarities.rows[query.id])]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)

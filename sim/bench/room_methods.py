@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lexis.config import Config, LabelConfig, SegmentationConfig
+from lexis.config import PAPER, Config
 from sim.bench.houses import configs
 from sim.harness import Scenario, evaluate, run
 from sim.harness.adapters import Lexis
@@ -14,10 +14,10 @@ from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 
 METHODS: Mapping[str, Config] = MappingProxyType(
     {
-        "vote, distance (paper)": Config(),
-        "sight, distance": Config(labels=LabelConfig(method="sight")),
-        "vote, sight": Config(segmentation=SegmentationConfig(method="sight")),
-        "sight, sight": Config(labels=LabelConfig(method="sight"), segmentation=SegmentationConfig(method="sight")),
+        "vote, distance (paper)": Config(labels=PAPER.labels, segmentation=PAPER.segmentation),
+        "sight, distance": Config(segmentation=PAPER.segmentation),
+        "vote, sight": Config(labels=PAPER.labels),
+        "sight, sight": Config(),
     }
 )
 """Settings of LEXIS by the names of their methods for labels and for rooms."""

@@ -126,6 +126,29 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _places(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
+
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    answers = []
+    for condition, scenarios in walks(arguments.presets, seeds, arguments.fidelity).items():
+        found = [ask_everywhere(scenario) for scenario in scenarios]
+        answers += found
+        title = f"{', '.join(arguments.presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: {condition}"
+        headers = (f"{figure}, N = {n}" for n in (1, 3, 5) for figure in ("found", "false"))
+        table = Table("candidates by", *headers, title=title)
+        for row in compare_places(found):
+            cells = ((f"{each.tp} of {each.possible}", str(each.fp)) for each in row.counts)
+            table.add_row(row.method, *(cell for pair in cells for cell in pair))
+        yield table
+    if arguments.fit:
+        fitted = fit_revisits(answers)
+        table = Table("place_recognition", "fitted value", title="probability of a revisit, fitted to all of these walks")
+        for name in FITTED:
+            table.add_row(name, f"{getattr(fitted, name):.3g}")
+        yield table
+
+
 def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
     from statistics import median
 
@@ -309,6 +332,19 @@ _BENCHMARKS = (
         "labels and rooms by the methods of the paper and by sight, on the same walks",
         "lexis-sim bench rooms --preset uh2-apt --houses 5 --seed 900",
         (_PRESET, _HOUSES, _OPENNESS, SEED),
+    ),
+    Action(
+        "places",
+        _printing(_places),
+        "loop candidates by the method of the paper, by similarity alone and by the probability of a revisit",
+        "lexis-sim bench places --presets home ori --houses 5 --seed 900",
+        (
+            argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP),
+            _HOUSES,
+            argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP),
+            argument("--fit", action="store_true", help="also fit the probability of a revisit to these walks"),
+            SEED,
+        ),
     ),
     Action(
         "encoders",

@@ -1,14 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig
 from lexis.maths import se3
-from lexis.place_recognition import propose
+from lexis.place_recognition import propose, revisit_log_odds
 from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks, RoomInstance
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
-CONFIG = PlaceRecognitionConfig(candidates=3, min_gap_s=10.0, min_gap_m=5.0)
+CONFIG = PlaceRecognitionConfig(method="room", candidates=3, min_gap_s=10.0, min_gap_m=5.0)
 
 
 def keyframe(i, x, embedding):
@@ -56,6 +58,55 @@ def test_a_room_of_recent_keyframes_does_not_hide_the_older_one_behind_it(graph)
     assert set(propose(graph.keyframes[20], "office", rooms, graph, CONFIG)) <= set(range(4, 9))
 
 
-def test_asking_for_no_candidates_switches_loops_off(graph):
+@pytest.mark.parametrize("method", ["probability", "room", "similarity"])
+def test_asking_for_no_candidates_switches_loops_off(method, graph):
     everything = [room(0, "office", range(21), graph)]
-    assert propose(graph.keyframes[20], "office", everything, graph, PlaceRecognitionConfig(candidates=0)) == ()
+    config = PlaceRecognitionConfig(method=method, candidates=0)
+    assert propose(graph.keyframes[20], "office", everything, graph, config) == ()
+
+
+@pytest.mark.parametrize("method", ["probability", "similarity"])
+def test_other_methods_than_the_paper_s_need_no_room(method, graph):
+    config = PlaceRecognitionConfig(method=method, candidates=3, min_gap_s=10.0, min_gap_m=5.0)
+    query = replace(graph.keyframes[20], embedding=graph.embeddings[0])
+    assert propose(query, "kitchen", [], graph, config)[0] == 0
+
+
+def test_similarity_alone_ranks_all_older_keyframes(graph):
+    query, config = graph.keyframes[20], replace(CONFIG, method="similarity")
+    ranked = np.argsort(-(graph.embeddings[:11] @ query.embedding))  # ten seconds before the query at the latest
+    assert list(propose(query, "office", [], graph, config)) == ranked[:3].tolist()
+
+
+def test_a_new_place_is_not_a_revisit_unless_its_image_is_known(rng):
+    graph = PoseGraph(PoseGraphConfig())
+    for i in range(40):
+        graph.add_keyframe(keyframe(i, float(i), rng.normal(size=64)))
+    by_probability = replace(CONFIG, method="probability")
+    query = graph.keyframes[39]
+    assert propose(query, "office", [], graph, by_probability) == ()
+    kidnapped = replace(query, embedding=graph.embeddings[7])
+    assert propose(kidnapped, "office", [], graph, by_probability) == (7,)
+
+
+def test_the_log_odds_of_a_revisit_rise_with_similarity_and_fall_with_distance_and_angle(rng):
+    config = PlaceRecognitionConfig()
+    similarity, distance, angle = rng.uniform(-1, 1, 500), rng.uniform(0, 20, 500), rng.uniform(0, np.pi, 500)
+    odds = revisit_log_odds(similarity, distance, angle, config)
+    assert (revisit_log_odds(similarity + 0.1, distance, angle, config) > odds).all()
+    assert (revisit_log_odds(similarity, distance + 0.1, angle, config) <= odds).all()
+    assert (revisit_log_odds(similarity, distance, angle + 0.1, config) <= odds).all()
+    certain = revisit_log_odds(similarity, 0 * distance, 0 * angle, config)
+    assert (certain - odds <= config.lost_log_odds + 1e-9).all() and (odds <= certain).all()
+
+
+def test_proposals_do_not_depend_on_the_frame_of_the_map(rng):
+    moved, config = se3.exp(np.array([0.0, 0.0, 2.0, 30.0, -7.0, 1.0])), replace(CONFIG, method="probability")
+    here, there = PoseGraph(PoseGraphConfig()), PoseGraph(PoseGraphConfig())
+    for i, x in enumerate([*range(10), *range(9, -1, -1), 0]):
+        added = keyframe(i, float(x), rng.normal(size=8) + 3)
+        here.add_keyframe(added)
+        there.add_keyframe(replace(added, T_O_B=moved @ added.T_O_B))
+    for a, b in zip(here.keyframes, there.keyframes, strict=True):
+        assert propose(a, "", [], here, config) == propose(b, "", [], there, config)
+    assert propose(here.keyframes[20], "", [], here, config)

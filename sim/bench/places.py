@@ -1,0 +1,153 @@
+"""`lexis-sim bench places`: methods of place recognition on the same walks, and a fit of the probability of a revisit.
+
+All methods propose candidates on the graph of one run, whose loops come from the default method. Each house is walked three
+times, because the estimate is not always good: as usual, with bad odometry, and with a robot that is kidnapped.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float64
+from scipy.optimize import minimize
+
+from lexis.config import Config, PlaceRecognitionConfig
+from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
+from lexis.maths.se3 import between, rotation_angle
+from lexis.place_recognition import old_enough, propose, revisit_log_odds
+from lexis.pose_graph import PoseGraph
+from lexis.types import Keyframe, RoomInstance
+from sim.faults.poses import Kidnap
+from sim.fidelity import Fidelity
+from sim.harness import Scenario, run
+from sim.harness.adapters import Lexis
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+
+METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
+    {
+        "room (paper)": PlaceRecognitionConfig(method="room"),
+        "similarity": PlaceRecognitionConfig(method="similarity"),
+        "probability": PlaceRecognitionConfig(method="probability"),
+    }
+)
+"""Settings of place recognition by the names of the methods."""
+_CONDITIONS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "usual odometry": {},
+        "degraded odometry": {"odometry": "degraded"},
+        "kidnapped": {"faults": (Kidnap(at_s=40.0, skip_s=10.0),)},
+    }
+)
+"""Settings of scenarios by the name of the condition in which a house is walked."""
+FITTED = ("log_odds", "similarity_weight", "place_m", "place_rad", "lost_log_odds")
+"""The settings that `fit_revisits` fits."""
+
+PerPair = Float64[np.ndarray, "pairs"]
+
+
+@dataclass(frozen=True)
+class PlaceRow:
+    """Answers of one method to the queries of several walks: counts for N = 1, 3 and 5 required matches, as in Fig. 5."""
+
+    method: str
+    counts: tuple[Counts, Counts, Counts]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs of a query and an older keyframe, as place recognition sees them, and whether they are at one place."""
+
+    similarities: PerPair
+    distances_m: PerPair
+    angles_rad: PerPair
+    revisit: Bool[np.ndarray, "pairs"]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """What the methods proposed for all queries of one walk, and the truth about all pairs of keyframes."""
+
+    proposed: Mapping[str, Sequence[tuple[int, tuple[int, ...]]]]
+    """For each method, the queries with the candidates proposed for them."""
+    eligible: Bool[np.ndarray, "n n"]
+    """For every query (rows), whether each keyframe (columns) is old enough to be proposed."""
+    right: Bool[np.ndarray, "n n"]
+    pairs: Pairs
+
+
+@dataclass(eq=False)
+class _Listener:
+    """Proposes candidates by the default method, and records what each method would propose on the same graph."""
+
+    proposed: dict[str, list[tuple[int, tuple[int, ...]]]] = field(default_factory=lambda: {name: [] for name in METHODS})
+    seen: list[tuple[PerPair, PerPair, PerPair]] = field(default_factory=list)
+    eligible: list[Bool[np.ndarray, "k"]] = field(default_factory=list)
+
+    def __call__(
+        self, query: Keyframe, label: str, rooms: Sequence[RoomInstance], graph: PoseGraph, config: PlaceRecognitionConfig
+    ) -> tuple[int, ...]:
+        old = old_enough(query.id, graph.stamps, graph.path_m, config)
+        T_old_query = between(graph.T_W_B[old], graph.T_W_B[query.id])
+        similarities = graph.embeddings[old].astype(np.float64) @ query.embedding
+        self.seen.append((similarities, np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)))
+        self.eligible.append(old)
+        for name, settings in METHODS.items():
+            self.proposed[name].append((query.id, propose(query, label, rooms, graph, settings)))
+        return propose(query, label, rooms, graph, PlaceRecognitionConfig())
+
+
+def walks(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> dict[str, list[Scenario]]:
+    """The scenarios of a benchmark, by the name of their condition: every house is walked once in each condition."""
+    rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
+    usual = Scenario(fidelity=fidelity, frame_rate_hz=rate_hz)
+    return {
+        name: [replace(usual, preset=preset, seed=seed, **settings) for preset in presets for seed in seeds]
+        for name, settings in _CONDITIONS.items()
+    }
+
+
+def ask_everywhere(scenario: Scenario) -> Answers:
+    """Run LEXIS on a scenario, and return what every method proposes for each of its keyframes."""
+    listener = _Listener()
+    with_rooms = Config(place_recognition=METHODS["room (paper)"])  # other methods need no rooms before the map is finished
+    finished = run(scenario, Lexis(config=with_rooms, place_recogniser=listener))
+    right = at_one_place(finished.true_poses)
+    eligible = np.zeros_like(right)
+    for query, old in enumerate(listener.eligible):
+        eligible[query, : len(old)] = old
+    similarities, distances, angles = (np.concatenate(each) for each in zip(*listener.seen, strict=True))
+    return Answers(listener.proposed, eligible, right, Pairs(similarities, distances, angles, right[eligible]))
+
+
+def compare_places(answers: Sequence[Answers]) -> Iterator[PlaceRow]:
+    """Count the answers of each method over all walks."""
+    for name in METHODS:
+        yield PlaceRow(name, (_total(answers, name, 1), _total(answers, name, 3), _total(answers, name, 5)))
+
+
+def _total(answers: Sequence[Answers], method: str, n: int) -> Counts:
+    found = [count_matches(walk.proposed[method], walk.eligible, walk.right, n) for walk in answers]
+    return Counts(*(sum(getattr(each, name) for each in found) for name in ("tp", "fp", "possible")))
+
+
+def fit_revisits(answers: Sequence[Answers]) -> PlaceRecognitionConfig:
+    """Fit the probability of a revisit to all pairs of the walks, by maximum likelihood, starting from the defaults."""
+    start = PlaceRecognitionConfig()
+    similarities, distances, angles, revisit = (
+        np.concatenate([getattr(walk.pairs, name) for walk in answers])
+        for name in ("similarities", "distances_m", "angles_rad", "revisit")
+    )
+
+    def settings(values: Float64[np.ndarray, "5"]) -> PlaceRecognitionConfig:
+        offset, *positive = values
+        return replace(start, **dict(zip(FITTED, (float(offset), *np.exp(positive).tolist()), strict=True)))
+
+    def loss(values: Float64[np.ndarray, "5"]) -> float:
+        odds = revisit_log_odds(similarities, distances, angles, settings(values))
+        return float(np.mean(np.logaddexp(0.0, odds) - revisit * odds))
+
+    first = [start.log_odds, *(np.log(getattr(start, name)) for name in FITTED[1:])]
+    found = minimize(loss, first, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-8, "maxiter": 1000})
+    return settings(found.x)
