@@ -131,7 +131,7 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
-    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.01
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.007
     """Least probability of a revisit at which the method "probability" proposes a keyframe. A proposal costs a verification,
     which is cheap beside a loop that is not found."""
     log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
