@@ -208,6 +208,12 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     with 6 degrees of freedom."""
     every: Annotated[int, Ge(1)] = 10
     """Least number of keyframes between two optimisations of the graph."""
+    window: Annotated[int, Ge(1)] = 100
+    """Number of keyframes, counted from the last, that most optimisations move. All earlier poses are fixed then."""
+    growth: Annotated[float, Interval(ge=0, lt=1)] = 0.05
+    """The whole graph is optimised whenever this share of its keyframes has been added since the last time, and when the
+    map is finished. The time per keyframe thus hardly grows with the graph. With 0, every optimisation is of the whole
+    graph."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""

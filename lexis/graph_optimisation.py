@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
+from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
 from lexis.types import Covariance, LoopEdge, Pose, Poses
 
@@ -18,7 +19,7 @@ _PRIOR_SIGMA = 1e-6
 
 
 class GraphOptimiser:
-    """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed.
+    """Optimisation of a growing pose graph by Levenberg-Marquardt, with the first pose fixed, or all but the last poses.
 
     Residuals of odometry edges are simply squared. Those of loop edges pass through a robust kernel, by default DCS, so that
     a wrong loop counts little. Edges and poses are reused from one optimisation to the next.
@@ -28,6 +29,7 @@ class GraphOptimiser:
         """Begin a graph with the pose `T_W_B` of its first keyframe."""
         self._config, self._count = config, 1
         self._odometry, self._loops = gtsam.NonlinearFactorGraph(), gtsam.NonlinearFactorGraph()
+        self._queries = GrowingArray((), np.int64)
         self._poses = gtsam.Values()
         prior = gtsam.noiseModel.Isotropic.Sigma(6, _PRIOR_SIGMA)
         self._odometry.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(first), prior))
@@ -59,26 +61,57 @@ class GraphOptimiser:
             plain = gtsam.noiseModel.Gaussian.Covariance(loop.covariance)
             noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)
             self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
+            self._queries.append(loop.query)
 
     def optimise(self) -> Poses:
         """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
-        graph = gtsam.NonlinearFactorGraph()
-        graph.push_back(self._odometry)
-        graph.push_back(self._loops)
-        parameters = gtsam.LevenbergMarquardtParams()
-        parameters.setMaxIterations(self._config.max_iterations)
-        if self._config.kernel == "gnc" and self._loops.size():
-            self._poses = self._graduated(graph, parameters)
-        else:
-            self._poses = gtsam.LevenbergMarquardtOptimizer(graph, self._poses, parameters).optimize()
+        self._poses = self._solved(self._odometry, self._loops, self._poses)
         return _matrices(self._poses)
 
-    def _graduated(self, graph: gtsam.NonlinearFactorGraph, parameters: gtsam.LevenbergMarquardtParams) -> gtsam.Values:
-        """Optimise by graduated non-convexity; all edges but the loops are known to be right."""
+    def optimise_last(self, count: int) -> Poses:
+        """Optimise the last `count` poses while all earlier poses stay as they are; return ``T_W_B`` of the last ones.
+
+        The time depends on `count` and not on the size of the graph. An edge to an earlier pose counts as a prior on the
+        pose at its other end, with the same residual and the same kernel.
+        """
+        first = self._count - count
+        if first <= 0:
+            return self.optimise()
+        free = gtsam.Values()
+        for key in range(first, self._count):
+            free.insert(key, self._poses.atPose3(key))
+        odometry, loops = gtsam.NonlinearFactorGraph(), gtsam.NonlinearFactorGraph()
+        for key in range(first, self._count):
+            odometry.add(self._with_earlier_fixed(self._odometry.at(key), first))
+        for row in np.flatnonzero(self._queries.rows >= first).tolist():
+            loops.add(self._with_earlier_fixed(self._loops.at(row), first))
+        found = self._solved(odometry, loops, free)
+        self._poses.update(found)
+        return _matrices(found)
+
+    def _with_earlier_fixed(self, edge: gtsam.NonlinearFactor, first: int) -> gtsam.NonlinearFactor:
+        """The edge itself, or a prior on its later pose if its earlier pose lies before the pose `first`."""
+        assert isinstance(edge, gtsam.BetweenFactorPose3)
+        earlier, later = edge.keys()
+        if earlier >= first:
+            return edge
+        return gtsam.PriorFactorPose3(later, self._poses.atPose3(earlier) * edge.measured(), edge.noiseModel())
+
+    def _solved(
+        self, odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph, start: gtsam.Values
+    ) -> gtsam.Values:
+        """The poses that minimise the residuals of odometry and loops."""
+        graph = gtsam.NonlinearFactorGraph()
+        graph.push_back(odometry)
+        graph.push_back(loops)
+        parameters = gtsam.LevenbergMarquardtParams()
+        parameters.setMaxIterations(self._config.max_iterations)
+        if self._config.kernel != "gnc" or not loops.size():
+            return gtsam.LevenbergMarquardtOptimizer(graph, start, parameters).optimize()
         graduated = gtsam.GncLMParams(parameters)
         graduated.setLossType(gtsam.GncLossType.TLS)
-        graduated.setKnownInliers(list(range(self._odometry.size())))
-        optimiser = gtsam.GncLMOptimizer(graph, self._poses, graduated)
+        graduated.setKnownInliers(list(range(odometry.size())))
+        optimiser = gtsam.GncLMOptimizer(graph, start, graduated)
         optimiser.setInlierCostThresholds(self._config.outlier_threshold / 2.0)  # the cost is half of the squared residual
         return optimiser.optimize()
 

@@ -18,6 +18,9 @@ from lexis.maths.ties import reaches, rounded
 from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 
+_SINGLE_PRECISION = 1e-4
+"""More than the rounding error of a cosine similarity in single precision."""
+
 Ids = Int[np.ndarray, "k"]
 PerKeyframe = Float64[np.ndarray, "k"]
 
@@ -45,27 +48,39 @@ def propose(
         graph: the current poses and embeddings.
         config: the method, how many keyframes to propose, and how old they must be.
     """
-    old = np.flatnonzero(old_enough(query.id, graph.stamps, graph.path_m, config))
+    old = int(old_enough(query.id, graph.stamps, graph.path_m, config).sum())  # they are the first ones
     match config.method:
         case "probability":
             return by_probability(query, old, graph, config)
         case "room":
             return in_labelled_room(query, label, rooms, old, graph, config)
         case "similarity":
-            return _most_similar(query, old, graph, config)
+            return _most_similar(query, np.arange(old), graph, config)
 
 
-def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    """Propose the keyframes `old` that the query revisits most probably, down to the probability `least_probability`.
+def by_probability(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
+    """Propose those of the first `old` keyframes that the query revisits most probably, down to `least_probability`.
 
     The result is empty at a place that is seen for the first time. See `revisit_log_odds` for the probability.
     """
-    T_old_query = between(graph.T_W_B[old], graph.T_W_B[query.id])
+    least = logit(config.least_probability)
+    ids = np.flatnonzero(_bound(query, old, graph, config) >= least)
+    T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
     distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
-    odds = rounded(revisit_log_odds(_similarities(query, old, graph), distances, angles, config))
-    likely = odds >= logit(config.least_probability)
+    odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))
+    likely = odds >= least
     best = np.argsort(-odds[likely], kind="stable")[: config.candidates]
-    return tuple(old[likely][best].tolist())
+    return tuple(ids[likely][best].tolist())
+
+
+def _bound(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> Float64[np.ndarray, "old"]:
+    """Upper bounds for the log odds of a revisit of the first `old` keyframes, at the least cost for a keyframe.
+
+    They leave few keyframes, of which the log odds are then computed in full: most are too far away and too different.
+    """
+    distances = np.linalg.norm(graph.T_W_B[:old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
+    similarities = graph.embeddings[:old] @ query.embedding + np.float32(_SINGLE_PRECISION)
+    return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(old), config)
 
 
 def revisit_log_odds(
@@ -91,11 +106,11 @@ def in_labelled_room(
     query: Keyframe,
     label: str,
     rooms: Sequence[RoomInstance],
-    old: Ids,
+    old: int,
     graph: PoseGraph,
     config: PlaceRecognitionConfig,
 ) -> tuple[int, ...]:
-    """Propose the most similar of the keyframes `old` in the closest room that has the query's label, as in the paper.
+    """Propose the most similar ones of the closest room that has the query's label, as in the paper.
 
     1. Take the rooms that have the query's label and at least one old enough keyframe. Rooms with recent keyframes only are
        left out: when the robot re-enters a room, its new keyframes may at first form a cluster of their own, which would be
@@ -103,9 +118,9 @@ def in_labelled_room(
     2. Choose the room whose mean position is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
-    The result is empty if no room has the label and an old enough keyframe.
+    The first `old` keyframes are old enough. The result is empty if no room has the label and an old enough keyframe.
     """
-    members = {room.id: np.intersect1d(room.keyframes, old) for room in rooms if room.label == label}
+    members = {room.id: np.array([i for i in room.keyframes if i < old], int) for room in rooms if room.label == label}
     eligible = [room for room in rooms if len(members.get(room.id, ()))]
     if not eligible:
         return ()
@@ -128,7 +143,7 @@ def _similarities(query: Keyframe, ids: Ids, graph: PoseGraph) -> PerKeyframe:
 def old_enough(
     query: int, stamps: Float64[np.ndarray, "n"], path_m: Float64[np.ndarray, "n"], config: PlaceRecognitionConfig
 ) -> Bool[np.ndarray, "n"]:
-    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`.
+    """Whether each keyframe is old enough to be a loop candidate for the keyframe `query`; the first ones are.
 
     It must lie at least `min_gap_s` of time and `min_gap_m` of odometry path before the query. More recent keyframes are not
     proposed, because odometry already constrains them well.

@@ -1,6 +1,7 @@
 """The growing pose graph: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -13,6 +14,14 @@ from lexis.maths.se3 import between
 from lexis.types import Keyframe, LoopEdge, Poses
 
 
+@dataclass(frozen=True)
+class _Extent:
+    """Size of the graph at an optimisation."""
+
+    keyframes: int = 0
+    loops: int = 0
+
+
 class PoseGraph:
     """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B."""
 
@@ -23,8 +32,7 @@ class PoseGraph:
         self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
         self._embeddings = GrowingArray((0,), np.float32)
         self._optimiser: GraphOptimiser | None = None
-        self._unused_loops = False
-        self._last_optimised = 0
+        self._last_optimised, self._last_whole = _Extent(), _Extent()
         self.keyframes: list[Keyframe] = []
         self.loops: list[LoopEdge] = []
 
@@ -79,17 +87,23 @@ class PoseGraph:
         elif loops:
             raise LexisError("loop edges were added to a graph without keyframes; valid: keyframes first")
         self.loops.extend(loops)
-        self._unused_loops |= bool(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
 
-        With `final`, new loop edges alone suffice. Returns whether the graph was optimised.
+        Most optimisations move the last keyframes only (`window`), and some the whole graph (`growth`). With `final`, new
+        loop edges alone suffice, and the whole graph is optimised. Returns whether the graph was optimised.
         """
-        waited = len(self.keyframes) - self._last_optimised >= self._config.every
-        if not self._unused_loops or not (waited or final):
+        now = _Extent(len(self.keyframes), len(self.loops))
+        grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * now.keyframes
+        whole = final or grown
+        last = self._last_whole if final else self._last_optimised
+        waited = now.keyframes - last.keyframes >= self._config.every
+        if now.loops == last.loops or not (waited or final):
             return False
         assert self._optimiser is not None
-        self._T_W_B.replace(self._optimiser.optimise())
-        self._unused_loops, self._last_optimised = False, len(self.keyframes)
+        self._T_W_B.replace(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))
+        self._last_optimised = now
+        if whole:
+            self._last_whole = now
         return True

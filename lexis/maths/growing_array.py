@@ -22,7 +22,7 @@ class GrowingArray:
         rows.flags.writeable = False
         return rows
 
-    def append(self, row: Shaped[np.ndarray, "*row"] | float) -> None:
+    def append(self, row: Shaped[np.ndarray, "*row"] | float | int) -> None:
         """Append one row."""
         if self._count == len(self._buffer):
             self._buffer = np.concatenate([self._buffer, np.empty_like(self._buffer)])
@@ -30,6 +30,6 @@ class GrowingArray:
         self._count += 1
 
     def replace(self, rows: Shaped[np.ndarray, "n *row"]) -> None:
-        """Replace all rows by an equal number of other rows. Earlier results of `rows` keep the old rows."""
+        """Replace the last n rows by n other rows. Earlier results of `rows` keep the old rows."""
         self._buffer = self._buffer.copy()
-        self._buffer[: self._count] = rows
+        self._buffer[self._count - len(rows) : self._count] = rows

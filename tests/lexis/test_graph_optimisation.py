@@ -173,3 +173,33 @@ def test_loops_outside_the_graph_are_named(true, drifting, match, query):
     steps, T = drifting
     with pytest.raises(LexisError, match=f"{match} -> {query}"):
         solve(T, steps, [LoopEdge(query, match, np.eye(4), LOOP_COVARIANCE, 50)])
+
+
+def test_a_window_of_the_whole_graph_gives_the_same_as_the_whole_graph(true, drifting):
+    steps, T = drifting
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 3)])
+    for count in (40, 100):
+        np.testing.assert_allclose(optimiser(T, steps, loops).optimise_last(count), solve(T, steps, loops), atol=1e-9)
+
+
+@pytest.mark.parametrize("kernel", ["dcs", "gnc", "huber", "none"])
+def test_a_window_is_at_the_optimum_of_the_whole_graph_if_the_poses_before_it_are(true, drifting, rng, kernel):
+    steps, T = drifting
+    config = PoseGraphConfig(kernel=kernel)
+    loops = loops_between(true, [(k, 20 + k) for k in range(0, 20, 2)]) + false_loops(rng, 3)
+    best = solve(T, steps, loops, config=config)
+    again = optimiser(best, steps, loops, config=config)
+    again.optimise()
+    np.testing.assert_allclose(again.optimise_last(8), best[-8:], atol=1e-3)
+
+
+def test_a_window_leaves_earlier_poses_where_they_are_and_moves_with_the_world_frame(true, drifting, rng):
+    steps, T = drifting
+    loops, elsewhere = loops_between(true, [(5, 36), (8, 39)]), se3.exp(rng.normal(size=6))
+    here, there = optimiser(T, steps, loops), optimiser(elsewhere @ T, steps, loops)
+    window = here.optimise_last(10)
+    assert len(window) == 10 and np.linalg.norm(window[-1, :3, 3] - T[-1, :3, 3]) > 0.005
+    np.testing.assert_allclose(there.optimise_last(10), elsewhere @ window, atol=1e-4)
+    fixed = optimiser(T, steps, [])
+    fixed.optimise_last(10)
+    np.testing.assert_allclose(fixed.optimise(), T, atol=1e-6)

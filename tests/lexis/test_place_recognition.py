@@ -110,3 +110,19 @@ def test_proposals_do_not_depend_on_the_frame_of_the_map(rng):
     for a, b in zip(here.keyframes, there.keyframes, strict=True):
         assert propose(a, "", [], here, config) == propose(b, "", [], there, config)
     assert propose(here.keyframes[20], "", [], here, config)
+
+
+def test_the_bound_hides_no_likely_revisit(rng):
+    graph = PoseGraph(PoseGraphConfig())
+    base = rng.normal(size=32)
+    for i in range(200):
+        graph.add_keyframe(keyframe(i, float(i % 9), base + 0.6 * rng.normal(size=32)))
+    config = PlaceRecognitionConfig(candidates=200, min_gap_s=10.0, min_gap_m=5.0)
+    query = graph.keyframes[199]
+    old = np.arange(190)
+    T = se3.between(graph.T_W_B[old], graph.T_W_B[199])
+    similarity = graph.embeddings[old].astype(float) @ query.embedding
+    odds = revisit_log_odds(similarity, np.linalg.norm(T[:, :3, 3], axis=1), se3.rotation_angle(T), config)
+    likely = odds >= np.log(config.least_probability / (1 - config.least_probability))
+    assert 10 < likely.sum() < 180
+    assert set(propose(query, "", [], graph, config)) == set(old[likely].tolist())

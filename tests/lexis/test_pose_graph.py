@@ -71,3 +71,48 @@ def test_weights_are_one_per_loop_and_low_for_what_does_not_fit(odometry):
     good, bad = graph.loop_weights
     assert good > 0.9
     assert bad < 0.1
+
+
+def laps(rng, count):
+    """Drifting odometry of `count` poses on a circle of 40 poses, and true loops to the lap before, every third keyframe."""
+    step = se3.exp(np.array([0.0, 0.0, 2 * np.pi / 40, 0.5, 0.0, 0.0]))
+    noise = se3.exp(rng.multivariate_normal(np.zeros(6), 0.04 * STEP_COVARIANCE, count))
+    T = [np.eye(4)]
+    for error in noise[1:]:
+        T.append(T[-1] @ step @ error)
+    loops = {query: LoopEdge(query, query - 40, np.eye(4), LOOP_COVARIANCE, 50) for query in range(40, count, 3)}
+    return np.stack(T), loops
+
+
+def test_optimising_windows_ends_at_the_same_map_as_optimising_the_whole_graph(rng):
+    T_O_B, loops = laps(rng, 300)
+    loops[151] = LoopEdge(151, 20, se3.exp(np.array([0.0, 0.0, 1.0, 3.0, 1.0, 0.0])), LOOP_COVARIANCE, 50)
+    graphs = PoseGraph(PoseGraphConfig(growth=0.3, window=30)), PoseGraph(PoseGraphConfig(growth=0.0))
+    for one in graph_of(T_O_B).keyframes:
+        for graph in graphs:
+            graph.add_keyframe(one)
+            graph.add_loops([loops[one.id]] if one.id in loops else [])
+            graph.optimise_if_due()
+    worst = np.linalg.norm(graphs[0].T_W_B[:, :3, 3] - graphs[1].T_W_B[:, :3, 3], axis=1).max()
+    assert 1e-3 < worst < 0.5  # windows are an approximation, until the end
+    for graph in graphs:
+        assert graph.optimise_if_due(final=True)
+    windows, whole = (graph.T_W_B for graph in graphs)
+    assert np.linalg.norm(windows[:, :3, 3] - whole[:, :3, 3], axis=1).max() < 1e-3
+    assert se3.rotation_angle(se3.between(windows, whole)).max() < 1e-4
+    np.testing.assert_allclose(graphs[0].loop_weights, graphs[1].loop_weights, atol=1e-3)
+
+
+def test_the_finished_graph_is_optimised_as_a_whole_even_if_a_window_has_used_all_loops(rng):
+    T_O_B, loops = laps(rng, 100)
+    graph = graph_of(T_O_B, PoseGraphConfig(growth=0.9, window=10))
+    graph.add_loops([loops[43]])
+    assert graph.optimise_if_due(final=True)
+    for one in graph_of(laps(rng, 120)[0]).keyframes[100:]:
+        graph.add_keyframe(one)
+    before = graph.T_W_B
+    graph.add_loops([loops[97]])
+    assert graph.optimise_if_due()
+    np.testing.assert_array_equal(graph.T_W_B[:110], before[:110])
+    assert graph.optimise_if_due(final=True)
+    assert np.abs(graph.T_W_B[50:110] - before[50:110]).max() > 1e-3

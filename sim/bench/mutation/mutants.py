@@ -112,19 +112,19 @@ _GRAPH = (
     Mutant(
         "the graph is never optimised",
         "pose_graph.py",
-        "if not self._unused_loops or not (waited or final):",
+        "if now.loops == last.loops or not (waited or final):",
         "if True:",
     ),
     Mutant(
         "the last loops are not used, because the final optimisation is forgotten",
         "pose_graph.py",
-        "if not self._unused_loops or not (waited or final):",
-        "if not self._unused_loops or not waited:",
+        "if now.loops == last.loops or not (waited or final):",
+        "if now.loops == last.loops or not waited:",
     ),
     Mutant(
         "the optimised poses are thrown away",
         "pose_graph.py",
-        "self._T_W_B.replace(self._optimiser.optimise())",
+        "self._T_W_B.replace(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))",
         "self._optimiser.optimise()",
     ),
     Mutant(
@@ -199,7 +199,7 @@ _PLACES = (
     Mutant(
         "all old keyframes count as likely revisits",
         "place_recognition.py",
-        "likely = odds >= logit(config.least_probability)",
+        "likely = odds >= least",
         "likely = odds >= -np.inf",
     ),
     Mutant(
@@ -223,8 +223,8 @@ _PLACES = (
     Mutant(
         "places are compared by odometry poses instead of corrected ones",
         "place_recognition.py",
-        "T_old_query = between(graph.T_W_B[old], graph.T_W_B[query.id])",
-        "T_old_query = between(np.reshape([graph.keyframes[i].T_O_B for i in old], (-1, 4, 4)), query.T_O_B)",
+        "T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])",
+        "T_old_query = between(np.reshape([graph.keyframes[i].T_O_B for i in ids], (-1, 4, 4)), query.T_O_B)",
     ),
     Mutant(
         "loops are not compared with the current estimate",
@@ -277,8 +277,8 @@ _PLACES = (
     Mutant(
         "loop candidates of nearly equal probability are ranked at random",
         "place_recognition.py",
-        "odds = rounded(revisit_log_odds(_similarities(query, old, graph), distances, angles, config))",
-        "odds = revisit_log_odds(_similarities(query, old, graph), distances, angles, config) + np.random.random(len(old))",
+        "odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))",
+        "odds = revisit_log_odds(_similarities(query, ids, graph), distances, angles, config) + np.random.random(len(ids))",
     ),
     Mutant(
         "stamps are kept in single precision",
