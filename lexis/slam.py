@@ -33,7 +33,7 @@ from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive
 from lexis.sight.visible_space import VisibleSpace, space_in_view
 from lexis.timing import StageTimer
-from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance
+from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance, Verdict
 from lexis.verification import Verifier, verify
 
 
@@ -81,6 +81,7 @@ class Slam:
         self._similarities = GrowingArray((len(self._room_names),))
         self._spaces: list[VisibleSpace] = []
         self._candidates: list[tuple[int, tuple[int, ...]]] = []
+        self._verdicts: list[Verdict] = []
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None = None
         self._timed = StageTimer()
@@ -153,9 +154,10 @@ class Slam:
             label = self._room_names[most_similar(self._similarities.rows[query.id])]
             candidates = self._propose(query, label, self._rooms, self._graph, self._config.place_recognition)
         with self._timed("verify"):
-            loops = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
+            verified = self._verify(query, candidates, self._graph, self._camera, self._config.verification)
         self._candidates.append((query.id, candidates))
-        self._graph.add_loops(loops)
+        self._verdicts.extend(verified.verdicts)
+        self._graph.add_loops(verified.edges)
 
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):
@@ -176,5 +178,6 @@ class Slam:
             loops=tuple(self._graph.loops),
             loop_weights=self._graph.loop_weights,
             candidates=tuple(self._candidates),
+            verdicts=tuple(self._verdicts),
             stage_seconds=dict(self._timed.seconds),
         )

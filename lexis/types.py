@@ -8,6 +8,7 @@ looks. ``T_a_b`` maps coordinates in ``b`` to ``a``: ``p_a = T_a_b @ p_b``. Cova
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int, UInt8
@@ -123,6 +124,36 @@ class LoopEdge:
     """Number of key points in the later keyframe's image that lie where `T_match_query` predicts them."""
 
 
+Outcome = Literal[
+    "accepted", "few matches", "few inliers", "crowded inliers", "uncertain position", "far from the estimate", "surplus",
+    "unconfirmed",
+]  # fmt: skip
+"""What became of a loop candidate. Inliers are crowded if they cover too little of the image. A candidate is surplus if
+enough others of the same query have more inliers. It is unconfirmed if a simulated verifier rejects it without a reason."""
+OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of one loop candidate in verification, and the figures that decided. None: not determined."""
+
+    query: int
+    """Id of the new keyframe."""
+    match: int
+    """Id of the earlier keyframe that was proposed."""
+    outcome: Outcome
+    matches: int | None = None
+    """Number of key points in the new keyframe's image that match a landmark."""
+    inliers: int | None = None
+    """Number of key points that agree with the relative pose."""
+    cells: int | None = None
+    """Number of cells of a 6 x 6 grid on the image that contain an inlier."""
+    misfit_m: float | None = None
+    """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
+    misfit_rad: float | None = None
+    """Angle between the measured rotation and the rotation in the estimate at that time [rad]."""
+
+
 @dataclass(frozen=True, eq=False)
 class LoopArrays:
     """Loop edges as arrays: one array for each field of `LoopEdge`, with one row for each edge."""
@@ -205,6 +236,8 @@ class LexisMap:
     weight."""
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
     """Pairs of a new keyframe's id and the ids of the earlier keyframes proposed as its loop candidates, best first."""
+    verdicts: tuple[Verdict, ...] = ()
+    """What became of the candidates, in the order of `candidates`. There are none from a verifier that does not tell."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time spent in each stage of the pipeline [s], by the stage's name."""
 

@@ -12,7 +12,7 @@ For each candidate of a query keyframe:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -25,7 +25,7 @@ from lexis.maths.projection import project, project_jacobian
 from lexis.maths.se3 import between, inverse, rotation_angle, skew, transform
 from lexis.maths.ties import rounded
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose
+from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose, Verdict
 
 _GRID = 6
 """Number of cells along each side of the image, for measuring the spread of inliers."""
@@ -43,21 +43,31 @@ class _Correspondences:
     """Positions of the landmarks in the candidate's body frame [m]."""
 
 
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """The loop edges from a new keyframe, and what became of every candidate."""
+
+    edges: tuple[LoopEdge, ...]
+    """The confirmed loop edges, those with the most inliers first."""
+    verdicts: tuple[Verdict, ...] = ()
+    """One for every candidate, in their order. A verifier may leave them out."""
+
+
 @runtime_checkable
 class Verifier(Protocol):
     """A function that confirms or rejects the loop candidates of a new keyframe: `verify`, or another in its place."""
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig, /
-    ) -> list[LoopEdge]:
+    ) -> Verification:
         """Return the confirmed loop edges; see `verify` for the arguments and the result."""
         ...
 
 
 def verify(
     query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
-) -> list[LoopEdge]:
-    """Return loop edges from a new keyframe to the candidates that pass verification, those with the most inliers first.
+) -> Verification:
+    """Return loop edges from a new keyframe to the candidates that pass verification, and a verdict on each candidate.
 
     A candidate passes if PnP confirms the loop and the loop is close enough to the current estimate of the poses.
 
@@ -69,32 +79,39 @@ def verify(
         config: thresholds, and the largest number of edges to return.
     """
     located = Locator(query, graph.keyframes, camera, config)
-    edges = [located.from_match(match) for match in candidates]
-    return plausible_edges([edge for edge in edges if edge is not None], graph, config)
+    return plausible([located.from_match(match) for match in candidates], graph, config)
 
 
-def plausible_edges(edges: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig) -> list[LoopEdge]:
-    """Return the loop edges of one new keyframe that are close to the current estimate of the poses.
+def plausible(
+    located: Sequence[tuple[Verdict, LoopEdge | None]], graph: PoseGraph, config: VerificationConfig
+) -> Verification:
+    """Keep the loop edges of one new keyframe that are close to the current estimate of the poses.
 
-    At most `max_edges` are returned, those with the most inliers first.
+    At most `max_edges` are kept, those with the most inliers first.
+
+    Args:
+        located: the verdict on every candidate so far, with the edge of each that is accepted.
+        graph: the current estimate of the poses.
+        config: the tolerances, and the largest number of edges.
     """
-    T_W_B, path_m = graph.T_W_B, graph.path_m
-    plausible = [
-        edge
-        for edge in edges
-        if _is_plausible(
-            edge, between(T_W_B[edge.match], T_W_B[edge.query]), path_m[edge.query] - path_m[edge.match], config
-        )
-    ]
-    return sorted(plausible, key=lambda edge: -edge.inliers)[: config.max_edges]
+    judged = [(verdict if edge is None else _compared(verdict, edge, graph, config), edge) for verdict, edge in located]
+    fitting = [edge for verdict, edge in judged if edge is not None and verdict.outcome == "accepted"]
+    kept = sorted(fitting, key=lambda edge: -edge.inliers)[: config.max_edges]
+    surplus = {edge.match for edge in fitting} - {edge.match for edge in kept}
+    verdicts = (replace(verdict, outcome="surplus") if verdict.match in surplus else verdict for verdict, _ in judged)
+    return Verification(tuple(kept), tuple(verdicts))
 
 
-def _is_plausible(edge: LoopEdge, estimated: Pose, path_m: float, config: VerificationConfig) -> bool:
-    """Whether a loop is close to the current estimate; the tolerance grows with the path in between, as drift does."""
-    distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])
-    angle = rotation_angle(between(edge.T_match_query, estimated))
+def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
+    """Refuse a loop that is far from the current estimate; the tolerance grows with the path in between, as drift does."""
+    estimated = between(graph.T_W_B[edge.match], graph.T_W_B[edge.query])
+    path_m = graph.path_m[edge.query] - graph.path_m[edge.match]
+    distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))
+    angle = float(rotation_angle(between(edge.T_match_query, estimated)))
     near = distance <= config.gate_m + config.gate_share * path_m
-    return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)
+    fits = near and angle <= config.gate_rad + config.gate_rad_m * path_m
+    outcome = verdict.outcome if fits else "far from the estimate"
+    return replace(verdict, outcome=outcome, misfit_m=distance, misfit_rad=angle)
 
 
 class Locator:
@@ -110,27 +127,34 @@ class Locator:
         self._config = config
         self._matches: dict[int, Int[np.ndarray, "k 2"]] = {}
 
-    def from_match(self, match: int) -> LoopEdge | None:
-        """The loop edge to the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
+    def from_match(self, match: int) -> tuple[Verdict, LoopEdge | None]:
+        """Judge the candidate with the id `match`, by PnP with the landmarks of the candidate and its neighbours.
 
-        None if too few landmarks agree, if they cover too little of the image, or if the position is too uncertain.
+        The loop edge is None if too few landmarks agree, if they cover too little of the image, or if the position is too
+        uncertain.
         """
+        config, intrinsics = self._config, self._camera.intrinsics
         seen = self._correspondences(match)
-        if len(np.unique(seen.feature_ids)) < self._config.min_inliers:
-            return None
-        intrinsics = self._camera.intrinsics
+        verdict = Verdict(self._query.id, match, "few matches", matches=len(np.unique(seen.feature_ids)))
+        if len(np.unique(seen.feature_ids)) < config.min_inliers:
+            return verdict, None
         pixels = self._query.features.keypoints[seen.feature_ids].astype(np.float64)
-        T_C_match = _solve_pnp(pixels, seen.points, intrinsics, self._config)
+        T_C_match = _solve_pnp(pixels, seen.points, intrinsics, config)
         points_C = transform(T_C_match, seen.points)
-        inliers = _inliers(points_C, pixels, intrinsics, self._config.max_reprojection_px)
+        inliers = _inliers(points_C, pixels, intrinsics, config.max_reprojection_px)
         unique, first = np.unique(seen.feature_ids[inliers], return_index=True)
-        if len(unique) < self._config.min_inliers or _occupied_cells(pixels[inliers], intrinsics) < self._config.min_cells:
-            return None
+        cells = _occupied_cells(pixels[inliers], intrinsics)
+        verdict = replace(verdict, inliers=len(unique), cells=cells)
+        if len(unique) < config.min_inliers:
+            return replace(verdict, outcome="few inliers"), None
+        if cells < config.min_cells:
+            return replace(verdict, outcome="crowded inliers"), None
         T_match_query = inverse(T_C_match) @ inverse(self._camera.T_B_C)
-        covariance = _covariance(points_C[inliers][first], self._camera, self._config)
-        if np.linalg.eigvalsh(covariance[3:, 3:])[-1] > self._config.max_sigma_m**2:
-            return None
-        return LoopEdge(self._query.id, match, T_match_query, covariance, len(unique))
+        covariance = _covariance(points_C[inliers][first], self._camera, config)
+        if np.linalg.eigvalsh(covariance[3:, 3:])[-1] > config.max_sigma_m**2:
+            return replace(verdict, outcome="uncertain position"), None
+        edge = LoopEdge(self._query.id, match, T_match_query, covariance, len(unique))
+        return replace(verdict, outcome="accepted"), edge
 
     def _correspondences(self, match: int) -> _Correspondences:
         """Matches to the landmarks of the candidate and its neighbours, brought into the candidate's frame by odometry.

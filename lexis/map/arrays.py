@@ -4,6 +4,9 @@ Data of varying length per keyframe or query are concatenated, with an array of 
 same name have the same size.
 """
 
+from collections.abc import Iterable
+from typing import TypeVar
+
 import numpy as np
 from jaxtyping import Int, Shaped
 
@@ -11,7 +14,7 @@ from lexis.errors import MapError
 from lexis.files.arrays import Arrays, Layout
 from lexis.inputs import MAX_POSITION_M, usable_covariances
 from lexis.maths.se3 import is_rigid
-from lexis.types import Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge
+from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
 
 LAYOUT: Layout = {
     "observation_index": ("i8", ("keyframes",)),
@@ -41,12 +44,18 @@ LAYOUT: Layout = {
     "candidate_query": ("i8", ("queries",)),
     "candidate_count": ("i8", ("queries",)),
     "candidate_match": ("i8", ("candidates",)),
+    "verdict_pair": ("i8", ("verdicts", 2)),
+    "verdict_outcome": ("i8", ("verdicts",)),
+    "verdict_counts": ("i8", ("verdicts", 3)),
+    "verdict_misfit": ("f8", ("verdicts", 2)),
 }
 """Type and shape of every array in `arrays.npz`."""
 
 _COUNTED = {"feature": "keypoints", "landmark": "landmark_points", "candidate": "candidate_match"}
 """For each array of counts, `feature_count` for example, the array whose rows it counts."""
-_ROUNDING = 1e-9
+_UNKNOWN = -1.0
+"""Stands for a figure of a verdict that was not determined."""
+_Number = TypeVar("_Number", int, float)
 
 
 def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
@@ -82,6 +91,10 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
         "candidate_query": [query for query, _ in map.candidates],
         "candidate_count": [len(matches) for _, matches in map.candidates],
         "candidate_match": [match for _, matches in map.candidates for match in matches],
+        "verdict_pair": [(v.query, v.match) for v in map.verdicts],
+        "verdict_outcome": [OUTCOMES.index(v.outcome) for v in map.verdicts],
+        "verdict_counts": [_known((v.matches, v.inliers, v.cells)) for v in map.verdicts],
+        "verdict_misfit": [_known((v.misfit_m, v.misfit_rad)) for v in map.verdicts],
     }
     return {name: _as_laid_out(name, column) for name, column in columns.items()}
 
@@ -122,6 +135,17 @@ def unpack_candidates(arrays: Arrays) -> tuple[tuple[int, tuple[int, ...]], ...]
     return tuple((q, tuple(m.tolist())) for q, m in zip(arrays["candidate_query"].tolist(), matches, strict=True))
 
 
+def unpack_verdicts(arrays: Arrays) -> tuple[Verdict, ...]:
+    """Convert the arrays of a map back to verdicts on loop candidates. The arrays must have passed `check`."""
+    columns = (arrays[f"verdict_{name}"].tolist() for name in ("pair", "outcome", "counts", "misfit"))
+    verdicts = []
+    for (query, match), outcome, counts, misfits in zip(*columns, strict=True):
+        matches, inliers, cells = map(_if_known, counts)
+        misfit_m, misfit_rad = map(_if_known, misfits)
+        verdicts.append(Verdict(query, match, OUTCOMES[outcome], matches, inliers, cells, misfit_m, misfit_rad))
+    return tuple(verdicts)
+
+
 def check(arrays: Arrays) -> None:
     """Raise MapError unless the values are finite and plausible, and all indices and counts fit the arrays they refer to.
 
@@ -157,6 +181,10 @@ def _check_references(arrays: Arrays) -> None:
         "loop_match": (0, n),
         "candidate_query": (0, n),
         "candidate_match": (0, n),
+        "verdict_pair": (0, n),
+        "verdict_outcome": (0, len(OUTCOMES)),
+        "verdict_counts": (_UNKNOWN, np.inf),
+        "verdict_misfit": (_UNKNOWN, np.inf),
         "landmark_feature": (-1, max(len(arrays["keypoints"]), 1)),
         "loop_weight": (0.0, np.nextafter(1.0, 2.0)),
     }
@@ -186,6 +214,14 @@ def _as_laid_out(name: str, column: object) -> Shaped[np.ndarray, "..."]:
     array = np.asarray(column, kind)
     # An array of an empty list has one dimension only.
     return array if array.ndim == len(shape) else array.reshape([s if isinstance(s, int) else 0 for s in shape])
+
+
+def _known(values: Iterable[float | int | None]) -> list[float | int]:
+    return [_UNKNOWN if value is None else value for value in values]
+
+
+def _if_known(value: _Number) -> _Number | None:
+    return None if value == _UNKNOWN else value
 
 
 def _joined(parts: list[Shaped[np.ndarray, "..."]], empty: tuple[int, ...]) -> Shaped[np.ndarray, "..."]:

@@ -1,7 +1,8 @@
 """Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON and SVG."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ def _g2o(map: LexisMap, path: Path) -> None:
 
 
 def _json(map: LexisMap, path: Path) -> None:
-    """Write rooms, keyframes and loops with their names, for people and for scripts in other languages."""
+    """Write rooms, keyframes, loops and loop candidates, for people and for scripts in other languages."""
     _write(path, [json.dumps(summary(map), indent=1)])
 
 
@@ -66,7 +67,7 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
 
 
 def summary(map: LexisMap) -> dict[str, Any]:
-    """Rooms, keyframes and loops as plain data for JSON: positions in W [m], quaternions as x, y, z, w."""
+    """Rooms, keyframes, loops and their candidates as plain data for JSON: positions in W [m], quaternions as x, y, z, w."""
     names = instance_names(map.rooms)
     room_of = {i: name for room, name in zip(map.rooms, names, strict=True) for i in room.keyframes}
     quaternions = Rotation.from_matrix(map.T_W_B[:, :3, :3]).as_quat(canonical=True)
@@ -96,7 +97,29 @@ def summary(map: LexisMap) -> dict[str, Any]:
         {"query": loop.query, "match": loop.match, "inliers": loop.inliers, "weight": float(weight)}
         for loop, weight in zip(map.loops, map.loop_weights, strict=True)
     ]
-    return {"schema": 1, "room_names": list(map.room_names), "rooms": rooms, "keyframes": keyframes, "loops": loops}
+    return {
+        "schema": 1,
+        "room_names": list(map.room_names),
+        "rooms": rooms,
+        "keyframes": keyframes,
+        "loops": loops,
+        "candidates": _candidates(map, room_of),
+    }
+
+
+def _candidates(map: LexisMap, room_of: Mapping[int, str]) -> list[dict[str, Any]]:
+    """What became of every loop candidate: the room of the earlier keyframe, the figures that decided, the final weight."""
+    weights = {(loop.query, loop.match): float(w) for loop, w in zip(map.loops, map.loop_weights, strict=True)}
+    embeddings = [keyframe.embedding.astype(np.float64) for keyframe in map.keyframes]
+    return [
+        asdict(verdict)
+        | {
+            "room": room_of.get(verdict.match),
+            "similarity": float(embeddings[verdict.query] @ embeddings[verdict.match]),
+            "weight": weights.get((verdict.query, verdict.match)),
+        }
+        for verdict in map.verdicts
+    ]
 
 
 def _edge(a: int, b: int, T_a_b: Pose, covariance: Covariance) -> str:

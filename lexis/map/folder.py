@@ -14,7 +14,7 @@ from lexis.files.reading import FileKind, read_model
 from lexis.files.replace import replaced_folder
 from lexis.files.temporary_folder import recover
 from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES, check_camera, check_room_names
-from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops
+from lexis.map.arrays import LAYOUT, check, pack, unpack_candidates, unpack_keyframes, unpack_loops, unpack_verdicts
 from lexis.types import EncoderId, LexisMap, RoomInstance
 
 JSON_FILE = "map.json"
@@ -46,7 +46,7 @@ class _Encoder(BaseModel):
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[2] = Field(alias="schema")
+    schema_version: Literal[3] = Field(alias="schema")
     camera: CameraData
     encoder: _Encoder
     room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
@@ -61,7 +61,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     with it. Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
-        schema=2,
+        schema=3,
         camera=CameraData.of(map.camera),
         encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
         room_names=map.room_names,
@@ -101,6 +101,7 @@ def load_map(directory: Path) -> LexisMap:
         loops=unpack_loops(arrays),
         loop_weights=arrays["loop_weight"],
         candidates=unpack_candidates(arrays),
+        verdicts=unpack_verdicts(arrays),
         stage_seconds=header.stage_seconds,
     )
 

@@ -1,5 +1,6 @@
 """A summary of a map, as plain data and as text."""
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ def map_info(map: LexisMap) -> dict[str, Any]:
         "rooms": rooms,
         "loops": len(map.loops),
         "trusted_loops": int((map.loop_weights >= MIN_LOOP_WEIGHT).sum()),
+        "candidates": dict(Counter(verdict.outcome for verdict in map.verdicts).most_common()),
         "room_names": list(map.room_names),
         "unused_room_names": list(unused_names(map.room_names, map.rooms)),
         "encoder": {"name": map.encoder.name, "fingerprint": map.encoder.fingerprint},
@@ -47,6 +49,7 @@ def info_text(info: dict[str, Any]) -> str:
         f"duration    {info['duration_s']:.1f} s",
         f"floors      {len(info['floors'])}",
         f"loop edges  {info['loops']}, of which {info['trusted_loops']} trusted (weight at least {MIN_LOOP_WEIGHT:g})",
+        f"candidates  {', '.join(f'{count} {outcome}' for outcome, count in info['candidates'].items()) or 'none'}",
         f"encoder     {info['encoder']['name']} ({info['encoder']['fingerprint'][:12]})",
         f"images      {info['image_px'][0]}x{info['image_px'][1]} px",
         f"room names  {', '.join(info['room_names'])}",

@@ -113,7 +113,7 @@ def _tried(
     for query, matches in pairs:
         locator = Locator(mapped.keyframes[query], mapped.keyframes, camera, config.verification)
         queries += [query] * len(matches)
-        edges += [locator.from_match(match) for match in matches]
+        edges += [locator.from_match(match)[1] for match in matches]
         if matches:
             rows.append(predictors([sights[match] for match in matches], [sights[query]] * len(matches)))
     truth = np.array([sight.T_W_B for sight in sights])

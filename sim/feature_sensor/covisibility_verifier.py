@@ -11,7 +11,7 @@ For each candidate:
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,8 +21,8 @@ from scipy.special import expit, ndtri
 from lexis.config import VerificationConfig
 from lexis.maths.se3 import between, exp, inverse, rotation_angle
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Keyframe, LoopEdge, Pose
-from lexis.verification import plausible_edges
+from lexis.types import Camera, Keyframe, LoopEdge, Pose, Verdict
+from lexis.verification import Verification, plausible
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
@@ -145,20 +145,21 @@ class CovisibilityVerifier:
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
-    ) -> list[LoopEdge]:
+    ) -> Verification:
         """Return loop edges, true or false, to candidates of `query`. Edges that contradict the odometry are left out."""
         if not candidates:
-            return []
+            return Verification(())
         common = np.random.default_rng((self._seed, _QUERY, query.id)).standard_normal()
         seen = self._view_of(query.observation_index)
         before = [self._view_of(graph.keyframes[match].observation_index) for match in candidates]
         limits = ndtri(self._model.probability(predictors(before, [seen] * len(before))))
         true = between(np.stack([view.T_W_B for view in before]), seen.T_W_B)
-        edges = []
+        located = []
         for match, T_match_query, limit in zip(candidates, true, limits.tolist(), strict=True):
             edge = self._edge(query.id, match, T_match_query, limit, common)
-            edges += [] if edge is None else [edge]
-        return plausible_edges(edges, graph, config)
+            verdict = Verdict(query.id, match, "unconfirmed")
+            located.append((verdict if edge is None else replace(verdict, outcome="accepted", inliers=edge.inliers), edge))
+        return plausible(located, graph, config)
 
     def _edge(self, query: int, match: int, true: Pose, limit: float, common: float) -> LoopEdge | None:
         """Return the edge to a candidate with the relative pose `true`, or None.

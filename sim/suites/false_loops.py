@@ -9,7 +9,7 @@ from lexis.config import VerificationConfig
 from lexis.maths.se3 import between
 from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Keyframe, LoopEdge
-from lexis.verification import Verifier
+from lexis.verification import Verification, Verifier
 from sim.harness.scenario import Scenario
 from sim.harness.slam_under_test import AcceptsFeatures, FeatureInput
 from sim.suites.stream_changes import NoChange
@@ -51,14 +51,15 @@ class _Mistaken:
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
-    ) -> list[LoopEdge]:
+    ) -> Verification:
         """Return the confirmed loops, and for some queries one more that is wrong."""
-        edges = self.verifier(query, candidates, graph, camera, config)
+        verified = self.verifier(query, candidates, graph, camera, config)
         rng = np.random.default_rng((self.mistakes.seed, query.id))
         if not candidates or rng.random() >= self.mistakes.share:
-            return edges
+            return verified
         match = int(rng.choice(list(candidates)))
         wrong = between(graph.T_W_B[match], graph.T_W_B[query.id])
         angle = rng.uniform(0.0, 2.0 * np.pi)
         wrong[:2, 3] += self.mistakes.error_m * np.array([np.cos(angle), np.sin(angle)])
-        return [*edges, LoopEdge(query.id, match, wrong, np.diag(_SURE), _INLIERS)]
+        mistake = LoopEdge(query.id, match, wrong, np.diag(_SURE), _INLIERS)
+        return replace(verified, edges=(*verified.edges, mistake))

@@ -12,8 +12,8 @@ from jaxtyping import Float64
 from lexis.config import VerificationConfig
 from lexis.maths.se3 import adjoint, exp, inverse, transform
 from lexis.pose_graph import PoseGraph
-from lexis.types import Camera, Covariance, Keyframe, LoopEdge, Observation, Percept, Pose, Poses
-from lexis.verification import Verifier
+from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
+from lexis.verification import Verification, Verifier
 from sim.harness.slam_under_test import FeatureInput
 from sim.suites.stream_changes import NoChange
 
@@ -73,18 +73,19 @@ class _BetweenOtherBodies:
 
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
-    ) -> list[LoopEdge]:
+    ) -> Verification:
         """Return the loops of the other verifier, converted to the frames of the SLAM."""
         T_B_N = self.frames.T_B_N
-        edges = self.verifier(query, candidates, _OriginalGraph(graph, self.frames), camera, config)
-        return [
+        verified = self.verifier(query, candidates, _OriginalGraph(graph, self.frames), camera, config)
+        edges = (
             replace(
                 edge,
                 T_match_query=inverse(T_B_N) @ edge.T_match_query @ T_B_N,
                 covariance=_in_frame(T_B_N, edge.covariance),
             )
-            for edge in edges
-        ]
+            for edge in verified.edges
+        )
+        return replace(verified, edges=tuple(edges))
 
 
 class _OriginalGraph(PoseGraph):

@@ -2,7 +2,18 @@
 
 import numpy as np
 
-from lexis.types import Camera, EncoderId, Features, Intrinsics, Keyframe, Landmarks, LexisMap, LoopEdge, RoomInstance
+from lexis.types import (
+    Camera,
+    EncoderId,
+    Features,
+    Intrinsics,
+    Keyframe,
+    Landmarks,
+    LexisMap,
+    LoopEdge,
+    RoomInstance,
+    Verdict,
+)
 
 CAMERA = Camera(Intrinsics(480, 360, 200.0, 200.0, 239.5, 179.5), np.eye(4))
 
@@ -35,8 +46,21 @@ def keyframe(rng, i, pose):
     return Keyframe(i, 5 * i, 0.5 * i, pose, covariance(rng), embedding, features, landmarks)
 
 
-def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=()):
-    """A map of keyframes at positions (n, 3) with labels (n,) and rooms, a list of (label, keyframes)."""
+def accepted(query, match):
+    """The verdict on a loop candidate that became an edge."""
+    return Verdict(query, match, "accepted", matches=40, inliers=20, cells=7, misfit_m=0.25, misfit_rad=0.125)
+
+
+def few(query, match):
+    """The verdict on a loop candidate without enough matches."""
+    return Verdict(query, match, "few matches", matches=3)
+
+
+def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=(), refused=()):
+    """A map of keyframes at positions (n, 3) with labels (n,) and rooms, a list of (label, keyframes).
+
+    The keyframes `refused` are candidates without enough matches for all queries.
+    """
     positions = np.asarray(positions, float)
     poses = np.stack([random_pose(rng, p) for p in positions])
     similarities = rng.uniform(0.0, 0.1, (len(labels), len(room_names)))
@@ -58,7 +82,8 @@ def build_map(positions, labels, rooms, room_names, rng, loops=(), weights=()):
         rooms=instances,
         loops=tuple(LoopEdge(q, m, random_pose(rng, (0.1, 0, 0)), covariance(rng), 20) for q, m in loops),
         loop_weights=np.array(weights, float),
-        candidates=tuple((q, (m,)) for q, m in loops),
+        candidates=tuple((q, (m, *refused)) for q, m in loops),
+        verdicts=tuple(verdict for q, m in loops for verdict in (accepted(q, m), *(few(q, other) for other in refused))),
         stage_seconds={"encode": 1.5},
     )
 

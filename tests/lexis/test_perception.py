@@ -13,6 +13,7 @@ from lexis.inputs import pixels
 from lexis.perception import embedding_of, features_of
 from lexis.slam import Slam
 from lexis.types import Features, Observation, Percept
+from lexis.verification import Verification
 
 CONFIG = Config(landmarks=LandmarkConfig(max_features=200))
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))
@@ -63,7 +64,7 @@ def test_loops_are_the_verifiers(observations):
 
     def verifier(query, candidates, graph, camera, config):
         asked.append((query.id, tuple(candidates)))
-        return []
+        return Verification(())
 
     slam = Slam(FORWARD_CAMERA, MeanColour(), ("kitchen", "office"), CONFIG, verifier)
     for observation in observations:

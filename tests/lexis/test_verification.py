@@ -51,7 +51,7 @@ def located(world, true, drift=None, noise_px=0.3, config=CONFIG):
     estimated = true if drift is None else drift @ true
     match = keyframe(0, np.eye(4), points, descriptors)
     query = keyframe(1, estimated, points, descriptors, landmarks=False, T_true=true, noise_px=noise_px)
-    return verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
+    return verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config).edges
 
 
 def test_the_edge_is_the_true_relative_pose_whatever_the_odometry_drifted_to(world, true):
@@ -69,7 +69,7 @@ def test_the_covariance_is_that_of_repeated_measurements(world, true):
     match = keyframe(0, np.eye(4), points, descriptors)
     for seed in range(100):
         query = replace(keyframe(seed, true, points, descriptors, landmarks=False, noise_px=0.5), id=1)
-        (edge,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
+        (edge,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config).edges
         error = se3.log(se3.between(edge.T_match_query, true))
         squared.append(error @ np.linalg.solve(edge.covariance, error))
     assert 5.0 < np.mean(squared) < 7.5  # chi² with 6 degrees of freedom
@@ -81,7 +81,7 @@ def test_the_covariance_is_that_of_repeated_measurements(world, true):
 )
 def test_a_loop_too_far_from_the_estimate_or_too_much_turned_is_refused(world, true, drift, gates):
     far = se3.exp(np.array(drift))
-    assert located(world, true, far) == []
+    assert located(world, true, far) == ()
     assert len(located(world, true, far, config=replace(CONFIG, **gates))) == 1
 
 
@@ -89,20 +89,20 @@ def test_another_place_is_refused(world, true, rng):
     points, descriptors = world
     match = keyframe(0, np.eye(4), points, rng.integers(0, 256, descriptors.shape, np.uint8))
     query = keyframe(1, true, points, descriptors)
-    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG).edges == ()
 
 
 def test_the_same_key_points_in_another_arrangement_are_refused(world, true, rng):
     points, descriptors = world
     match = keyframe(0, np.eye(4), points, descriptors)
     query = keyframe(1, true, rng.permutation(points), descriptors)
-    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG).edges == ()
 
 
 def test_inliers_in_one_corner_of_the_image_are_not_enough(world, true):
     points, descriptors = world
     poster = np.array([5.0, 1.0, 0.5]) + 0.05 * (points - points.mean(axis=0))
-    assert located((poster, descriptors), true) == []
+    assert located((poster, descriptors), true) == ()
 
 
 def test_two_sightings_of_a_landmark_count_once(world, true, rng):
@@ -113,14 +113,14 @@ def test_two_sightings_of_a_landmark_count_once(world, true, rng):
     query = keyframe(2, true, shuffled, descriptors)
     graph = graph_of(first, second, query)
     config = replace(CONFIG, max_sigma_m=1.0)
-    assert verify(query, [0, 1], graph, FORWARD_CAMERA, config) == []
-    assert len(verify(query, [0, 1], graph, FORWARD_CAMERA, replace(config, min_inliers=10))) == 2
+    assert verify(query, [0, 1], graph, FORWARD_CAMERA, config).edges == ()
+    assert len(verify(query, [0, 1], graph, FORWARD_CAMERA, replace(config, min_inliers=10)).edges) == 2
 
 
 def test_an_edge_that_leaves_the_position_open_is_refused(world, true):
     points, descriptors = world
     distant = points * 8.0, descriptors
-    assert located(distant, true) == []
+    assert located(distant, true) == ()
     assert len(located(distant, true, config=replace(CONFIG, max_sigma_m=1.0))) == 1
 
 
@@ -130,8 +130,8 @@ def test_neighbours_lend_their_landmarks(world, true):
     second = keyframe(1, se3.exp(np.full(6, 0.01)), points[12:24], descriptors[12:24])
     query = keyframe(2, true, points, descriptors)
     graph = graph_of(first, second, query)
-    assert verify(query, [0], graph, FORWARD_CAMERA, replace(CONFIG, pool=0)) == []
-    (edge,) = verify(query, [0], graph, FORWARD_CAMERA, CONFIG)
+    assert verify(query, [0], graph, FORWARD_CAMERA, replace(CONFIG, pool=0)).edges == ()
+    (edge,) = verify(query, [0], graph, FORWARD_CAMERA, CONFIG).edges
     np.testing.assert_allclose(edge.T_match_query, true, atol=1e-3)
 
 
@@ -139,7 +139,7 @@ def test_edges_come_best_first_and_no_more_than_asked_for(world, true):
     points, descriptors = world
     earlier = [keyframe(i, np.eye(4), points[: 30 + 10 * i], descriptors[: 30 + 10 * i]) for i in range(5)]
     query = keyframe(5, true, points, descriptors)
-    edges = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, replace(CONFIG, pool=0, max_edges=2))
+    edges = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, replace(CONFIG, pool=0, max_edges=2)).edges
     assert [edge.match for edge in edges] == [4, 3]
 
 
@@ -147,7 +147,7 @@ def test_a_keyframe_without_landmarks_is_refused(world, true):
     points, descriptors = world
     match = keyframe(0, np.eye(4), points, descriptors, landmarks=False)
     query = keyframe(1, true, points, descriptors)
-    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG) == []
+    assert verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG).edges == ()
 
 
 def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng):
@@ -155,9 +155,47 @@ def test_the_edge_does_not_depend_on_the_last_bits_of_landmarks(world, true, rng
     points, descriptors = world
     match = keyframe(0, np.eye(4), points, descriptors)
     query = keyframe(1, true, points, descriptors, landmarks=False, noise_px=2.0)
-    (expected,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG)
+    (expected,) = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, CONFIG).edges
     for _ in range(5):
         last_bits = rng.uniform(-1e-15, 1e-15, match.landmarks.points.shape)
         shaken = replace(match, landmarks=replace(match.landmarks, points=match.landmarks.points + last_bits))
-        (edge,) = verify(query, [0], graph_of(shaken, query), FORWARD_CAMERA, CONFIG)
+        (edge,) = verify(query, [0], graph_of(shaken, query), FORWARD_CAMERA, CONFIG).edges
         assert (edge.T_match_query == expected.T_match_query).all() and edge.inliers == expected.inliers
+
+
+def test_every_candidate_gets_a_verdict_that_says_why(world, true, rng):
+    points, descriptors = world
+    other = rng.integers(0, 256, descriptors.shape, np.uint8)
+    poster = np.array([5.0, 1.0, 0.5]) + 0.05 * (points - points.mean(axis=0))
+
+    def verdict(seen, known=descriptors, query_points=None, drift=None, config=CONFIG):
+        match = keyframe(0, np.eye(4), seen, known)
+        estimated = true if drift is None else drift @ true
+        query = keyframe(1, estimated, seen if query_points is None else query_points, descriptors, T_true=true)
+        verified = verify(query, [0], graph_of(match, query), FORWARD_CAMERA, config)
+        (found,) = verified.verdicts
+        assert (found.query, found.match) == (1, 0)
+        assert len(verified.edges) == (found.outcome == "accepted")
+        return found
+
+    good = verdict(points)
+    assert good.outcome == "accepted" and good.matches == good.inliers == 80 and good.cells >= CONFIG.min_cells
+    assert good.misfit_m < 1e-3 and good.misfit_rad < 1e-3
+    assert verdict(points, other).outcome == "few matches"
+    scattered = verdict(points, query_points=rng.permutation(points))
+    assert scattered.outcome == "few inliers" and scattered.inliers < CONFIG.min_inliers <= scattered.matches
+    crowded = verdict(poster)
+    assert crowded.outcome == "crowded inliers" and crowded.cells < CONFIG.min_cells and crowded.misfit_m is None
+    assert verdict(points * 8.0).outcome == "uncertain position"
+    far = verdict(points, drift=se3.exp(np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0])))
+    assert far.outcome == "far from the estimate" and far.misfit_m == pytest.approx(3.0, abs=0.01)
+
+
+def test_candidates_with_fewer_inliers_than_the_best_are_surplus(world, true):
+    points, descriptors = world
+    earlier = [keyframe(i, np.eye(4), points[: 30 + 10 * i], descriptors[: 30 + 10 * i]) for i in range(5)]
+    query = keyframe(5, true, points, descriptors)
+    config = replace(CONFIG, pool=0, max_edges=2)
+    verified = verify(query, range(5), graph_of(*earlier, query), FORWARD_CAMERA, config)
+    assert [verdict.outcome for verdict in verified.verdicts] == ["surplus"] * 3 + ["accepted"] * 2
+    assert {edge.match for edge in verified.edges} == {3, 4}

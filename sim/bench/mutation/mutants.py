@@ -229,8 +229,8 @@ _PLACES = (
     Mutant(
         "loops are not compared with the current estimate",
         "verification.py",
-        "return bool(near and angle <= config.gate_rad + config.gate_rad_m * path_m)",
-        "return True",
+        "fits = near and angle <= config.gate_rad + config.gate_rad_m * path_m",
+        "fits = True",
     ),
     Mutant(
         "the largest distance of a loop from the estimate is taken for centimetres",
@@ -271,8 +271,8 @@ _PLACES = (
     Mutant(
         "verified loops are not added to the graph",
         "slam.py",
-        "        self._graph.add_loops(loops)",
-        "        del loops",
+        "        self._graph.add_loops(verified.edges)",
+        "        del verified",
     ),
     Mutant(
         "loop candidates of nearly equal probability are ranked at random",
@@ -301,8 +301,8 @@ _PLACES = (
     Mutant(
         "the difference between a loop and the estimate counts with its sign",
         "verification.py",
-        "distance = np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3])",
-        "distance = (edge.T_match_query[:3, 3] - estimated[:3, 3]).max()",
+        "distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))",
+        "distance = float((edge.T_match_query[:3, 3] - estimated[:3, 3]).max())",
     ),
 )
 

@@ -14,6 +14,7 @@ from lexis.place_recognition import old_enough
 from lexis.pose_graph import PoseGraph
 from lexis.room_labels import Labels
 from lexis.types import Camera, Keyframe, LoopEdge, Poses, RoomInstance
+from lexis.verification import Verification
 from sim.harness.scenario import Scenario
 from sim.harness.walk import walk
 from worlds.truth import room_at
@@ -49,7 +50,7 @@ class TrueStages:
 
     def verify(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
-    ) -> list[LoopEdge]:
+    ) -> Verification:
         """Confirm the candidates that were truly taken at the place of the query, each with its true relative pose."""
         sigmas = np.repeat([config.rotation_sigma_rad, config.translation_sigma_m], 3)
         matches = [graph.keyframes[k] for k in candidates]
@@ -60,7 +61,7 @@ class TrueStages:
             for match, pose, right in zip(candidates, relative, there, strict=True)
             if right
         ]
-        return edges[: config.max_edges]
+        return Verification(tuple(edges[: config.max_edges]))
 
     def label(self, keyframes: Sequence[Keyframe]) -> Labels:
         """The true label of every keyframe."""

@@ -50,6 +50,17 @@ def test_json_names_every_keyframes_room(lexis_map, tmp_path):
     assert data["loops"] == [{"query": 25, "match": 3, "inliers": 20, "weight": 1.0}]
 
 
+def test_json_tells_what_became_of_every_loop_candidate(rng, tmp_path):
+    tried = corridor_with_offices(rng, loops=[(25, 3)], weights=[0.75], refused=[12])
+    export_map(tried, "json", tmp_path / "map.json")
+    good, bad = json.loads((tmp_path / "map.json").read_text())["candidates"]
+    assert (good["query"], good["match"], good["outcome"], good["weight"]) == (25, 3, "accepted", 0.75)
+    assert (good["room"], good["cells"], good["misfit_m"]) == ("corridor", 7, 0.25)
+    assert good["similarity"] == pytest.approx(tried.keyframes[25].embedding @ tried.keyframes[3].embedding, abs=1e-6)
+    assert (bad["room"], bad["outcome"], bad["matches"]) == ("office 1", "few matches", 3)
+    assert bad["inliers"] is bad["misfit_m"] is bad["weight"] is None
+
+
 def test_unknown_formats_and_unwritable_places_are_refused(lexis_map, tmp_path):
     with pytest.raises(LexisError, match="tum, kitti, g2o, json"):
         export_map(lexis_map, "ply", tmp_path / "map.ply")

@@ -16,7 +16,7 @@ from lexis.map.folder import load_map, save_map
 
 @pytest.fixture
 def lexis_map(rng):
-    return corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25])
+    return corridor_with_offices(rng, loops=[(25, 3), (38, 12)], weights=[1.0, 0.25], refused=[1, 2])
 
 
 def test_loading_gives_back_what_was_saved(lexis_map, tmp_path):
@@ -65,6 +65,8 @@ def rewritten(folder, **changes):
     ("changes", "says"),
     [
         ({"labels": np.full(40, 7)}, "labels"),
+        ({"verdict_outcome": np.full(6, 8)}, "verdict_outcome"),
+        ({"verdict_counts": np.full((6, 3), -2)}, "verdict_counts"),
         ({"labels": np.zeros(39, int)}, "labels"),
         ({"labels": np.zeros(40)}, "labels"),
         ({"T_W_B": None}, "lacks the arrays T_W_B"),

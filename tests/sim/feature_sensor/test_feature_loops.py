@@ -98,7 +98,7 @@ def confirmed(house, chosen, seed=0, queries=40, matches=10):
     verifier = CovisibilityVerifier(chosen, lambda index: here, seed)
     graph = graph_of(matches + queries)
     return [
-        verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE)
+        verifier(graph.keyframes[query], range(matches), graph, CAMERA, ANYWHERE).edges
         for query in range(matches, matches + queries)
     ]
 
@@ -127,7 +127,7 @@ def test_nothing_in_common_is_never_truly_confirmed(house):
     sights = [sight(house, 2.0, 2.5, 0.0), sight(house, 8.0, 2.5, 0.0)]
     verifier = CovisibilityVerifier(model(40.0), lambda index: sights[index], 0)
     graph = graph_of(2)
-    assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE) == []
+    assert verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE).edges == ()
 
 
 def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
@@ -136,15 +136,16 @@ def test_the_decision_on_a_pair_depends_on_that_pair_and_the_seed(house):
     assert names[0] == names[1] != names[2]
     here = sight(house, 2.0, 2.5, 0.3)
     verifier, graph = CovisibilityVerifier(model(), lambda index: here, 1), graph_of(50)
-    back = verifier(graph.keyframes[10], [*range(9, -1, -1)], graph, CAMERA, ANYWHERE)
+    back = verifier(graph.keyframes[10], [*range(9, -1, -1)], graph, CAMERA, ANYWHERE).edges
     assert sorted(edge.match for edge in back) == sorted(edge.match for edge in first[0])
 
 
 def test_an_edge_that_contradicts_the_odometry_is_refused(house):
     here = sight(house, 2.0, 2.5, 0.3)
     verifier, graph = CovisibilityVerifier(model(-40.0, false_rate=1.0), lambda index: here, 1), graph_of(2)
-    assert len(verifier(graph.keyframes[1], [0], graph, CAMERA, ANYWHERE)) == 1
-    assert verifier(graph.keyframes[1], [0], graph, CAMERA, VerificationConfig()) == []
+    accepted, refused = (verifier(graph.keyframes[1], [0], graph, CAMERA, each) for each in (ANYWHERE, VerificationConfig()))
+    assert len(accepted.edges) == 1 and refused.edges == ()
+    assert (accepted.verdicts[0].outcome, refused.verdicts[0].outcome) == ("accepted", "far from the estimate")
 
 
 def test_logistic_regression_finds_its_weights(rng):
@@ -173,4 +174,4 @@ def test_fitting_recovers_the_random_effect_of_queries(rng, share):
 
 def test_without_candidates_no_view_is_computed(house):
     verifier, graph = CovisibilityVerifier(model(), lambda index: pytest.fail("asked"), 1), graph_of(1)
-    assert verifier(graph.keyframes[0], [], graph, CAMERA, replace(ANYWHERE, max_edges=1)) == []
+    assert verifier(graph.keyframes[0], [], graph, CAMERA, replace(ANYWHERE, max_edges=1)).edges == ()

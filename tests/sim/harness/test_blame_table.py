@@ -4,6 +4,7 @@ import numpy as np
 
 from lexis.evaluation.loops import true_edges
 from lexis.types import LoopEdge
+from lexis.verification import Verification
 from sim.feature_sensor.oracle import Oracle
 from sim.harness import Claim, FailureTest, Scenario, blame, run
 from sim.harness.adapters import Lexis
@@ -32,7 +33,7 @@ class Swapped(Oracle):
 
 def credulous(query, candidates, graph, camera, config):
     """A verifier that confirms every candidate, and takes it for the very place of the query."""
-    return [LoopEdge(query.id, match, np.eye(4), 1e-4 * np.eye(6), 100) for match in candidates]
+    return Verification(tuple(LoopEdge(query.id, match, np.eye(4), 1e-4 * np.eye(6), 100) for match in candidates))
 
 
 def blind(query, label, rooms, graph, config):

@@ -49,10 +49,10 @@ class SpoilsLoops(Lexis):
 
     def start_on_features(self, camera, room_names, features):
         def verifier(*arguments):
-            edges = features.verifier(*arguments)
-            for edge in edges:
+            verified = features.verifier(*arguments)
+            for edge in verified.edges:
                 edge.covariance[...] *= 1e4
-            return edges
+            return verified
 
         super().start_on_features(camera, room_names, replace(features, verifier=verifier))
 
