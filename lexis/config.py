@@ -125,15 +125,15 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     """Which keyframes are proposed. probability: those that the new keyframe revisits most probably, by image and estimated
     pose. room: the most similar ones of the closest room that the image's label names, as in the paper. similarity: the most
     similar ones of all."""
-    candidates: Annotated[int, Ge(0)] = 5
+    candidates: Annotated[int, Ge(0)] = 10
     """Largest number of loop candidates that are proposed for one query, which is a new keyframe."""
     min_gap_s: Annotated[float, Ge(0)] = 10.0
     """Least time between a loop candidate and the query, which is the new keyframe [s]."""
     min_gap_m: Annotated[float, Ge(0)] = 5.0
     """Least length of the path between a loop candidate and the query, which is the new keyframe [m]."""
-    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.007
-    """Least probability of a revisit at which the method "probability" proposes a keyframe. A proposal costs a verification,
-    which is cheap beside a loop that is not found."""
+    least_probability: Annotated[float, Interval(gt=0, lt=1)] = 0.005
+    """Least probability of a revisit at which the method "probability" proposes candidates. A false candidate costs a
+    verification, which is cheap beside a loop that is not found."""
     log_odds: Annotated[float, Interval(ge=-100, le=100)] = -4.19
     """Log odds of a revisit if the similarity of the images is 0 and the estimated poses are equal. This setting and the
     next one are fitted to the encoder `mini`."""
@@ -269,7 +269,7 @@ class Config(Settings, place="lexis", error=ConfigError):
 PAPER = Config(
     labels=LabelConfig(method="vote"),
     segmentation=SegmentationConfig(method="distance"),
-    place_recognition=PlaceRecognitionConfig(method="room"),
+    place_recognition=PlaceRecognitionConfig(method="room", candidates=5),
 )
 """LEXIS with the methods of the paper where the defaults use others."""
 

@@ -18,6 +18,8 @@ from lexis.maths.ties import reaches, rounded
 from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 
+_MUCH_LESS = -4.6
+"""Candidates that only fill up have log odds at least this much above those of the least likely revisit: a hundredth."""
 _SINGLE_PRECISION = 1e-4
 """More than the rounding error of a cosine similarity in single precision."""
 
@@ -59,18 +61,21 @@ def propose(
 
 
 def by_probability(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    """Propose those of the first `old` keyframes that the query revisits most probably, down to `least_probability`.
+    """Propose those of the first `old` keyframes that the query revisits most probably.
 
-    The result is empty at a place that is seen for the first time. See `revisit_log_odds` for the probability.
+    The result is empty at a place that is seen for the first time: where no keyframe has `least_probability`. Otherwise,
+    less probable keyframes fill up the candidates, because two views from different places in a room may overlap enough for
+    a loop. See `revisit_log_odds` for the probability.
     """
     least = logit(config.least_probability)
-    ids = np.flatnonzero(_bound(query, old, graph, config) >= least)
+    ids = np.flatnonzero(_bound(query, old, graph, config) >= least + _MUCH_LESS)
     T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
     distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
     odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))
-    likely = odds >= least
-    best = np.argsort(-odds[likely], kind="stable")[: config.candidates]
-    return tuple(ids[likely][best].tolist())
+    if not (odds >= least).any():
+        return ()
+    best = np.argsort(-odds, kind="stable")[: config.candidates]
+    return tuple(ids[best].tolist())
 
 
 def _bound(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> Float64[np.ndarray, "old"]:

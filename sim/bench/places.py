@@ -27,8 +27,8 @@ from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 
 METHODS: Mapping[str, PlaceRecognitionConfig] = MappingProxyType(
     {
-        "room (paper)": PlaceRecognitionConfig(method="room"),
-        "similarity": PlaceRecognitionConfig(method="similarity"),
+        "room (paper)": PlaceRecognitionConfig(method="room", candidates=5),
+        "similarity": PlaceRecognitionConfig(method="similarity", candidates=5),
         "probability": PlaceRecognitionConfig(method="probability"),
     }
 )

@@ -199,20 +199,20 @@ _PLACES = (
     Mutant(
         "all old keyframes count as likely revisits",
         "place_recognition.py",
-        "likely = odds >= least",
-        "likely = odds >= -np.inf",
+        "if not (odds >= least).any():",
+        "if not len(odds):",
     ),
     Mutant(
         "the least likely candidates are proposed",
         "place_recognition.py",
-        'np.argsort(-odds[likely], kind="stable")',
-        'np.argsort(odds[likely], kind="stable")',
+        'np.argsort(-odds, kind="stable")',
+        'np.argsort(odds, kind="stable")',
     ),
     Mutant(
         "only one loop candidate is proposed",
         "place_recognition.py",
-        'np.argsort(-odds[likely], kind="stable")[: config.candidates]',
-        'np.argsort(-odds[likely], kind="stable")[: min(1, config.candidates)]',
+        'np.argsort(-odds, kind="stable")[: config.candidates]',
+        'np.argsort(-odds, kind="stable")[: min(1, config.candidates)]',
     ),
     Mutant(
         "the previous keyframes count as old enough for a loop",
