@@ -149,6 +149,20 @@ def _places(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
+def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.scale import bytes_per_keyframe, measure_scale
+
+    portions, finished = measure_scale(arguments.rooms, arguments.length, arguments.seed)
+    kilobytes = bytes_per_keyframe(finished) / 1e3
+    title = (
+        f"{arguments.length:g} m through {arguments.rooms} rooms: {len(finished.loops)} loops, {kilobytes:.1f} kB a keyframe"
+    )
+    table = Table("keyframes", "ms per keyframe", title=title)
+    for portion in portions:
+        table.add_row(f"{portion.first} to {portion.last}", f"{portion.keyframe_ms:.2f}")
+    yield table
+
+
 def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
     from statistics import median
 
@@ -343,6 +357,17 @@ _BENCHMARKS = (
             _HOUSES,
             argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP),
             argument("--fit", action="store_true", help="also fit the probability of a revisit to these walks"),
+            SEED,
+        ),
+    ),
+    Action(
+        "scale",
+        _printing(_scale),
+        "time per keyframe and size of the map along one long walk",
+        "lexis-sim bench scale --rooms 40 --length 10000",
+        (
+            argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
+            argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
             SEED,
         ),
     ),
