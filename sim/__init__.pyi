@@ -29,5 +29,6 @@ from .suites import slam_checks as slam_checks
 from .tours import TourConfig as TourConfig
 from .tours import plan_tour as plan_tour
 from .truth import Truth as Truth
+from .verdicts import assert_mean as assert_mean
 from .verdicts import assert_rate as assert_rate
 from .verdicts import compare as compare

@@ -79,6 +79,8 @@ def run_suite(arguments: argparse.Namespace) -> int:
         report = check_slam(new_slam, suite, arguments.seed, workers, bool(arguments.exitfirst), progress, budget_s)
     for line in _lines(report.failed if arguments.exitfirst and report.failed else report.verdicts):
         print(line)
+    for mean in report.means:
+        print(f"{mean.outcome:11} {mean.name}")
     print(figure_table(report))
     print(f"{len(report.examined)} of {sum(part.n for part in report.suite.parts)} scenarios were examined")
     comparison = None if before is None else _compared(report, before)
@@ -88,7 +90,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     if arguments.picture is not None:
         with replaced_file(arguments.picture) as beside:
             beside.write_text(openness_chart(report, workers))
-    for verdict in report.failed:
+    for verdict in (*report.failed, *report.failed_means):
         print(f"failed: {verdict}", file=sys.stderr)
     if comparison is not None:
         print(comparison)

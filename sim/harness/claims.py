@@ -81,6 +81,18 @@ class Claim:
         other = 1.0 if self.of is None else result[self.of]
         return "holds" if _OPERATORS[self.comparison](value, self.limit * other) else "fails"
 
+    def margin(self, result: RunResult) -> float | None:
+        """By how much the claim is fulfilled in a result, in the unit of its figure; negative if it is violated.
+
+        None if one of its figures is null. Raises `SimError` for a claim with == or !=, which has no margin.
+        """
+        if self.comparison in ("==", "!="):
+            raise SimError(f"claim {str(self)!r}: has no margin; valid: a claim with <, <=, > or >=")
+        if (value := self.value(result)) is None:
+            return None
+        above = value - self.limit * (1.0 if self.of is None else result[self.of])
+        return above if self.comparison.startswith(">") else -above
+
     def described(self, result: RunResult) -> str:
         """Return the values of the claim's figures in a result as text, such as "labels.accuracy is 0.71"."""
         values = ((name, self._number(result, name)) for name in self.figures)

@@ -16,6 +16,7 @@ from sim.suites.catalogue import suite_named
 from sim.suites.checks import NewSlam
 from sim.suites.examination import COMPLETES, Examination, examinations, jobs_of
 from sim.suites.suite import Suite, SuitePart
+from sim.suites.suite_means import SuiteMean
 from sim.verdicts.rate import RateVerdict
 
 CONFIDENCE = 0.99
@@ -124,10 +125,20 @@ class SuiteReport:
         """The verdicts of the checks that fail."""
         return tuple(each for each in self.verdicts if each.outcome == "fails")
 
+    @cached_property
+    def means(self) -> tuple[SuiteMean, ...]:
+        """One verdict for each claim about a mean, in the order of the suite."""
+        return tuple(SuiteMean(self.suite, claim, self.examined, CONFIDENCE) for claim in self.suite.means)
+
+    @property
+    def failed_means(self) -> tuple[SuiteMean, ...]:
+        """The verdicts of the claims about means that fail."""
+        return tuple(each for each in self.means if each.outcome == "fails")
+
     @property
     def ok(self) -> bool:
-        """Whether no check fails. An undecided check does not count as failed: too few scenarios speak against it."""
-        return not self.failed
+        """Whether no check and no mean fails. What is undecided does not count as failed: too few scenarios tell."""
+        return not self.failed and not self.failed_means
 
     @property
     def results(self) -> tuple[RunResult, ...]:
@@ -141,10 +152,11 @@ class SuiteReport:
             "seed": self.seed,
             "ok": self.ok,
             "checks": [_check_data(each) for each in self.verdicts],
+            "means": [_mean_data(each) for each in self.means],
         }
 
     def __str__(self) -> str:
-        return "\n".join(map(str, self.verdicts))
+        return "\n".join(map(str, (*self.verdicts, *self.means)))
 
     def _of_part(self, part: SuitePart) -> Iterator[CheckVerdict]:
         own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
@@ -210,4 +222,13 @@ def _check_data(each: CheckVerdict) -> Mapping[str, Any]:
             {"number": f.number, "measured": f.findings[each.check].measured, "scenario": f.scenario.data()}
             for f in each.failures
         ],
+    }
+
+
+def _mean_data(each: SuiteMean) -> Mapping[str, Any]:
+    return {
+        "claim": str(each.claim),
+        "outcome": each.outcome,
+        "houses": len(each.verdict.margins),
+        "mean_margin": sum(each.verdict.margins) / len(each.verdict.margins) if each.verdict.margins else None,
     }

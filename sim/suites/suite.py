@@ -70,27 +70,36 @@ class Suite:
     name: str
     about: str
     parts: tuple[SuitePart, ...]
+    means: tuple[Claim, ...] = ()
+    """Claims that have to hold on average over the scenarios of all parts. They are judged after the last scenario."""
 
     def __post_init__(self) -> None:
         _check_unique(f"suite {self.name}", "part", (part.name for part in self.parts))
+        _check_unique(f"suite {self.name}", "mean", (claim.quantity for claim in self.means))
+        for claim in self.means:
+            if claim.comparison in ("==", "!="):
+                raise SimError(f"suite {self.name}: the mean of {str(claim)!r} has no margin; valid: <, <=, > or >=")
         if not self.parts:
             raise SimError(f"suite {self.name}: has no part; valid: one or more")
 
     def with_limits(self, limits: Mapping[str, float]) -> "Suite":
         """Return the suite with other limits in its claims, such as {"labels.accuracy": 0.9}.
 
-        The key of a claim that relates two figures is their ratio: "trajectory.ate_m / trajectory.ate_odometry_m". Raises
-        `SimError` for a key about which the suite makes no claim, and for a limit that is not finite.
+        The key of a claim that relates two figures is their ratio: "trajectory.ate_m / trajectory.ate_odometry_m". The key
+        of a claim about a mean begins with "mean": "mean labels.accuracy". Raises `SimError` for a key about which the suite
+        makes no claim, and for a limit that is not finite.
         """
         checks = [check for part in self.parts for check in part.checks]
         known = {check.claim.quantity for check in checks if isinstance(check, ClaimCheck)}
+        known |= {f"mean {claim.quantity}" for claim in self.means}
         for figure, limit in limits.items():
             if figure not in known:
                 guess, valid = did_you_mean(figure, known), ", ".join(sorted(known))
                 raise SimError(f"suite {self.name}: has no claim about {figure!r:.60}{guess}; valid: {valid}")
             if not math.isfinite(limit):
                 raise SimError(f"suite {self.name}: the limit of {figure} is {limit}; valid: a finite number")
-        return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts))
+        means = (replace(claim, limit=limits.get(f"mean {claim.quantity}", claim.limit)) for claim in self.means)
+        return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
 
     def with_size(self, share: float) -> "Suite":
         """Return the suite with a multiple of its scenarios, at least one in each part."""

@@ -6,8 +6,8 @@
     assert_rate(results, "rooms.pq >= 0.6", p=0.9, confidence=0.95)
 
 Read `rate` first: it tests whether a claim holds in a wanted share of houses, and stops as soon as the answer is known.
-`comparison` compares two SLAMs on the same scenarios, figure by figure. `stored_results` reads and writes the results that
-`lexis-sim compare` compares.
+`mean` tests whether a claim holds on average, which shows small differences sooner. `comparison` compares two SLAMs on the
+same scenarios, figure by figure. `stored_results` reads and writes the results that `lexis-sim compare` compares.
 
 Glossary:
 

@@ -1,6 +1,8 @@
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .comparison import compare_results as compare_results
+from .mean import MeanVerdict as MeanVerdict
+from .mean import assert_mean as assert_mean
 from .rate import RateVerdict as RateVerdict
 from .rate import assert_rate as assert_rate
 from .stored_results import load_results as load_results

@@ -144,6 +144,9 @@ def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, se
     """
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
+    means = [mean["claim"] for mean in data["means"] if mean["outcome"] == "fails"]
+    if means and not failed:
+        return Grade(*start, f"all parts: mean {means[0]}", scenarios, seconds, ", ".join(means))
     if not failed:
         worse = data["worse"]
         return Grade(*start, f"{COMPARED}: {worse[0]}" if worse else None, scenarios, seconds, ", ".join(worse))

@@ -42,6 +42,15 @@ def test_a_claim_about_two_figures_of_one_run(factor):
     assert claim.described(result(0.5)) == "labels.accuracy is 0.5, labels.accuracy_baseline is null"
 
 
+@pytest.mark.parametrize("comparison", ["<", "<=", ">", ">="])
+@pytest.mark.parametrize("accuracy", [0.4, 0.6])
+def test_the_margin_of_a_claim_is_positive_where_it_holds(comparison, accuracy):
+    claim = Claim.parse(f"labels.accuracy {comparison} 0.5")
+    assert claim.margin(result(accuracy)) == pytest.approx(0.1 if claim.outcome(result(accuracy)) == "holds" else -0.1)
+    assert claim.opposite.margin(result(accuracy)) == pytest.approx(-claim.margin(result(accuracy)))
+    assert Claim.parse(f"labels.accuracy {comparison} labels.accuracy_baseline").margin(result(accuracy)) is None
+
+
 def test_a_figure_alone_is_once_that_figure():
     assert Claim.parse("labels.accuracy > labels.accuracy_baseline") == Claim.parse(
         "labels.accuracy > 1 * labels.accuracy_baseline"

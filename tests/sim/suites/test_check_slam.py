@@ -11,11 +11,13 @@ import pytest
 from helpers.aborting_slam import AbortingSlam
 from helpers.open_flat import OPEN_FLAT
 from helpers.planted_commands import program
+from helpers.results import RESULT
 
 from sim.cli import main
 from sim.errors import SimError
 from sim.harness import Lexis, Scenario, run
 from sim.harness.adapters import GeometricRooms, OdometryOnly
+from sim.harness.claims import Claim
 from sim.programs import Program
 from sim.suites.catalogue import OPENNESS, SUITES, suite_named
 from sim.suites.checks import CheckFinding, NotWorse, SameClaims
@@ -182,6 +184,43 @@ def test_a_group_of_scenarios_counts_once():
     assert verdict_on(*[False] * 5, group=5).verdict.houses == 1
     assert verdict_on(*[False] * 9, group=5).verdict.houses == 1  # the second group is not complete
     assert verdict_on(*[False] * 2, *[True] * 3, *[False] * 3, *[True] * 2, group=5).verdict.held == 1
+
+
+def with_accuracies(*accuracies, suite=FLAT, group=1):
+    """The report of a suite in whose scenarios the labels have these accuracies."""
+    scenarios = tuple(
+        Examination("flat", k, OPEN_FLAT, replace(RESULT, labels=replace(RESULT.labels, accuracy=each)), {})
+        for k, each in enumerate(accuracies)
+    )
+    part = replace(PART, n=len(accuracies), group=group, checks=())
+    return SuiteReport(replace(suite, parts=(part,), means=(Claim.parse("labels.accuracy >= 0.9"),)), 0, scenarios)
+
+
+def test_a_mean_that_is_too_low_fails_the_suite_though_every_check_holds():
+    report = with_accuracies(*[0.89, 0.88] * 5)
+    assert not report.ok and not report.failed
+    assert [each.name for each in report.failed_means] == ["all parts: mean labels.accuracy >= 0.9"]
+    assert "fulfilled by -0.015 on average" in str(report) and report.data()["means"][0]["outcome"] == "fails"
+    assert with_accuracies(*[0.91, 0.92] * 5).ok
+
+
+def test_a_mean_is_judged_once_all_scenarios_are_examined():
+    report = with_accuracies(*[0.89, 0.88] * 5)
+    unfinished = replace(report, examined=report.examined[:-1])
+    assert unfinished.ok and unfinished.means[0].outcome == "not examined"
+
+
+def test_a_group_of_scenarios_counts_once_in_a_mean():
+    assert with_accuracies(*[0.7, 0.9] * 8, group=2).means[0].verdict.margins == pytest.approx((-0.1,) * 8)
+
+
+def test_the_limit_of_a_mean_can_be_changed():
+    suite = with_accuracies(0.5).suite
+    assert str(suite.with_limits({"mean labels.accuracy": 0.4}).means[0]) == "labels.accuracy >= 0.4"
+    with pytest.raises(SimError, match=r"did you mean 'mean labels\.accuracy'"):
+        suite.with_limits({"mean labels.acuracy": 0.4})
+    with pytest.raises(SimError, match="has no margin"):
+        replace(suite, means=(Claim.parse("labels.accuracy == 1"),))
 
 
 class Forgetful(GeometricRooms):

@@ -67,10 +67,13 @@ def test_a_grade_names_the_first_check_that_failed():
         {"part": "homes", "check": "origin", "outcome": "fails", "failures": [failure]},
     ]
     start = ("a mutant", "pr", 7)
-    graded = _graded(start, {"results": [{}] * 3, "checks": checks, "worse": []}, SHOWN, 12.0)
+    graded = _graded(start, {"results": [{}] * 3, "checks": checks, "means": [], "worse": []}, SHOWN, 12.0)
     assert graded == Grade(*start, "homes: origin", 3, 12.0, "floors 0.4", "2 rooms, 4.1 m", "mended by: nothing.")
-    assert _graded(start, {"results": [{}], "checks": checks[:1], "worse": []}, "", 1.0).caught_by is None
-    compared = _graded(start, {"results": [{}], "checks": checks[:1], "worse": ["rooms.pq", "x"]}, "", 1.0)
+    assert _graded(start, {"results": [{}], "checks": checks[:1], "means": [], "worse": []}, "", 1.0).caught_by is None
+    low = [{"claim": "rooms.pq >= 0.7", "outcome": "fails"}]
+    by_mean = _graded(start, {"results": [{}], "checks": checks[:1], "means": low, "worse": ["x"]}, "", 1.0)
+    assert by_mean.caught_by == "all parts: mean rooms.pq >= 0.7"
+    compared = _graded(start, {"results": [{}], "checks": checks[:1], "means": [], "worse": ["rooms.pq", "x"]}, "", 1.0)
     assert (compared.caught_by, compared.measured) == ("worse than before: rooms.pq", "rooms.pq, x")
 
 

@@ -1,0 +1,63 @@
+"""`SuiteMean`: the verdict about a claim that has to hold on average over all scenarios of a suite."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from sim.harness.claims import Claim
+from sim.suites.examination import Examination
+from sim.suites.suite import Suite
+from sim.verdicts.mean import MeanVerdict
+from sim.verdicts.rate import RateOutcome
+
+
+@dataclass(frozen=True, eq=False)
+class SuiteMean:
+    """The verdict about a claim on average over all scenarios of a suite; a group of scenarios counts as one."""
+
+    suite: Suite
+    claim: Claim
+    examined: tuple[Examination, ...]
+    """All scenarios so far, of all parts."""
+    confidence: float
+
+    @property
+    def name(self) -> str:
+        """The claim, as reports name it."""
+        return f"all parts: mean {self.claim}"
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all scenarios have been examined. A mean is judged only then, because it must not be judged repeatedly."""
+        return len(self.examined) == sum(part.n for part in self.suite.parts)
+
+    @cached_property
+    def verdict(self) -> MeanVerdict:
+        """The test of the mean over the scenarios so far."""
+        return MeanVerdict(self.confidence, tuple(self._margins()))
+
+    @property
+    def outcome(self) -> RateOutcome | Literal["not claimed", "not examined"]:
+        """The outcome of `verdict`; "not examined" before all scenarios are, and "not claimed" if no run has the figure."""
+        if not self.is_complete:
+            return "not examined"
+        return self.verdict.outcome if self.verdict.margins else "not claimed"
+
+    def __str__(self) -> str:
+        if self.outcome in ("not examined", "not claimed"):
+            return f"{self.name}: {self.outcome}"
+        return f"{self.name} is {self.verdict}"
+
+    def _margins(self) -> Iterator[float]:
+        """Yield the mean margin of each group of scenarios that are not independent."""
+        for part in self.suite.parts:
+            own = sorted((each for each in self.examined if each.part == part.name), key=lambda each: each.number)
+            groups = defaultdict(list)
+            for each in own:
+                if each.result is not None and (margin := self.claim.margin(each.result)) is not None:
+                    groups[each.number // part.group].append(margin)
+            yield from (float(np.mean(margins)) for margins in groups.values())

@@ -1,0 +1,81 @@
+"""`assert_mean`: a test of whether a claim holds on average over houses.
+
+A rate says in how many houses a claim holds, and therefore little about a SLAM that is slightly worse in every house. A mean
+shows small differences much sooner. The test is Student's t test with one side ("Student", "The probable error of a mean",
+Biometrika 6, 1908). It is valid if the number of houses was chosen beforehand: unlike a rate, a mean must not be judged
+after every house.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from sim.errors import SimError
+from sim.harness.claims import Claim
+from sim.harness.results import RunResult
+from sim.verdicts.rate import RateOutcome
+
+_FEWEST = 8
+"""Fewest houses over which a mean is judged. With fewer, one unusual house decides."""
+
+
+@dataclass(frozen=True)
+class MeanVerdict:
+    """What some houses say about the mean of a claim's margin. Raises `SimError` for values out of their ranges."""
+
+    confidence: float
+    """1 minus the largest probability of a wrong answer, in (0.5, 1)."""
+    margins: tuple[float, ...]
+    """By how much the claim is fulfilled in each house; negative where it is violated. See `Claim.margin`."""
+
+    def __post_init__(self) -> None:
+        if not 0.5 < self.confidence < 1.0:
+            raise SimError(f"mean: confidence is {self.confidence!r:.40}; valid: above 0.5, below 1, such as 0.95")
+        if not all(map(math.isfinite, self.margins)):
+            raise SimError("mean: a margin is not finite; valid: finite numbers")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Lower and upper confidence bound of the mean margin; each is wrong with a probability of 1 - `confidence`."""
+        if len(self.margins) < _FEWEST:
+            return -math.inf, math.inf
+        half = student.ppf(self.confidence, len(self.margins) - 1) * np.std(self.margins, ddof=1) / len(self.margins) ** 0.5
+        mean = float(np.mean(self.margins))
+        return mean - float(half), mean + float(half)
+
+    @property
+    def outcome(self) -> RateOutcome:
+        """Whether the mean margin is at least 0 ("holds"), below 0 ("fails"), or not known well enough ("undecided")."""
+        low, high = self.interval
+        return "holds" if low >= 0.0 else "fails" if high < 0.0 else "undecided"
+
+    def __str__(self) -> str:
+        mean = f"fulfilled by {np.mean(self.margins):.3g} on average" if self.margins else "without a value"
+        low, high = self.interval
+        bounds = f"at least {low:.3g}, at most {high:.3g} with {self.confidence:.0%} confidence"
+        return f"in {len(self.margins)} houses {mean} ({bounds}): {self.outcome}"
+
+
+def assert_mean(results: Iterable[RunResult], claim: Claim | str, confidence: float = 0.95) -> MeanVerdict:
+    """Assert that a claim such as "rooms.pq >= 0.6" is not violated on average over houses.
+
+    Results without the figure are left out. All results are read before the mean is judged.
+
+    Args:
+        results: results of independent scenarios, whose number does not depend on the results.
+        claim: a claim with <, <=, > or >=.
+        confidence: 1 minus the largest probability that the assertion fails although the claim holds on average.
+
+    Raises:
+        AssertionError: the mean violates the claim.
+        SimError: an argument is not valid.
+    """
+    wanted = Claim.parse(claim) if isinstance(claim, str) else claim
+    margins = (wanted.margin(result) for result in results)
+    verdict = MeanVerdict(confidence, tuple(margin for margin in margins if margin is not None))
+    if verdict.outcome == "fails":
+        raise AssertionError(f"{wanted} {verdict}")
+    return verdict
