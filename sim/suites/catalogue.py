@@ -289,7 +289,7 @@ _MEANS = tuple(
     )
 )
 """Claims about the means over all scenarios of the suite `pr`, one standard error worse than those of LEXIS. There is none
-about the trajectory, because a few walks with large errors decide its mean, such as those of a robot that is carried away."""
+about the trajectory, because a few walks with large errors decide that mean, as those of a robot that is carried away do."""
 SUITES: Mapping[str, Suite] = MappingProxyType(
     {
         suite.name: suite
