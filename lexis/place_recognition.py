@@ -13,9 +13,9 @@ from jaxtyping import Bool, Float64, Int
 from scipy.special import logit
 
 from lexis.config import PlaceRecognitionConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.maths.ties import reaches, rounded
-from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 
 _MUCH_LESS = -4.6

@@ -6,12 +6,12 @@ Every observation passes through these stages (with the sections of the paper):
 2. Encode the image and extract local features (`lexis.perception`, III-A). The embedding is used to find the room label and
    loop candidates, the features to verify loops.
 3. Triangulate landmarks from the neighbouring frames (`lexis.keyframe_window`), because PnP needs 3-D points.
-4. Add the keyframe to the pose graph (`lexis.pose_graph`, III-A), at the pose that odometry predicts.
+4. Add the keyframe to the pose graph (`lexis.graph`, III-A), at the pose that odometry predicts.
 5. Propose loop candidates (`lexis.place_recognition`, III-D): earlier keyframes that the robot probably revisits, by the
    similarity of the images and by the estimated poses. The paper searches the room that the image shows instead.
 6. Verify the candidates by PnP and add the confirmed loops as edges (`lexis.verification`, III-D), because two images of
    one room need not show the same place.
-7. Optimise the graph when loops have been added (`lexis.graph_optimisation`, Eq. 2), which removes odometry drift.
+7. Optimise the graph when loops have been added (`lexis.graph`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
    This happens when the map is finished, because the result depends on all poses.
 """
@@ -22,13 +22,13 @@ from dataclasses import replace
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
+from lexis.graph.pose_graph import PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
 from lexis.keyframes import KeyframeSelector
 from lexis.maths.growing_array import GrowingArray
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
-from lexis.pose_graph import PoseGraph
 from lexis.room_labels import most_similar, similarities
 from lexis.semantics import Labeller, Semantics, Views, derive
 from lexis.sight.visible_space import VisibleSpace, space_in_view

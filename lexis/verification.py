@@ -21,10 +21,10 @@ from jaxtyping import Float64, Int
 
 from lexis.config import VerificationConfig
 from lexis.features import mutual_matches
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.projection import project, project_jacobian
 from lexis.maths.se3 import between, inverse, rotation_angle, skew, transform
 from lexis.maths.ties import rounded
-from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Covariance, Intrinsics, Keyframe, LoopEdge, Pose, Verdict
 
 _GRID = 6

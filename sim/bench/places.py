@@ -15,9 +15,9 @@ from scipy.optimize import minimize
 
 from lexis.config import Config, PlaceRecognitionConfig
 from lexis.evaluation.place_recognition import Counts, at_one_place, count_matches
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, rotation_angle
 from lexis.place_recognition import old_enough, propose, revisit_log_odds
-from lexis.pose_graph import PoseGraph
 from lexis.types import Keyframe, RoomInstance
 from sim.faults.poses import Kidnap
 from sim.fidelity import Fidelity

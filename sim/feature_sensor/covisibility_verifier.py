@@ -19,8 +19,8 @@ from jaxtyping import Float, Float32, Float64, Int
 from scipy.special import expit, ndtri
 
 from lexis.config import VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between, exp, inverse, rotation_angle
-from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Keyframe, LoopEdge, Pose, Verdict
 from lexis.verification import Verification, plausible
 from sim.feature_sensor.ray_origins import RayGrid

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexis.config import VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between
-from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Keyframe, LoopEdge
 from lexis.verification import Verification, Verifier
 from sim.harness.scenario import Scenario

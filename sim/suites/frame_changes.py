@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from lexis.config import VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import adjoint, exp, inverse, transform
-from lexis.pose_graph import PoseGraph
 from lexis.types import Camera, Covariance, Keyframe, Observation, Percept, Pose, Poses
 from lexis.verification import Verification, Verifier
 from sim.harness.slam_under_test import FeatureInput

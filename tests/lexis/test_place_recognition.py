@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lexis.config import PlaceRecognitionConfig, PoseGraphConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.place_recognition import propose, revisit_log_odds
-from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks, RoomInstance
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8))

@@ -5,9 +5,9 @@ import pytest
 from helpers.box_room import FORWARD_CAMERA
 
 from lexis.config import PoseGraphConfig, VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
 from lexis.maths.projection import project
-from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks
 from lexis.verification import verify
 

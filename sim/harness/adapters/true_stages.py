@@ -9,9 +9,9 @@ from jaxtyping import Bool, Float64, Int
 from lexis.config import PlaceRecognitionConfig, VerificationConfig
 from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
 from lexis.evaluation.relative import separation
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths.se3 import between
 from lexis.place_recognition import old_enough
-from lexis.pose_graph import PoseGraph
 from lexis.room_labels import Labels
 from lexis.types import Camera, Keyframe, LoopEdge, Poses, RoomInstance
 from lexis.verification import Verification

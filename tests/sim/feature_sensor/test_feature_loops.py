@@ -7,8 +7,8 @@ import pytest
 from helpers.viewpoints import turned
 
 from lexis.config import PoseGraphConfig, VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks
 from sim.feature_fitting.fit_loops import Trials, fit_loops
 from sim.feature_sensor.covisibility_verifier import (

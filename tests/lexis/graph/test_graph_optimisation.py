@@ -3,7 +3,7 @@ import pytest
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
-from lexis.graph_optimisation import GraphOptimiser, loop_weights
+from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.maths import se3
 from lexis.types import LoopEdge
 

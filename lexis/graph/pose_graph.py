@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
-from lexis.graph_optimisation import GraphOptimiser, loop_weights
+from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.maths.growing_array import GrowingArray
 from lexis.maths.se3 import between
 from lexis.types import Keyframe, LoopEdge, Poses

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from lexis.config import PoseGraphConfig
+from lexis.graph.pose_graph import PoseGraph
 from lexis.maths import se3
-from lexis.pose_graph import PoseGraph
 from lexis.types import Features, Keyframe, Landmarks, LoopEdge
 
 STEP_COVARIANCE = np.diag(np.repeat([0.01, 0.03], 3) ** 2)

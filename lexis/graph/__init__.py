@@ -1,0 +1,9 @@
+"""The pose graph: keyframes joined by odometry and loop edges, and the poses that fit these edges best.
+
+Read `pose_graph` first: the graph grows with each keyframe and each loop. `graph_optimisation` finds the poses and limits
+the influence of wrong loops (paper, Eq. 2).
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,2 @@
+from .graph_optimisation import GraphOptimiser as GraphOptimiser
+from .pose_graph import PoseGraph as PoseGraph
