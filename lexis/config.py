@@ -210,10 +210,14 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """Least number of keyframes between two optimisations of the graph."""
     window: Annotated[int, Ge(1)] = 100
     """Number of keyframes, counted from the last, that most optimisations move. All earlier poses are fixed then."""
-    growth: Annotated[float, Interval(ge=0, lt=1)] = 0.05
+    growth: Annotated[float, Interval(ge=0, lt=1)] = 0.1
     """The whole graph is optimised whenever this share of its keyframes has been added since the last time, and when the
     map is finished. The time per keyframe thus hardly grows with the graph. With 0, every optimisation is of the whole
     graph."""
+    copies: Annotated[int, Ge(1)] | None = 3
+    """A keyframe retires if this many keyframes of earlier visits show its place, within 1 m and 0.5 rad: it is no longer
+    moved by itself, and is no loop candidate. The graph thus grows with the area that is walked and not with the time. None:
+    no keyframe retires. See `lexis.graph.thinning`."""
     min_rotation_sigma_rad: Annotated[float, Gt(0)] = 1e-4
     """Error that is added in quadrature to the standard deviation of an odometry step's rotation, because the odometry
     may state a deviation of 0 [rad]."""

@@ -43,6 +43,8 @@ def propose(
 ) -> tuple[int, ...]:
     """Propose earlier keyframes as loop candidates for a new keyframe, the query; return their ids, best first.
 
+    Keyframes that have retired from the graph are not proposed, because others show their places.
+
     Args:
         query: the new keyframe, already in the graph.
         label: room name that the query's image resembles most.
@@ -50,25 +52,26 @@ def propose(
         graph: the current poses and embeddings.
         config: the method, how many keyframes to propose, and how old they must be.
     """
-    old = int(old_enough(query.id, graph.stamps, graph.path_m, config).sum())  # they are the first ones
+    ids = graph.active
+    old = ids[old_enough(query.id, graph.stamps, graph.path_m, config)[ids]]
     match config.method:
         case "probability":
             return by_probability(query, old, graph, config)
         case "room":
             return in_labelled_room(query, label, rooms, old, graph, config)
         case "similarity":
-            return _most_similar(query, np.arange(old), graph, config)
+            return _most_similar(query, old, graph, config)
 
 
-def by_probability(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    """Propose those of the first `old` keyframes that the query revisits most probably.
+def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
+    """Propose those of the keyframes `old` that the query revisits most probably.
 
     The result is empty at a place that is seen for the first time: where no keyframe has `least_probability`. Otherwise,
     less probable keyframes fill up the candidates, because two views from different places in a room may overlap enough for
     a loop. See `revisit_log_odds` for the probability.
     """
     least = logit(config.least_probability)
-    ids = np.flatnonzero(_bound(query, old, graph, config) >= least + _MUCH_LESS)
+    ids = old[_bound(query, old, graph, config) >= least + _MUCH_LESS]
     T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
     distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
     odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))
@@ -78,14 +81,14 @@ def by_probability(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRec
     return tuple(ids[best].tolist())
 
 
-def _bound(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> Float64[np.ndarray, "old"]:
-    """Upper bounds for the log odds of a revisit of the first `old` keyframes, at the least cost for a keyframe.
+def _bound(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> PerKeyframe:
+    """Upper bounds for the log odds of a revisit of the keyframes `old`, at the least cost for a keyframe.
 
     They leave few keyframes, of which the log odds are then computed in full: most are too far away and too different.
     """
-    distances = np.linalg.norm(graph.T_W_B[:old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
-    similarities = graph.embeddings[:old] @ query.embedding + np.float32(_SINGLE_PRECISION)
-    return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(old), config)
+    distances = np.linalg.norm(graph.T_W_B[old, :3, 3] - graph.T_W_B[query.id, :3, 3], axis=1)
+    similarities = graph.embeddings[old] @ query.embedding + np.float32(_SINGLE_PRECISION)
+    return revisit_log_odds(similarities.astype(np.float64), distances, np.zeros(len(old)), config)
 
 
 def revisit_log_odds(
@@ -111,7 +114,7 @@ def in_labelled_room(
     query: Keyframe,
     label: str,
     rooms: Sequence[RoomInstance],
-    old: int,
+    old: Ids,
     graph: PoseGraph,
     config: PlaceRecognitionConfig,
 ) -> tuple[int, ...]:
@@ -123,9 +126,9 @@ def in_labelled_room(
     2. Choose the room whose mean position is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
-    The first `old` keyframes are old enough. The result is empty if no room has the label and an old enough keyframe.
+    The keyframes `old` are old enough. The result is empty if no room has the label and an old enough keyframe.
     """
-    members = {room.id: np.array([i for i in room.keyframes if i < old], int) for room in rooms if room.label == label}
+    members = {room.id: np.intersect1d(room.keyframes, old).astype(int) for room in rooms if room.label == label}
     eligible = [room for room in rooms if len(members.get(room.id, ()))]
     if not eligible:
         return ()

@@ -1,17 +1,18 @@
 """The growing pose graph: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float32, Float64
+from jaxtyping import Float32, Float64, Int
 
 from lexis.config import PoseGraphConfig
 from lexis.errors import LexisError
 from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
+from lexis.graph.thinning import STAYS, Retired, anchors
 from lexis.maths.growing_array import GrowingArray
-from lexis.maths.se3 import between
-from lexis.types import Keyframe, LoopEdge, Poses
+from lexis.maths.se3 import between, compose_covariance
+from lexis.types import Covariance, Keyframe, LoopEdge, Poses
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,10 @@ class _Extent:
 
 
 class PoseGraph:
-    """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B."""
+    """Keyframes, loop edges and the current pose estimate. For the first keyframe, T_W_B equals T_O_B.
+
+    Active keyframes are those in the optimisation. Each is joined by odometry to the active keyframe before it.
+    """
 
     def __init__(self, config: PoseGraphConfig) -> None:
         """Create an empty graph."""
@@ -31,6 +35,9 @@ class PoseGraph:
         self._T_W_B = GrowingArray((4, 4))
         self._path_m, self._stamps = GrowingArray(()), GrowingArray(())
         self._embeddings = GrowingArray((0,), np.float32)
+        self._active = GrowingArray((), np.int64)
+        self._covariances: list[Covariance] = []
+        self._retired = Retired()
         self._optimiser: GraphOptimiser | None = None
         self._last_optimised, self._last_whole = _Extent(), _Extent()
         self.keyframes: list[Keyframe] = []
@@ -40,6 +47,11 @@ class PoseGraph:
     def T_W_B(self) -> Poses:
         """The current estimate: poses from the last optimisation; those of later keyframes continue them by odometry."""
         return self._T_W_B.rows
+
+    @property
+    def active(self) -> Int[np.ndarray, "k"]:
+        """Ids of the keyframes in the optimisation, ascending. The others have retired; see `lexis.graph.thinning`."""
+        return self._active.rows
 
     @property
     def embeddings(self) -> Float32[np.ndarray, "n d"]:
@@ -58,7 +70,10 @@ class PoseGraph:
 
     @property
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
-        """Weights of the loop edges under the robust DCS kernel at the current estimate, in [0, 1]."""
+        """Weights of the loop edges under the robust kernel at the current estimate, in [0, 1].
+
+        The edges of retired keyframes have weights, too, though they no longer take part in the optimisation.
+        """
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
@@ -73,37 +88,94 @@ class PoseGraph:
             self._T_W_B.append(self.T_W_B[-1] @ step)
             self._optimiser.add_keyframe(self.T_W_B[-1], step, keyframe.step_covariance)
             self._path_m.append(self.path_m[-1] + np.linalg.norm(step[:3, 3]))
+        self._active.append(len(self.keyframes))
+        self._covariances.append(keyframe.step_covariance)
         self._stamps.append(keyframe.stamp)
         self._embeddings.append(keyframe.embedding)
         self.keyframes.append(keyframe)
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
-        """Append verified loop edges; they take effect at the next optimisation.
+        """Append verified loop edges; they take effect at the next optimisation, except those to retired keyframes.
 
         Raises LexisError, and appends no edge, unless every edge leads from a keyframe of the graph to an earlier keyframe.
         """
+        n = len(self.keyframes)
+        for loop in loops:
+            if not 0 <= loop.match < loop.query < n:
+                edge = f"{loop.match} -> {loop.query}"
+                raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {n}")
         if self._optimiser is not None:
-            self._optimiser.add_loops(loops)
-        elif loops:
-            raise LexisError("loop edges were added to a graph without keyframes; valid: keyframes first")
+            self._optimiser.add_loops(self._between_active(loops))
         self.loops.extend(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
         """Optimise if there are new loop edges and enough new keyframes (setting `every`) since the last optimisation.
 
-        Most optimisations move the last keyframes only (`window`), and some the whole graph (`growth`). With `final`, new
-        loop edges alone suffice, and the whole graph is optimised. Returns whether the graph was optimised.
+        Most optimisations move the last keyframes only (`window`), and some the whole graph (`growth`). After those,
+        keyframes that are no longer needed retire (`copies`). With `final`, new loop edges alone suffice, and the whole
+        graph is optimised. Returns whether the graph was optimised.
         """
         now = _Extent(len(self.keyframes), len(self.loops))
-        grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * now.keyframes
+        grown = now.keyframes - self._last_whole.keyframes >= self._config.growth * len(self.active)
         whole = final or grown
         last = self._last_whole if final else self._last_optimised
         waited = now.keyframes - last.keyframes >= self._config.every
         if now.loops == last.loops or not (waited or final):
             return False
         assert self._optimiser is not None
-        self._T_W_B.replace(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))
+        self._move(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))
         self._last_optimised = now
         if whole:
             self._last_whole = now
+        if grown and not final:
+            self._retire()
         return True
+
+    def _move(self, last: Poses) -> None:
+        """Set the poses of the last active keyframes; retired keyframes follow their anchors."""
+        moved = self.active[len(self.active) - len(last) :]
+        self._T_W_B.replace(moved, last)
+        self._T_W_B.replace(*self._retired.following(int(moved[0]), self.T_W_B))
+
+    def _retire(self) -> None:
+        """Let active keyframes before the last `window` ones retire if enough earlier ones show their places."""
+        if self._config.copies is None:
+            return
+        old = self.active[: -self._config.window]
+        rows = np.array([(loop.query, loop.match) for loop in self._between_active(self.loops)], int).reshape(-1, 2)
+        anchor = anchors(self.T_W_B[old], self.path_m[old], rows[rows[:, 0] < len(old)], self._config.copies)
+        leaving = np.flatnonzero(anchor != STAYS)
+        if len(leaving):
+            self._retired = self._retired.joined_by(old[leaving], old[anchor[leaving]], self.T_W_B)
+            self._leave_out(leaving)
+            self._restart()
+
+    def _leave_out(self, rows: Int[np.ndarray, "k"]) -> None:
+        """Remove rows of `active`, and add the covariances of their odometry steps to those of the steps after them."""
+        for row in rows.tolist():
+            step = between(self.keyframes[self.active[row]].T_O_B, self.keyframes[self.active[row + 1]].T_O_B)
+            self._covariances[row + 1] = compose_covariance(self._covariances[row], step, self._covariances[row + 1])
+        kept = np.delete(np.arange(len(self.active)), rows)
+        self._covariances = [self._covariances[row] for row in kept.tolist()]
+        ids, self._active = self.active[kept], GrowingArray((), np.int64)
+        for id in ids.tolist():
+            self._active.append(id)
+
+    def _restart(self) -> None:
+        """Begin the optimiser anew with the active keyframes at their current poses, and the loop edges between them."""
+        T_O_B = np.stack([self.keyframes[id].T_O_B for id in self.active.tolist()])
+        steps = between(T_O_B[:-1], T_O_B[1:])
+        self._optimiser = GraphOptimiser(T_O_B[0], self._config)
+        for id, step, covariance in zip(self.active[1:].tolist(), steps, self._covariances[1:], strict=True):
+            self._optimiser.add_keyframe(self.T_W_B[id], step, covariance)
+        self._optimiser.add_loops(self._between_active(self.loops))
+
+    def _between_active(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
+        """The loop edges between active keyframes, with rows of `active` in place of ids."""
+        if not loops:
+            return []
+        ids = np.array([(loop.query, loop.match) for loop in loops])
+        rows = np.searchsorted(self.active, ids)
+        both = (self.active[rows] == ids).all(axis=1)
+        found = zip(loops, rows.tolist(), both.tolist(), strict=True)
+        return [replace(loop, query=query, match=match) for loop, (query, match), active in found if active]

@@ -1,7 +1,7 @@
 """`GrowingArray`: an array to which rows are appended one by one."""
 
 import numpy as np
-from jaxtyping import Shaped
+from jaxtyping import Int, Shaped
 from numpy.typing import DTypeLike
 
 _FIRST_ROWS = 64
@@ -29,7 +29,7 @@ class GrowingArray:
         self._buffer[self._count] = row
         self._count += 1
 
-    def replace(self, rows: Shaped[np.ndarray, "n *row"]) -> None:
-        """Replace the last n rows by n other rows. Earlier results of `rows` keep the old rows."""
+    def replace(self, indices: Int[np.ndarray, "k"], rows: Shaped[np.ndarray, "k *row"]) -> None:
+        """Replace the rows with the given indices. Earlier results of `rows` keep the old rows."""
         self._buffer = self._buffer.copy()
-        self._buffer[self._count - len(rows) : self._count] = rows
+        self._buffer[indices] = rows

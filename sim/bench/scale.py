@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -25,11 +25,11 @@ class Portion:
     """Id of the first keyframe of the part."""
     last: int
     keyframe_ms: float
-    """Time of LEXIS per keyframe, features and percepts not included [ms]."""
+    """Processor time of LEXIS per keyframe, features and percepts not included [ms]."""
 
 
 class _Clocked(Lexis):
-    """LEXIS that records the time it has spent until the end of each observation [s]."""
+    """LEXIS that records the processor time it has spent until the end of each observation [s]."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -37,9 +37,9 @@ class _Clocked(Lexis):
 
     def process(self, observation: Observation) -> None:
         """Process the next observation and add its time to the time spent so far."""
-        start = perf_counter()
+        start = process_time()
         super().process(observation)
-        self.spent_s.append((self.spent_s[-1] if self.spent_s else 0.0) + perf_counter() - start)
+        self.spent_s.append((self.spent_s[-1] if self.spent_s else 0.0) + process_time() - start)
 
 
 def measure_scale(rooms: int, length_m: float, seed: int) -> tuple[list[Portion], LexisMap]:

@@ -124,7 +124,7 @@ _GRAPH = (
     Mutant(
         "the optimised poses are thrown away",
         "graph/pose_graph.py",
-        "self._T_W_B.replace(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))",
+        "self._move(self._optimiser.optimise() if whole else self._optimiser.optimise_last(self._config.window))",
         "self._optimiser.optimise()",
     ),
     Mutant(

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,7 +89,8 @@ def laps(rng, count):
 def test_optimising_windows_ends_at_the_same_map_as_optimising_the_whole_graph(rng):
     T_O_B, loops = laps(rng, 300)
     loops[151] = LoopEdge(151, 20, se3.exp(np.array([0.0, 0.0, 1.0, 3.0, 1.0, 0.0])), LOOP_COVARIANCE, 50)
-    graphs = PoseGraph(PoseGraphConfig(growth=0.3, window=30)), PoseGraph(PoseGraphConfig(growth=0.0))
+    windows, whole = PoseGraphConfig(growth=0.3, window=30, copies=None), PoseGraphConfig(growth=0.0, copies=None)
+    graphs = PoseGraph(windows), PoseGraph(whole)
     for one in graph_of(T_O_B).keyframes:
         for graph in graphs:
             graph.add_keyframe(one)
@@ -97,9 +100,9 @@ def test_optimising_windows_ends_at_the_same_map_as_optimising_the_whole_graph(r
     assert 1e-3 < worst < 0.5  # windows are an approximation, until the end
     for graph in graphs:
         assert graph.optimise_if_due(final=True)
-    windows, whole = (graph.T_W_B for graph in graphs)
-    assert np.linalg.norm(windows[:, :3, 3] - whole[:, :3, 3], axis=1).max() < 1e-3
-    assert se3.rotation_angle(se3.between(windows, whole)).max() < 1e-4
+    a, b = (graph.T_W_B for graph in graphs)
+    assert np.linalg.norm(a[:, :3, 3] - b[:, :3, 3], axis=1).max() < 1e-3
+    assert se3.rotation_angle(se3.between(a, b)).max() < 1e-4
     np.testing.assert_allclose(graphs[0].loop_weights, graphs[1].loop_weights, atol=1e-3)
 
 
@@ -116,3 +119,61 @@ def test_the_finished_graph_is_optimised_as_a_whole_even_if_a_window_has_used_al
     np.testing.assert_array_equal(graph.T_W_B[:110], before[:110])
     assert graph.optimise_if_due(final=True)
     assert np.abs(graph.T_W_B[50:110] - before[50:110]).max() > 1e-3
+
+
+def walked(T_O_B, loops, config):
+    """The finished graph of a walk, and the largest number of keyframes in the optimisation on the way."""
+    graph, most = PoseGraph(config), 0
+    for one in graph_of(T_O_B).keyframes:
+        graph.add_keyframe(one)
+        graph.add_loops([loops[one.id]] if one.id in loops else [])
+        graph.optimise_if_due()
+        most = max(most, len(graph.active))
+    graph.optimise_if_due(final=True)
+    return graph, most
+
+
+THIN = PoseGraphConfig(window=20, growth=0.1, copies=2)
+
+
+def every_lap(rng, count):
+    """Drifting odometry on a circle of 40 poses, and a true loop to the first lap from every keyframe."""
+    return laps(rng, count)[0], {q: LoopEdge(q, q % 40, np.eye(4), LOOP_COVARIANCE, 50) for q in range(40, count)}
+
+
+def test_the_optimisation_grows_with_the_area_and_not_with_the_number_of_laps(rng):
+    T_O_B, loops = every_lap(rng, 800)
+    few, many = (walked(T_O_B[:count], loops, THIN)[1] for count in (320, 800))
+    assert many <= 1.3 * few < 320 / 2
+
+
+def test_a_thinned_graph_ends_near_the_same_map(rng):
+    T_O_B, loops = every_lap(rng, 400)
+    thin, whole = (walked(T_O_B, loops, replace(THIN, copies=copies))[0] for copies in (2, None))
+    drift = np.linalg.norm(T_O_B[:, :3, 3] - whole.T_W_B[:, :3, 3], axis=1).max()
+    assert np.linalg.norm(thin.T_W_B[:, :3, 3] - whole.T_W_B[:, :3, 3], axis=1).max() < 0.25 * drift
+    assert thin.loop_weights.shape == (len(loops),)
+
+
+def test_without_loops_no_keyframe_retires(rng):
+    graph, _ = walked(every_lap(rng, 200)[0], {}, THIN)
+    np.testing.assert_array_equal(graph.active, np.arange(200))
+
+
+def test_retired_keyframes_follow_their_anchors(rng):
+    T_O_B, loops = every_lap(rng, 240)
+    graph, _ = walked(T_O_B, loops, THIN)
+    ids, anchors = graph._retired.ids, graph._retired.anchors
+    assert len(ids) > 50 and set(anchors.tolist()) <= set(graph.active.tolist())
+    np.testing.assert_allclose(se3.between(graph.T_W_B[anchors], graph.T_W_B[ids]), graph._retired.T_anchor_B, atol=1e-9)
+    assert sorted([*ids.tolist(), *graph.active.tolist()]) == list(range(240))
+
+
+def test_a_loop_to_a_retired_keyframe_is_kept_without_effect(rng):
+    T_O_B, loops = every_lap(rng, 240)
+    graph, _ = walked(T_O_B, loops, THIN)
+    before, wrong = graph.T_W_B, se3.exp(np.array([0.0, 0.0, 0.5, 3.0, 0.0, 0.0]))
+    graph.add_loops([LoopEdge(239, int(graph._retired.ids[0]), wrong, LOOP_COVARIANCE, 50)])
+    graph.optimise_if_due(final=True)
+    np.testing.assert_allclose(graph.T_W_B, before, atol=1e-4)
+    assert len(graph.loop_weights) == len(loops) + 1

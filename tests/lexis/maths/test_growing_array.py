@@ -21,8 +21,8 @@ def test_rows_that_were_returned_never_change():
     growing.append(1.0)
     before = growing.rows
     growing.append(2.0)
-    growing.replace(np.array([3.0, 4.0]))
+    growing.replace(np.array([0]), np.array([3.0]))
     growing.append(5.0)
-    assert before.tolist() == [1.0] and growing.rows.tolist() == [3.0, 4.0, 5.0]
+    assert before.tolist() == [1.0] and growing.rows.tolist() == [3.0, 2.0, 5.0]
     with pytest.raises(ValueError, match="read-only"):
         before[0] = 9.0
