@@ -1,4 +1,4 @@
-"""Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON and SVG."""
+"""Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON, SVG and Spark-DSG."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from lexis.errors import LexisError
 from lexis.files.replace import replaced_file
 from lexis.files.tum_trajectory import write_tum
+from lexis.map.interchange.spark_dsg import write_spark_dsg
 from lexis.map.picture import map_svg
 from lexis.maths.se3 import between
 from lexis.room_names import instance_names
@@ -63,6 +64,8 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
     "g2o": _g2o,
     "json": _json,
     "svg": _svg,
+    "dsg": write_spark_dsg,
+    "spark-dsg": write_spark_dsg,
 }
 
 
