@@ -153,8 +153,8 @@ def _add_relabel(commands: Commands) -> None:
 def _add_export(commands: Commands) -> None:
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
-    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file")
-    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file to write")
+    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file; ros: of the folder")
+    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file or folder to write")
 
 
 def _add_import(commands: Commands) -> None:
