@@ -10,7 +10,7 @@ from lexis.types import Landmarks
 
 ROOMS = {"kitchen": (0.0, 0.0, 4.0, 4.0), "office": (4.1, 0.0, 8.0, 4.0)}
 """True rooms as lowest and highest x and y; the wall between them is 0.1 m thick."""
-DOOR = (1.5, 2.5)
+DOOR = (1.3, 2.3)
 CAMERA_M, CEILING_M = 1.4, 2.5
 _HEIGHTS = (0.02, 0.8, 1.4, 1.8, 2.48)
 

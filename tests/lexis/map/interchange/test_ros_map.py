@@ -35,10 +35,15 @@ def state(folder, x, y):
 
 @pytest.mark.parametrize(
     ("place", "meaning"),
-    [((2, 3), "free"), ((4.05, 2), "free"), ((6, 1), "free"), ((-0.4, 2), "unknown"), ((5, 4.4), "unknown")],
+    [((2, 3), "free"), ((4.05, 1.55), "free"), ((6, 1), "free"), ((-0.4, 2), "unknown"), ((5, 4.4), "unknown")],
 )
 def test_places_are_what_they_are(folder, place, meaning):
     assert state(folder, *place) == meaning
+
+
+def test_the_image_is_not_mirrored(folder):
+    """The door is not in the middle of the wall: at one of two places that mirror each other, the wall is closed."""
+    assert state(folder, 4.05, 1.55) == "free" and state(folder, 4.05, 2.45) != "free"
 
 
 def test_walls_are_occupied(folder):
