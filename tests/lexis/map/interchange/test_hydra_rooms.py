@@ -20,7 +20,7 @@ def room_at(rooms, point):
     """The first room with a box that contains the point, as Hydra's `RoomGeometry::findRoomIndex`."""
     for room, boxes in sorted(rooms.items()):
         for box in boxes:
-            if (np.abs(np.array(point) - box["center"]) <= np.array(box["extents"]) / 2).all():
+            if (np.abs(np.array(point) - box["center"]) <= np.array(box["extents"]) / 2 + 1e-6).all():
                 return room
     return None
 
