@@ -18,6 +18,7 @@ from lexis.files.reading import FileKind, read_json
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import info_text, map_info
+from lexis.map.interchange.spark_dsg_reader import read_spark_dsg
 from lexis.map.path_directions import directions, place, plan_summary
 from lexis.planner import plan
 from lexis.room_names import instance_names, unused_names
@@ -78,7 +79,7 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = root.add_subparsers(required=True, metavar="COMMAND")
-    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_config):
+    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_import, _add_config):
         add(commands)
     add_completion(commands, root)
     return root
@@ -152,8 +153,18 @@ def _add_relabel(commands: Commands) -> None:
 def _add_export(commands: Commands) -> None:
     export = add_command(commands, "export", _export, "the map for other tools", "lexis export map --format g2o -o map.g2o")
     export.add_argument("map", type=Path, metavar="MAP")
-    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file")
-    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file to write")
+    export.add_argument("--format", choices=list(FORMATS), required=True, help="of the file; ros: of the folder")
+    export.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="file or folder to write")
+
+
+def _add_import(commands: Commands) -> None:
+    graph = add_command(
+        commands, "import", _import, "a map from a scene graph of Spark-DSG", "lexis import map.dsg.json -o map"
+    )
+    graph.add_argument(
+        "graph", type=Path, metavar="FILE", help="JSON that 'lexis export --format dsg' wrote, or a changed copy"
+    )
+    graph.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
 
 
 def _add_config(commands: Commands) -> None:
@@ -282,6 +293,14 @@ def _map_encoder(lexis_map: LexisMap, asked: str | None) -> "OpenClipEncoder":
 def _export(arguments: argparse.Namespace) -> int:
     export_map(load_map(arguments.map), arguments.format, arguments.out)
     print(arguments.out)
+    return 0
+
+
+def _import(arguments: argparse.Namespace) -> int:
+    warn_of_replacement(arguments.out, JSON_FILE)
+    lexis_map = read_spark_dsg(arguments.graph)
+    save_map(lexis_map, arguments.out)
+    _report(lexis_map, arguments.out)
     return 0
 
 

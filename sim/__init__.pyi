@@ -9,6 +9,7 @@ from .harness import Run as Run
 from .harness import RunResult as RunResult
 from .harness import Scenario as Scenario
 from .harness import SlamUnderTest as SlamUnderTest
+from .harness import VerdictClaim as VerdictClaim
 from .harness import check as check
 from .harness import evaluate as evaluate
 from .harness import run as run

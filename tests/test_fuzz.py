@@ -4,6 +4,7 @@ Damage is drawn with fixed seeds. The normal suite tries a few inputs of every k
 """
 
 import contextlib
+import json
 import os
 import shutil
 
@@ -16,7 +17,8 @@ from lexis import cli
 from lexis.datasets.dataset import open_dataset
 from lexis.errors import LexisError
 from lexis.map.export import FORMATS, export_map
-from lexis.map.folder import load_map
+from lexis.map.folder import load_map, save_map
+from lexis.map.interchange import read_spark_dsg
 from lexis.planner import plan
 from sim.cli import main as lexis_sim
 from sim.errors import SimError
@@ -78,10 +80,24 @@ def test_damaged_maps(cases, inputs, tmp_path):
             damage.damaged_file(rng, folder / "map" / str(rng.choice(["map.json", "map.json", "arrays.npz"])))
         lexis_map = load_map(folder / "map")
         for form in FORMATS:  # an accepted file must be usable for everything
-            export_map(lexis_map, form, folder / "out")
+            export_map(lexis_map, form, folder / form)
         plan(lexis_map, "kitchen", "office")
 
     hold(survey(attempt, cases, 2, ERRORS, tmp_path))
+
+
+@many(50, 3000)
+def test_damaged_scene_graphs(cases, inputs, tmp_path):
+    whole = json.loads((inputs / "graph.json").read_text())
+
+    def attempt(rng, folder):
+        text = damage.damaged_json(rng, whole).encode()
+        (folder / "graph.json").write_bytes(damage.damaged_bytes(rng, text) if rng.random() < 0.1 else text)
+        lexis_map = read_spark_dsg(folder / "graph.json")
+        save_map(lexis_map, folder / "map")
+        plan(load_map(folder / "map"), "kitchen", "office")
+
+    hold(survey(attempt, cases, 6, ERRORS, tmp_path))
 
 
 @many(50, 3000)
@@ -123,6 +139,7 @@ LEXIS = (
     ["query", "{whole}/map", "a place to cook", "--top", "2", "--keyframes", "3", "--calibration", "{whole}/rooms.json"],
     ["relabel", "{whole}/map", "--rooms", "{whole}/rooms.json", "-o", "{here}/out"],
     ["export", "{whole}/map", "--format", "g2o", "-o", "{here}/out"],
+    ["import", "{whole}/graph.json", "-o", "{here}/out"],
 )
 LEXIS_SIM = (
     ["house", "check", "{whole}/house.json"],

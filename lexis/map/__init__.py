@@ -2,7 +2,8 @@
 
 `folder` saves and loads a map (`arrays` converts it to arrays). `info` summarises it, `picture` and `export` show it
 to other programs, `path_directions` describes a plan in words, `relabelling` assigns other room names without encoding an
-image again, and `encoder_check` compares encoders by their weights.
+image again, and `encoder_check` compares encoders by their weights. The subpackage `interchange` holds the formats of
+scene graphs and robots' maps.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON and SVG."""
+"""Export of a map to the file formats of other tools: TUM, KITTI, g2o, JSON, SVG, Spark-DSG, Hydra and ROS."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -13,6 +13,9 @@ from scipy.spatial.transform import Rotation
 from lexis.errors import LexisError
 from lexis.files.replace import replaced_file
 from lexis.files.tum_trajectory import write_tum
+from lexis.map.interchange.hydra_rooms import write_hydra_rooms
+from lexis.map.interchange.ros_map import write_ros_maps
+from lexis.map.interchange.spark_dsg import write_spark_dsg
 from lexis.map.picture import map_svg
 from lexis.maths.se3 import between
 from lexis.room_names import instance_names
@@ -23,7 +26,10 @@ TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
 
 
 def export_map(map: LexisMap, format: str, path: Path) -> None:
-    """Write the map to a file in one of `FORMATS`. Raises LexisError if the format is unknown or writing fails."""
+    """Write the map to a file, or for "ros" to a folder, in one of `FORMATS`.
+
+    Raises LexisError if the format is unknown, the map has no such form, or writing fails.
+    """
     if format not in FORMATS:
         raise LexisError(f"unknown format {format!r}; valid: {', '.join(FORMATS)}")
     FORMATS[format](map, path)
@@ -63,6 +69,10 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
     "g2o": _g2o,
     "json": _json,
     "svg": _svg,
+    "dsg": write_spark_dsg,
+    "spark-dsg": write_spark_dsg,
+    "hydra": write_hydra_rooms,
+    "ros": write_ros_maps,
 }
 
 

@@ -4,6 +4,7 @@ from .blame_table import blame as blame
 from .claims import Claim as Claim
 from .estimate import Estimate as Estimate
 from .estimate import LoopClaims as LoopClaims
+from .estimate import VerdictClaim as VerdictClaim
 from .failure_folder import write_failure as write_failure
 from .failure_signature import FailureTest as FailureTest
 from .failure_signature import Signature as Signature

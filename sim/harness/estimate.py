@@ -41,6 +41,22 @@ class LoopClaims:
     """Final confidence of the SLAM in each loop, in [0, 1]; all ones if the SLAM gives no confidence."""
 
 
+@dataclass(frozen=True)
+class VerdictClaim:
+    """What became of one proposed revisit, and why."""
+
+    query: int
+    """Row of the later frame in `Estimate.frames`."""
+    match: int
+    """Row of the earlier frame in `Estimate.frames`."""
+    accepted: bool
+    """Whether the revisit became a loop closure."""
+    reason: str
+    """Why it was accepted or refused, in a few words; the report counts equal reasons."""
+    figures: Mapping[str, float]
+    """The figures that decided, by names with their units, such as "inliers" or "misfit [m]"; unknown ones are left out."""
+
+
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """The claims of a SLAM about a run. Arrays have one row for each frame in `frames`: a SLAM's keyframes, or all frames.
@@ -66,6 +82,8 @@ class Estimate:
     candidates: tuple[tuple[int, tuple[int, ...]], ...] | None = None
     """Proposed revisits: for each query (a row of `frames`), the rows of the frames that may show the same place, the most
     similar first."""
+    verdicts: tuple[VerdictClaim, ...] | None = None
+    """What became of proposed revisits. Only the report shows it; no figure depends on it."""
     similarities: Float64[np.ndarray, "n names"] | None = None
     """Similarity of every frame with every room name. The report shows the highest similarities of some frames."""
     encoder: str | None = None
@@ -89,8 +107,10 @@ class Estimate:
                 raise ClaimError(f"estimate: {bad}; valid: numbers from 0, or -1 for none")
         rows = [] if self.loops is None else [*self.loops.query.tolist(), *self.loops.match.tolist()]
         rows += [row for query, matches in self.candidates or () for row in (query, *matches)]
+        rows += [row for verdict in self.verdicts or () for row in (verdict.query, verdict.match)]
         if rows and not 0 <= min(rows) <= max(rows) < n:
-            raise ClaimError(f"estimate: loops and candidates refer to rows {min(rows)} to {max(rows)}; valid: 0 to {n - 1}")
+            found = f"rows {min(rows)} to {max(rows)}"
+            raise ClaimError(f"estimate: loops, candidates and verdicts refer to {found}; valid: 0 to {n - 1}")
 
     def named_rooms(self, room_names: tuple[str, ...]) -> dict[int, str] | None:
         """Return the most frequent label of every room instance, by the instance's number.

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int
 
+from lexis.evaluation.place_recognition import PLACE_M, PLACE_RAD
+from lexis.evaluation.relative import separation
 from lexis.evaluation.trajectory import aligned
 from lexis.room_names import numbered
 from sim.harness.loops import edge_truth
@@ -12,7 +14,7 @@ from sim.harness.planning import Trial
 from sim.harness.results import RunResult
 from sim.harness.runner import Run
 from sim.render.camera import CameraRenderer
-from sim.report.data import UNKNOWN, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
+from sim.report.data import UNKNOWN, CandidateMark, KeyframeTable, LoopMark, PlanPath, ReportData, SampleFrame
 from sim.report.house_plan import floor_plans
 from sim.robot.drive import DROP
 from worlds.truth import NOWHERE, room_at
@@ -32,6 +34,7 @@ def report_data(run: Run, result: RunResult, trials: Sequence[Trial] = ()) -> Re
         _samples(run),
         tuple(_plan(run, trial) for trial in trials),
         unseen_rooms=run.unseen_rooms,
+        candidates=_candidates(run),
     )
 
 
@@ -94,6 +97,18 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
         return ()
     marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), loops.weights.tolist(), strict=True)
     return tuple(LoopMark(*mark) for mark in marks)
+
+
+def _candidates(run: Run) -> tuple[CandidateMark, ...]:
+    claims = run.estimate.verdicts or ()
+    query = np.array([claim.query for claim in claims], int)
+    distances_m, angles_rad = separation(run.true_poses, query, np.array([claim.match for claim in claims], int))
+    revisits = (distances_m <= PLACE_M) & (angles_rad <= PLACE_RAD)
+    truths = zip(claims, distances_m.tolist(), revisits.tolist(), strict=True)
+    return tuple(
+        CandidateMark(claim.query, claim.match, claim.accepted, claim.reason, claim.figures, distance_m, revisit)
+        for claim, distance_m, revisit in truths
+    )
 
 
 def _samples(run: Run) -> tuple[SampleFrame, ...]:

@@ -1,10 +1,11 @@
 """The report of a run: one HTML file that needs no network, floor plans as pictures, and a table for the terminal.
 
 `data` defines the content of a report, as plain data that any SLAM can fill. `page` writes the HTML from `findings`
-(sentences on what went wrong), `figures` (names and meanings of the figures), `timeline`, `confusion`, `room_errors` and
-floor plans (`house_plan`). `table` makes a table of the figures. A plan is drawn as marks (`drawing`) by `plan`, `symbols`
-and `overlay`, and becomes SVG (`svg`) or PNG (`png`, `inline_image`). `palette` gives every label a colour. `drive_picture`
-draws a drive of the robot. `frame_picture` shows the camera's image at a frame, and the camera's place on the plan.
+(sentences on what went wrong), `figures` (names and meanings of the figures), `timeline`, `confusion`, `room_errors`,
+`loop_candidates` (why they were accepted or refused) and floor plans (`house_plan`). `table` makes a table of the figures. A
+plan is drawn as marks (`drawing`) by `plan`, `symbols` and `overlay`, and becomes SVG (`svg`) or PNG (`png`,
+`inline_image`). `palette` gives every label a colour. `drive_picture` draws a drive of the robot. `frame_picture` shows the
+camera's image at a frame, and the camera's place on the plan.
 """
 
 import lazy_loader

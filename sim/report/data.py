@@ -115,6 +115,23 @@ class LoopMark:
     """Final weight of the loop edge under the optimiser's robust kernel, in [0, 1]."""
 
 
+@dataclass(frozen=True)
+class CandidateMark:
+    """A loop candidate: the keyframes `query` and `match` (row numbers), what became of it, and what it truly is."""
+
+    query: int
+    match: int
+    accepted: bool
+    reason: str
+    """Why the SLAM accepted or refused the candidate."""
+    figures: Mapping[str, float]
+    """The figures that decided, by name."""
+    distance_m: float
+    """Distance between the true positions of both keyframes [m]."""
+    revisit: bool
+    """Whether both keyframes were truly taken at one place: within 1 m and 0.5 rad."""
+
+
 @dataclass(frozen=True, eq=False)
 class SampleFrame:
     """A frame that the report shows as an example."""
@@ -162,6 +179,7 @@ class ReportData:
     paths: tuple[PlanPath, ...] = ()
     unseen_rooms: tuple[str, ...] = ()
     """Names of the rooms on the walk that contain no keyframe."""
+    candidates: tuple[CandidateMark, ...] = ()
 
     @property
     def shown_labels(self) -> tuple[str, ...]:
@@ -182,5 +200,7 @@ class ReportData:
             if rows.min() < UNKNOWN or rows.max() >= names:
                 raise SimError(f"report: {label} must lie in [0, {names}), the rows of label_names, or be {UNKNOWN}")
         ends = [k for loop in self.loops for k in (loop.query, loop.match)] + [sample.keyframe for sample in self.samples]
+        ends += [k for mark in self.candidates for k in (mark.query, mark.match)]
         if ends and not 0 <= min(ends) <= max(ends) < n:
-            raise SimError(f"report: loops and samples must name keyframes in [0, {n}), not {min(ends)} to {max(ends)}")
+            found = f"{min(ends)} to {max(ends)}"
+            raise SimError(f"report: loops, candidates and samples must name keyframes in [0, {n}), not {found}")

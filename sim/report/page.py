@@ -15,6 +15,7 @@ from sim.report.drawing import Drawing
 from sim.report.figures import SECTIONS, figure, figures, shown
 from sim.report.findings import findings
 from sim.report.inline_image import data_uri
+from sim.report.loop_candidates import candidate_lists, reason_counts
 from sim.report.overlay import describe, run_marks
 from sim.report.palette import label_colours
 from sim.report.plan import plan_drawing
@@ -80,6 +81,8 @@ def render_report(data: ReportData) -> str:
         wrong=wrong,
         sections=[(name, figures(result, name)) for name in SECTIONS if figures(result, name)],
         place_recognition=result.get("place_recognition") or {},
+        reasons=reason_counts(data),
+        candidate_lists=candidate_lists(data),
         per_room=(result.get("labels") or {}).get("per_room") or {},
         stages=_stages(result),
         shown=shown,

@@ -91,6 +91,7 @@ def _restored(
         floors=None if claims.floors is None else claims.floors[last],
         loops=_moved(claims.loops, new_row, change.T_B_N),
         candidates=None,
+        verdicts=None,
         similarities=similarities,
     )
 

@@ -7,7 +7,8 @@ import numpy as np
 from helpers.map_builder import build_map
 
 from lexis.datasets.tum_rgbd import write_dataset
-from lexis.map.folder import save_map
+from lexis.map.folder import load_map, save_map
+from lexis.map.interchange import write_spark_dsg
 from lexis.maths.quaternions import pose_rows
 from lexis.maths.se3 import exp
 from lexis.types import Camera, Intrinsics, Observation
@@ -140,6 +141,7 @@ def write_bag_run(folder, storage="SQLITE3"):
 def write_all(folder):
     """Write one example of each kind of input to a folder."""
     write_map(folder / "map")
+    write_spark_dsg(load_map(folder / "map"), folder / "graph.json")
     write_features(folder / "features.npz")
     write_tum_run(folder / "tum")
     write_euroc_run(folder / "euroc")

@@ -15,11 +15,11 @@ from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.planner import plan
 from lexis.semantics import Labeller
 from lexis.slam import Slam
-from lexis.types import Camera, LexisMap, LoopArrays, Observation
+from lexis.types import Camera, LexisMap, LoopArrays, Observation, Verdict
 from lexis.verification import Verifier, verify
 from sim.feature_sensor.oracle import Oracle
 from sim.fidelity import ORACLE
-from sim.harness.estimate import Estimate, LoopClaims
+from sim.harness.estimate import Estimate, LoopClaims, VerdictClaim
 from sim.harness.slam_under_test import FeatureInput
 
 
@@ -127,10 +127,23 @@ def estimate_of(map: LexisMap) -> Estimate:
         floors=map.floors,
         loops=LoopClaims(loops.query, loops.match, loops.T_match_query, map.loop_weights),
         candidates=map.candidates,
+        verdicts=tuple(_verdict(verdict) for verdict in map.verdicts) or None,
         similarities=map.similarities,
         encoder=map.encoder.name,
         stage_seconds=map.stage_seconds,
     )
+
+
+def _verdict(verdict: Verdict) -> VerdictClaim:
+    figures = {
+        "matches": verdict.matches,
+        "inliers": verdict.inliers,
+        "image cells": verdict.cells,
+        "misfit [m]": verdict.misfit_m,
+        "misfit [rad]": verdict.misfit_rad,
+    }
+    known = {name: float(value) for name, value in figures.items() if value is not None}
+    return VerdictClaim(verdict.query, verdict.match, verdict.outcome == "accepted", verdict.outcome, known)
 
 
 @lru_cache(maxsize=1)

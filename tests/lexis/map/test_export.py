@@ -64,6 +64,6 @@ def test_json_tells_what_became_of_every_loop_candidate(rng, tmp_path):
 def test_unknown_formats_and_unwritable_places_are_refused(lexis_map, tmp_path):
     with pytest.raises(LexisError, match="tum, kitti, g2o, json"):
         export_map(lexis_map, "ply", tmp_path / "map.ply")
-    for format in FORMATS:
+    for format in FORMATS.keys() - {"ros"}:  # which makes the folders that it needs
         with pytest.raises(LexisError, match="cannot be written"):
             export_map(lexis_map, format, tmp_path / "absent" / "map")

@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.map_builder import corridor_with_offices
 
-from sim.harness import Scenario, evaluate, run
+from sim.errors import ClaimError
+from sim.harness import Scenario, VerdictClaim, evaluate, run
 from sim.harness.adapters import Lexis
+from sim.harness.adapters.lexis import estimate_of
 from sim.harness.planning import Trial
 from sim.harness.report_data import report_data
 from sim.robot.drive import DROP
@@ -62,3 +65,29 @@ def test_a_failed_plan_says_where_it_ended_and_why(finished):
     nothing = np.zeros((0, 3))
     (unplanned,) = report_data(finished, evaluate(finished), [Trial("a", "b", False, 0.0, 0.0, (), nothing, nothing)]).paths
     assert (unplanned.ended, unplanned.reason, unplanned.shortest_m) == (None, "no plan was found", None)
+
+
+def test_candidates_carry_the_reasons_that_the_slam_claims_and_the_truth(finished):
+    claims = (
+        VerdictClaim(9, 0, accepted=False, reason="few matches", figures={"matches": 4.0}),
+        VerdictClaim(8, 8, accepted=True, reason="accepted", figures={}),
+    )
+    claimed = replace(finished, estimate=replace(finished.estimate, verdicts=claims))
+    far, same = report_data(claimed, evaluate(claimed)).candidates
+    assert (far.query, far.match, far.accepted, far.reason, far.figures) == (9, 0, False, "few matches", {"matches": 4.0})
+    metres = np.linalg.norm(finished.true_poses[9, :3, 3] - finished.true_poses[0, :3, 3])
+    assert far.distance_m == pytest.approx(metres) and not far.revisit
+    assert same.accepted and same.revisit and same.distance_m < 1e-9
+
+
+def test_verdicts_on_frames_that_do_not_exist_are_refused(finished):
+    with pytest.raises(ClaimError, match="verdicts refer to rows"):
+        replace(finished.estimate, verdicts=(VerdictClaim(10**6, 0, False, "few matches", {}),))
+
+
+def test_lexis_claims_what_became_of_every_candidate():
+    lexis_map = corridor_with_offices(np.random.default_rng(1), loops=[(25, 3)], weights=[1.0], refused=[1])
+    accepted, refused = estimate_of(lexis_map).verdicts
+    assert accepted.accepted and accepted.figures["misfit [m]"] == 0.25 and accepted.figures["inliers"] == 20.0
+    assert (refused.query, refused.match, refused.accepted, refused.reason) == (25, 1, False, "few matches")
+    assert refused.figures == {"matches": 3.0}

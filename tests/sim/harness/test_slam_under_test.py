@@ -157,8 +157,11 @@ def one_loop(**changes):
         ({"frames": np.array([3, 2])}, "frames must be one or more indices of observations, from 0 and ascending"),
         ({"frames": np.zeros(0, int)}, "frames must be one or more indices"),
         ({"T_W_B": lambda slam: np.full((len(slam.frames), 4, 4), np.nan)}, "T_W_B is not finite in row 0"),
-        ({"loops": one_loop(query=np.array([10**6]))}, "loops and candidates refer to rows 0 to 1000000; valid: 0 to"),
-        ({"candidates": ((0, (-1,)),)}, "loops and candidates refer to rows -1 to 0; valid"),
+        (
+            {"loops": one_loop(query=np.array([10**6]))},
+            "verdicts refer to rows 0 to 1000000; valid: 0 to",
+        ),
+        ({"candidates": ((0, (-1,)),)}, "loops, candidates and verdicts refer to rows -1 to 0; valid"),
         ({"labels": every(-2)}, "labels has -2 in row 0; valid: numbers from 0, or -1 for none"),
         ({"baseline_labels": every(3)}, "baseline_labels has 3 in row 0; valid: -1 to 2, since there are 3 room names"),
         ({"rooms": every(-2)}, "rooms has -2 in row 0; valid: numbers from 0, or -1 for none"),

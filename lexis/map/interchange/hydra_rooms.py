@@ -1,0 +1,70 @@
+"""The rooms of a map as boxes, in the YAML file that the room evaluator of Hydra reads.
+
+The file maps the number of each room to a list of boxes, whose union is the room (`eval/src/room_io.cpp` of
+https://github.com/MIT-SPARK/Hydra, option `--bbox_file` of its program `evaluate_rooms`):
+
+    3:
+    - center: [1.0, 2.0, 1.2]
+      extents: [4.0, 3.0, 2.4]
+      rotation: {w: 1.0, x: 0.0, y: 0.0, z: 0.0}
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from jaxtyping import Float64
+
+from lexis.files.replace import replaced_file
+from lexis.floors import NO_FLOOR
+from lexis.map.interchange.room_areas import rectangles, room_masks
+from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
+from lexis.types import LexisMap
+
+STAIRS_BOX_M = (1.0, 1.0, 2.0)
+"""Size of the box around every keyframe on stairs, whose free space has no plan [m]."""
+_UPRIGHT = {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}
+
+
+def write_hydra_rooms(map: LexisMap, path: Path) -> None:
+    """Write the boxes of all rooms. Raises LexisError if the file cannot be written, or a floor is too large."""
+    with replaced_file(path) as beside:
+        beside.write_text(yaml.safe_dump(hydra_rooms(map), default_flow_style=None, width=120), encoding="utf-8")
+
+
+def hydra_rooms(map: LexisMap) -> dict[int, list[dict[str, Any]]]:
+    """The boxes of every room in W, by the id of the room.
+
+    A room on a floor is the union of boxes between the floor and the ceiling. A room that contains keyframes on stairs has
+    a box around each of them. Each room has at least one box.
+    """
+    boxes: dict[int, list[dict[str, Any]]] = {room.id: [] for room in map.rooms}
+    for floor in floors(map):
+        grid = storey_grid(map, floor)
+        for room_id, mask in room_masks(map, grid).items():
+            boxes[room_id] += [_box(*_corners(grid, rectangle)) for rectangle in rectangles(mask)]
+    for room in map.rooms:
+        boxes[room.id] += _stairs(map, room.keyframes)
+    return boxes
+
+
+def _corners(grid: StoreyGrid, rectangle: tuple[int, int, int, int]) -> Float64[np.ndarray, "2 3"]:
+    """The lowest and the highest corner of the box over a rectangle of cells [m]."""
+    row, column, row_end, column_end = rectangle
+    plan = grid.origin + CELL_M * np.array([[column, row], [column_end, row_end]])
+    return np.column_stack((plan, grid.heights))
+
+
+def _stairs(map: LexisMap, keyframes: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+    half = np.array(STAIRS_BOX_M) / 2
+    for i in keyframes:
+        if map.floors[i] == NO_FLOOR:
+            camera = (map.T_W_B[i] @ map.camera.T_B_C)[:3, 3]
+            yield _box(camera - half, camera + half)
+
+
+def _box(low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]) -> dict[str, Any]:
+    centre, extents = np.round((low + high) / 2, 4), np.round(high - low, 4)
+    return {"center": centre.tolist(), "extents": extents.tolist(), "rotation": dict(_UPRIGHT)}

@@ -1,0 +1,83 @@
+"""Occupancy grids for ROS: for each storey the `map.yaml` and PGM of map_server and Nav2, with the rooms as polygons.
+
+The folder holds for floor 0 `floor0.yaml`, `floor0.pgm` and `floor0.geojson`, and so on, and `storeys.json`, which lists
+them. Pixels are 254 for free, 0 for occupied and 205 for unknown cells, as map_saver writes them, and the thresholds keep
+the unknown apart from the free. All coordinates are in the frame W of the map [m], those of the GeoJSON too.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+import yaml
+from jaxtyping import UInt8
+
+from lexis.errors import MapError
+from lexis.files.replace import replaced_folder
+from lexis.map.interchange.room_areas import outline, room_masks
+from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid, floors, storey_grid
+from lexis.room_names import instance_names
+from lexis.types import LexisMap
+
+INDEX = "storeys.json"
+FREE, OCCUPIED, UNKNOWN = 254, 0, 205
+"""Values of pixels."""
+_THRESHOLDS = {"occupied_thresh": 0.65, "free_thresh": 0.196}
+"""A pixel of value v is free if (255 - v) / 255 is below `free_thresh`; for the value of unknown cells, it is 0.1961."""
+
+
+def write_ros_maps(map: LexisMap, path: Path) -> None:
+    """Write a folder with the grids and rooms of all floors. An earlier folder of this kind is replaced.
+
+    Raises LexisError if the folder cannot be written or holds something else, or if the map has no floor or too large ones.
+    """
+    grids = [storey_grid(map, floor) for floor in floors(map)]
+    if not grids:
+        raise MapError("the map has no floor, only stairs; valid: a map with keyframes on a floor")
+    with replaced_folder(path, INDEX) as folder:
+        for grid in grids:
+            _write_storey(map, grid, folder)
+        (folder / INDEX).write_text(json.dumps([_entry(grid) for grid in grids], indent=1) + "\n", encoding="utf-8")
+
+
+def _write_storey(map: LexisMap, grid: StoreyGrid, folder: Path) -> None:
+    names = _entry(grid)
+    x, y = np.round(grid.origin, 6).tolist()
+    header = {"image": names["image"], "mode": "trinary", "resolution": CELL_M, "origin": [x, y, 0.0], "negate": 0}
+    text = yaml.safe_dump(header | _THRESHOLDS, sort_keys=False, default_flow_style=None)
+    (folder / names["map"]).write_text(text, encoding="utf-8")
+    pixels = _pixels(grid)
+    rows, columns = pixels.shape
+    (folder / names["image"]).write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + pixels.tobytes())
+    (folder / names["rooms"]).write_text(json.dumps(_rooms(map, grid)) + "\n", encoding="utf-8")
+
+
+def _entry(grid: StoreyGrid) -> dict[str, Any]:
+    """The files of a storey, and the heights of its floor and ceiling."""
+    name = f"floor{grid.floor}"
+    heights = {"floor_m": round(grid.heights[0], 3), "ceiling_m": round(grid.heights[1], 3)}
+    return {"floor": grid.floor, "map": f"{name}.yaml", "image": f"{name}.pgm", "rooms": f"{name}.geojson"} | heights
+
+
+def _pixels(grid: StoreyGrid) -> UInt8[np.ndarray, "rows columns"]:
+    """The image of a grid, whose first row is the one with the highest y."""
+    pixels = np.full(grid.free.shape, UNKNOWN, np.uint8)
+    pixels[grid.free] = FREE
+    pixels[grid.occupied] = OCCUPIED
+    return pixels[::-1]
+
+
+def _rooms(map: LexisMap, grid: StoreyGrid) -> dict[str, Any]:
+    """The rooms of a storey as GeoJSON."""
+    names = instance_names(map.rooms)
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"id": room, "name": names[room], "label": map.rooms[room].label, "floor": grid.floor},
+            "geometry": shapely.geometry.mapping(outline(mask, grid)),
+        }
+        for room, mask in room_masks(map, grid).items()
+    ]
+    return {"type": "FeatureCollection", "features": features}

@@ -1,0 +1,271 @@
+"""The part of Spark-DSG's JSON format that holds a map: layers, names of nodes, and the checked form of a file.
+
+Spark-DSG is the library of 3-D scene graphs behind Hydra (https://github.com/MIT-SPARK/Spark-DSG; format of version 1.1).
+A graph has layers of nodes, and edges within layers and between them. A map of LEXIS becomes these layers:
+
+- FLOORS: one node per floor. This layer is our own; Spark-DSG has none for floors.
+- ROOMS: one node per room instance, below its floor. Stairs are rooms without a floor.
+- PLACES: one node per keyframe, with its label and the embedding of its image, below its room.
+- AGENTS: one node per keyframe, with its pose and time, below its place.
+
+What the format has no field for is in the metadata of nodes, edges and the graph, under the key `KEY`.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Generic, Literal, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+
+from lexis.files.camera import CameraData, Row
+from lexis.inputs import MAX_NAME_LENGTH, MAX_ROOM_NAMES
+from lexis.types import Verdict
+
+KEY = "lexis"
+"""Key of our own data in the metadata of nodes, edges and the graph; the field of `Tagged`."""
+AGENT, PLACE, ROOM, FLOOR = "AgentNodeAttributes", "PlaceNodeAttributes", "RoomNodeAttributes", "SemanticNodeAttributes"
+"""Types of the attributes of nodes."""
+_FEW, _MANY = 10_000, 1_000_000
+_INDEX_BITS = 56
+_Own = TypeVar("_Own")
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer of the graph. Layers of one level are told apart by their partitions."""
+
+    name: str
+    level: int
+    partition: int
+    category: str
+    """Letter with which the names of the layer's nodes begin."""
+
+    @property
+    def key(self) -> dict[str, int]:
+        """The layer as it is named in files."""
+        return {"layer": self.level, "partition": self.partition}
+
+    def node(self, index: int) -> int:
+        """Identifier of a node, which Spark-DSG prints as the letter of the layer and the index, for example R3."""
+        return (ord(self.category) << _INDEX_BITS) | index
+
+    def index(self, node: int) -> int | None:
+        """Index of a node in this layer; None if the node is in another layer."""
+        return node & ((1 << _INDEX_BITS) - 1) if node >> _INDEX_BITS == ord(self.category) else None
+
+
+AGENTS = Layer("AGENTS", 2, ord("a"), "a")
+PLACES = Layer("PLACES", 3, 0, "p")
+ROOMS = Layer("ROOMS", 4, 0, "R")
+FLOORS = Layer("FLOORS", 5, 1, "F")
+LAYERS = (AGENTS, PLACES, ROOMS, FLOORS)
+
+_STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+_OPEN = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+"""For what Spark-DSG defines: later versions may add fields."""
+Vector = tuple[float, float, float]
+Matrix4 = tuple[Row, Row, Row, Row]
+Row6 = tuple[float, float, float, float, float, float]
+Matrix6 = tuple[Row6, Row6, Row6, Row6, Row6, Row6]
+Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME_LENGTH)]
+Id = Annotated[int, Field(ge=0, lt=_MANY)]
+NodeId = Annotated[int, Field(ge=0, lt=2**64)]
+
+
+class EncoderData(BaseModel):
+    """Name and fingerprint of the encoder that made the embeddings."""
+
+    model_config = _STRICT
+
+    name: Annotated[str, Field(max_length=10_000)]
+    fingerprint: Annotated[str, Field(max_length=10_000)]
+
+
+class GraphData(BaseModel):
+    """What a map has besides keyframes, rooms and edges."""
+
+    model_config = _STRICT
+
+    schema_version: Literal[1] = Field(alias="schema")
+    camera: CameraData
+    encoder: EncoderData
+    room_names: tuple[Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
+    candidates: tuple[tuple[Id, tuple[Id, ...]], ...] = Field(max_length=_MANY)
+    verdicts: tuple[Verdict, ...] = Field(max_length=100 * _MANY)
+    stage_seconds: dict[str, float] = Field(max_length=100)
+
+
+class AgentData(BaseModel):
+    """What a keyframe has besides its optimised pose: the odometry, and its exact time [s]."""
+
+    model_config = _STRICT
+
+    observation_index: Annotated[int, Field(ge=-(2**62), lt=2**62)]
+    stamp: float
+    T_O_B: Matrix4
+    step_covariance: Matrix6
+
+
+class PlaceData(BaseModel):
+    """What the label of a keyframe came from, and the keyframe's floor; None on stairs."""
+
+    model_config = _STRICT
+
+    floor: Id | None
+    baseline_label: Id
+    similarities: tuple[float, ...] = Field(max_length=MAX_ROOM_NAMES)
+
+
+class RoomData(BaseModel):
+    """The floor of a room; None for stairs."""
+
+    model_config = _STRICT
+
+    floor: Id | None
+
+
+class LoopData(BaseModel):
+    """A loop edge. Two keyframes may have several."""
+
+    model_config = _STRICT
+
+    order: Id
+    """Position among the loop edges of the map."""
+    query: Id
+    match: Id
+    T_match_query: Matrix4
+    covariance: Matrix6
+    inliers: Annotated[int, Field(ge=0, lt=2**62)]
+    weight: float
+
+
+class EdgeData(BaseModel):
+    """The loop edges between two keyframes."""
+
+    model_config = _STRICT
+
+    loops: tuple[LoopData, ...] = Field(max_length=_FEW)
+
+
+class QuaternionData(BaseModel):
+    """A rotation as a quaternion."""
+
+    model_config = _OPEN
+
+    w: float
+    x: float
+    y: float
+    z: float
+
+
+class FeatureData(BaseModel):
+    """A vector with one column."""
+
+    model_config = _OPEN
+
+    data: tuple[float, ...] = Field(max_length=_FEW)
+    rows: Id
+    cols: Literal[1]
+
+
+class Tagged(BaseModel, Generic[_Own]):
+    """Metadata that hold our own data beside any others."""
+
+    model_config = _OPEN
+
+    lexis: _Own
+
+
+class AgentAttributes(BaseModel):
+    """Attributes of a node of the layer AGENTS."""
+
+    model_config = _OPEN
+
+    position: Vector
+    world_R_body: QuaternionData
+    metadata: Tagged[AgentData]
+
+
+class PlaceAttributes(BaseModel):
+    """Attributes of a node of the layer PLACES."""
+
+    model_config = _OPEN
+
+    semantic_label: Id
+    semantic_feature: FeatureData
+    metadata: Tagged[PlaceData]
+
+
+class RoomAttributes(BaseModel):
+    """Attributes of a node of the layer ROOMS."""
+
+    model_config = _OPEN
+
+    position: Vector
+    semantic_label: Id
+    metadata: Tagged[RoomData]
+
+
+class OtherAttributes(BaseModel):
+    """Attributes of a node that no map needs: a floor, or whatever others have added."""
+
+    model_config = _OPEN
+
+
+def _kind(attributes: object) -> str:
+    """Name of the model of a node's attributes: their type, or "other"."""
+    kind = attributes.get("type") if isinstance(attributes, dict) else None
+    return kind if kind in (AGENT, PLACE, ROOM) else "other"
+
+
+Attributes = Annotated[
+    Annotated[AgentAttributes, Tag(AGENT)]
+    | Annotated[PlaceAttributes, Tag(PLACE)]
+    | Annotated[RoomAttributes, Tag(ROOM)]
+    | Annotated[OtherAttributes, Tag("other")],
+    Discriminator(_kind),
+]
+
+
+class NodeFile(BaseModel):
+    """A node."""
+
+    model_config = _OPEN
+
+    id: NodeId
+    attributes: Attributes
+
+
+class MaybeTagged(BaseModel):
+    """Metadata that may hold the data of loop edges."""
+
+    model_config = _OPEN
+
+    lexis: EdgeData | None = None
+
+
+class EdgeInfo(BaseModel):
+    """Attributes of an edge."""
+
+    model_config = _OPEN
+
+    metadata: MaybeTagged = MaybeTagged()
+
+
+class EdgeFile(BaseModel):
+    """An edge between two nodes, from the parent to the child where the nodes are of two levels."""
+
+    model_config = _OPEN
+
+    source: NodeId
+    target: NodeId
+    info: EdgeInfo = EdgeInfo()
+
+
+class GraphFile(BaseModel):
+    """A scene graph that holds a map."""
+
+    model_config = _OPEN
+
+    metadata: Tagged[GraphData]
+    nodes: tuple[NodeFile, ...] = Field(max_length=_MANY)
+    edges: tuple[EdgeFile, ...] = Field(max_length=10 * _MANY)

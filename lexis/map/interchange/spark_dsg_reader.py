@@ -1,0 +1,168 @@
+"""Import of a map from a scene graph that `spark_dsg` wrote, also after Spark-DSG has loaded and saved it.
+
+The graph decides where it has a field of its own: poses, labels, embeddings, and which keyframes a room has may have been
+changed by other programs. The rest is read from the metadata.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from lexis.errors import MapError
+from lexis.files.reading import FileKind, read_model
+from lexis.floors import NO_FLOOR
+from lexis.inputs import check_camera, check_room_names
+from lexis.map.arrays import check, pack
+from lexis.map.interchange.spark_dsg_format import (
+    AGENTS,
+    PLACES,
+    ROOMS,
+    AgentAttributes,
+    EdgeFile,
+    GraphData,
+    GraphFile,
+    Layer,
+    LoopData,
+    PlaceAttributes,
+    RoomAttributes,
+)
+from lexis.maths.quaternions import as_rotations
+from lexis.types import EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
+
+_FILE = FileKind(
+    "a scene graph written by 'lexis export --format dsg'", 400_000_000, MapError, unusable="no scene graph of a map"
+)
+_UNIT = 1e-6
+"""Largest deviation of a quaternion's norm from 1."""
+_Attributes = TypeVar("_Attributes")
+
+
+def read_spark_dsg(path: Path) -> LexisMap:
+    """Read a map from a scene graph; its keyframes have no key points and landmarks. Raises MapError for anything else."""
+    file = read_model(path, _FILE, GraphFile)
+    try:
+        lexis_map = _map(file)
+        check_camera(lexis_map.camera)
+        check_room_names(lexis_map.room_names)
+        check(pack(lexis_map, features=False))
+    except ValueError as error:  # all errors of LEXIS are ValueErrors
+        raise _FILE.refusal(path, error) from None
+    return lexis_map
+
+
+def _map(file: GraphFile) -> LexisMap:
+    own = file.metadata.lexis
+    agents = _in_order(file, AGENTS, AgentAttributes)
+    places = _in_order(file, PLACES, PlaceAttributes)
+    if len(agents) != len(places):
+        raise MapError(f"{len(agents)} nodes a and {len(places)} nodes p; valid: one of each for every keyframe")
+    _check_lengths(places, len(own.room_names))
+    loops = _loops(file.edges)
+    return LexisMap(
+        camera=own.camera.camera(),
+        encoder=EncoderId(own.encoder.name, own.encoder.fingerprint),
+        room_names=own.room_names,
+        keyframes=tuple(_keyframe(i, *attributes) for i, attributes in enumerate(zip(agents, places, strict=True))),
+        T_W_B=_poses(agents),
+        similarities=np.array([place.metadata.lexis.similarities for place in places], float),
+        baseline_labels=np.array([place.metadata.lexis.baseline_label for place in places], int),
+        labels=np.array([place.semantic_label for place in places], int),
+        floors=np.array([_floor(place.metadata.lexis.floor) for place in places], int),
+        rooms=_rooms(file, own, len(places)),
+        loops=tuple(_loop(loop) for loop in loops),
+        loop_weights=np.array([loop.weight for loop in loops], float),
+        candidates=own.candidates,
+        verdicts=own.verdicts,
+        stage_seconds=own.stage_seconds,
+    )
+
+
+def _in_order(file: GraphFile, layer: Layer, kind: type[_Attributes]) -> list[_Attributes]:
+    """Attributes of the nodes of a layer by index. Raises MapError unless the indices are 0, 1 and so on."""
+    nodes = {layer.index(node.id): node.attributes for node in file.nodes if layer.index(node.id) is not None}
+    missing = [i for i in range(len(nodes)) if not isinstance(nodes.get(i), kind)]
+    if missing:
+        name = f"{layer.category}{missing[0]}"
+        raise MapError(f"node {name} is missing or has other attributes; valid: one node for each of {layer.name} from 0")
+    return [attributes for i in range(len(nodes)) if isinstance(attributes := nodes[i], kind)]
+
+
+def _check_lengths(places: Sequence[PlaceAttributes], room_names: int) -> None:
+    """Raise MapError unless all embeddings have one length, and all keyframes a similarity to every room name."""
+    for i, place in enumerate(places):
+        feature, wanted = place.semantic_feature, places[0].semantic_feature.rows
+        if not len(feature.data) == feature.rows == wanted:
+            found = f"an embedding of {len(feature.data)} numbers in {feature.rows} rows"
+            raise MapError(f"node p{i} has {found}; valid: {wanted}, as p0")
+        if len(place.metadata.lexis.similarities) != room_names:
+            raise MapError(f"node p{i} has {len(place.metadata.lexis.similarities)} similarities; valid: {room_names}")
+
+
+def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyframe:
+    own = agent.metadata.lexis
+    return Keyframe(
+        id=i,
+        observation_index=own.observation_index,
+        stamp=own.stamp,
+        T_O_B=np.array(own.T_O_B),
+        step_covariance=np.array(own.step_covariance),
+        embedding=np.array(place.semantic_feature.data, np.float32),
+        features=Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8)),
+        landmarks=Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+    )
+
+
+def _poses(agents: Iterable[AgentAttributes]) -> Poses:
+    rotations = np.array([[q.x, q.y, q.z, q.w] for q in (agent.world_R_body for agent in agents)], float).reshape(-1, 4)
+    with np.errstate(over="ignore"):
+        bent = np.flatnonzero(~(np.abs(np.linalg.norm(rotations, axis=1) - 1.0) <= _UNIT))
+    if bent.size:
+        raise MapError(f"node a{bent[0]} has a rotation that is no unit quaternion; valid: norm 1 within {_UNIT:g}")
+    poses = np.tile(np.eye(4), (len(rotations), 1, 1))
+    poses[:, :3, :3] = as_rotations(rotations)
+    poses[:, :3, 3] = np.array([agent.position for agent in agents], float).reshape(-1, 3)
+    return poses
+
+
+def _floor(floor: int | None) -> int:
+    return NO_FLOOR if floor is None else floor
+
+
+def _rooms(file: GraphFile, own: GraphData, keyframes: int) -> tuple[RoomInstance, ...]:
+    rooms, members = _in_order(file, ROOMS, RoomAttributes), _members(file.edges, keyframes)
+    found = []
+    for i, room in enumerate(rooms):
+        if i not in members or room.semantic_label >= len(own.room_names):
+            raise MapError(f"room R{i} has no keyframe, or a label that is not among room_names")
+        label = own.room_names[room.semantic_label]
+        found.append(RoomInstance(i, label, tuple(sorted(members[i])), np.array(room.position), room.metadata.lexis.floor))
+    if beyond := set(members) - set(range(len(rooms))):
+        raise MapError(f"an edge leads from R{min(beyond)}, which is no node; valid: R0 to R{len(rooms) - 1}")
+    return tuple(found)
+
+
+def _members(edges: Iterable[EdgeFile], keyframes: int) -> Mapping[int, list[int]]:
+    """Keyframes of every room, by the edges from rooms to places. Raises MapError if a keyframe is in two rooms."""
+    room_of: dict[int, int] = {}
+    for edge in edges:
+        room, place = ROOMS.index(edge.source), PLACES.index(edge.target)
+        if room is None or place is None:
+            continue
+        if place >= keyframes or room_of.setdefault(place, room) != room:
+            raise MapError(f"p{place} is no keyframe, or is in two rooms; valid: one of {keyframes} keyframes, in one room")
+    members: dict[int, list[int]] = {}
+    for place, room in room_of.items():
+        members.setdefault(room, []).append(place)
+    return members
+
+
+def _loops(edges: Iterable[EdgeFile]) -> list[LoopData]:
+    """The loop edges of all edges between agents, in the order in which the map had them."""
+    lists = [edge.info.metadata.lexis.loops for edge in edges if edge.info.metadata.lexis is not None]
+    return sorted((loop for loops in lists for loop in loops), key=lambda loop: loop.order)
+
+
+def _loop(loop: LoopData) -> LoopEdge:
+    return LoopEdge(loop.query, loop.match, np.array(loop.T_match_query), np.array(loop.covariance), loop.inliers)

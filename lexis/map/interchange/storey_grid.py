@@ -1,0 +1,154 @@
+"""The free and the occupied cells of a storey, as far as the map witnesses them: lines of sight to landmarks, and the walk.
+
+1. The space between a camera and a landmark is free, and the landmark is on something. Only heights at which a robot could
+   run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
+2. Count for every cell the keyframes that look through it and those with a landmark in it. A cell is occupied if these are
+   enough (`OCCUPIED_SHARE`), and else free if `MIN_VIEWS` keyframes look through it: single landmarks may be behind walls.
+3. Where the camera itself went, all cells within `WALKED_M` are free.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.ndimage import distance_transform_edt
+
+from lexis.errors import MapError
+from lexis.floors import NO_FLOOR
+from lexis.maths.se3 import transform
+from lexis.planner import MAX_STEP_M
+from lexis.types import LexisMap
+
+CELL_M = 0.1
+"""Width of a cell [m]."""
+RANGE_M = 8.0
+"""Largest distance of a landmark from the camera; farther landmarks are not accurate enough [m]."""
+OCCUPIED_SHARE = 0.25
+"""A cell is occupied if at least this share of the keyframes that say something about it have a landmark in it."""
+MIN_VIEWS = 3
+"""Least number of keyframes that have to look through a free cell. On a rendered home, 1 to 2 % of the free cells were then
+outside of the true rooms; with 1 view, 6 to 12 % were."""
+WALKED_M = 0.2
+"""Cells within this distance of the walk are free [m]; every robot that can do the walk is at least that wide."""
+MAX_CELLS = 20_000_000
+"""Largest number of cells in a grid, an area of 447 m by 447 m."""
+_FLOOR_M, _HEAD_M = 0.2, 0.5
+"""Things up to this height above the floor, and from this height above the camera on, are no obstacles [m]."""
+_LAST = 0.1
+"""The last part of a line of sight, of this share of its length, is left out, as the landmark may really be nearer."""
+_MARGIN_M = 0.5
+"""Width of the unknown border around everything that was seen [m]."""
+_LOWEST, _HIGHEST = 2, 98
+"""Percentiles of the heights of landmarks that count as floor and ceiling; a few landmarks are wrong."""
+
+Cells = Int[np.ndarray, "k 2"]
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyGrid:
+    """A plan of a storey as cells of width `CELL_M`; row 0 is at the lowest y, column 0 at the lowest x."""
+
+    floor: int
+    origin: Float64[np.ndarray, "2"]
+    """Lower left corner of the grid in W [m]."""
+    free: Bool[np.ndarray, "rows columns"]
+    occupied: Bool[np.ndarray, "rows columns"]
+    """Occupied cells. Cells that are neither free nor occupied are unknown."""
+    heights: tuple[float, float]
+    """Heights of the floor and the ceiling in W, as far as landmarks show them [m]."""
+
+    def cells(self, points: Float64[np.ndarray, "k d"]) -> Cells:
+        """Row and column of the cell that contains each point (x and y in W [m])."""
+        return np.asarray(np.floor((points[:, 1::-1] - self.origin[::-1]) / CELL_M).astype(np.int64))
+
+
+def floors(map: LexisMap) -> list[int]:
+    """Numbers of the floors on which the map has keyframes, ascending."""
+    return sorted({int(floor) for floor in map.floors} - {NO_FLOOR})
+
+
+def storey_grid(map: LexisMap, floor: int) -> StoreyGrid:
+    """Find the free and the occupied cells of a floor. Raises MapError if the floor is larger than `MAX_CELLS`."""
+    members = np.flatnonzero(map.floors == floor)
+    cameras = (map.T_W_B[members] @ map.camera.T_B_C)[:, :3, 3]
+    landmarks = [_landmarks(map, int(i), camera) for i, camera in zip(members, cameras, strict=True)]
+    seen = np.concatenate([cameras, *landmarks])
+    heights = _heights(cameras, seen)
+    empty = _empty_grid(floor, seen, heights)
+    band = _obstacle_heights(cameras, heights)
+    passed, hit = np.zeros(empty.free.shape, np.int32), np.zeros(empty.free.shape, np.int32)
+    for camera, points in zip(cameras, landmarks, strict=True):
+        passed += _marked(empty, _within(_samples(camera, points), band))
+        hit += _marked(empty, _within(points, band))
+    walked = _walked(map, empty)
+    occupied = (hit > 0) & (hit >= OCCUPIED_SHARE * (hit + passed)) & ~walked
+    free = ((passed >= MIN_VIEWS) & ~occupied) | walked
+    return StoreyGrid(floor, empty.origin, free, occupied, heights)
+
+
+def _landmarks(map: LexisMap, i: int, camera: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "k 3"]:
+    """Positions of a keyframe's landmarks near the camera, in W [m]."""
+    points = transform(map.T_W_B[i], map.keyframes[i].landmarks.points)
+    with np.errstate(over="ignore"):
+        return np.asarray(points[np.linalg.norm(points - camera, axis=1) <= RANGE_M])
+
+
+def _heights(cameras: Float64[np.ndarray, "n 3"], seen: Float64[np.ndarray, "k 3"]) -> tuple[float, float]:
+    """Heights of the floor and the ceiling, which are at least as low and high as the cameras [m]."""
+    low, high = np.percentile(seen[:, 2], (_LOWEST, _HIGHEST))
+    return float(min(low, cameras[:, 2].min())), float(max(high, cameras[:, 2].max()))
+
+
+def _obstacle_heights(cameras: Float64[np.ndarray, "n 3"], heights: tuple[float, float]) -> tuple[float, float]:
+    """The range of heights at which something is an obstacle, which includes the cameras themselves [m]."""
+    lowest, highest = float(cameras[:, 2].min()), float(cameras[:, 2].max())
+    return min(heights[0] + _FLOOR_M, lowest), max(min(highest + _HEAD_M, heights[1] - _FLOOR_M), highest)
+
+
+def _empty_grid(floor: int, seen: Float64[np.ndarray, "k 3"], heights: tuple[float, float]) -> StoreyGrid:
+    """A grid around everything seen, without free or occupied cells; its corner is a multiple of the cells' width."""
+    low, high = seen[:, :2].min(axis=0) - _MARGIN_M, seen[:, :2].max(axis=0) + _MARGIN_M
+    size = np.ceil((high - low) / CELL_M) + 1
+    if size.prod() > MAX_CELLS:
+        wide, long = high - low
+        raise MapError(f"floor {floor} is {wide:.0f} m by {long:.0f} m large; valid: up to {MAX_CELLS * CELL_M**2:.0f} m²")
+    columns, rows = size.astype(int)
+    nothing = np.zeros((rows, columns), bool)
+    return StoreyGrid(floor, np.floor(low / CELL_M) * CELL_M, nothing, nothing, heights)
+
+
+def _samples(camera: Float64[np.ndarray, "3"], points: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "m 3"]:
+    """Positions on the lines of sight, twice as dense as cells, without the last part before each landmark."""
+    rays = points - camera
+    lengths = np.linalg.norm(rays, axis=1)
+    distances = np.arange(0.0, RANGE_M, CELL_M / 2)
+    ray, step = np.nonzero(distances <= np.minimum(lengths - CELL_M, (1.0 - _LAST) * lengths)[:, None])
+    return np.asarray(camera + rays[ray] * (distances[step] / lengths[ray])[:, None])
+
+
+def _within(points: Float64[np.ndarray, "k 3"], band: tuple[float, float]) -> Float64[np.ndarray, "m 3"]:
+    return points[(points[:, 2] >= band[0]) & (points[:, 2] <= band[1])]
+
+
+def _marked(grid: StoreyGrid, points: Float64[np.ndarray, "k d"]) -> Bool[np.ndarray, "rows columns"]:
+    """Which cells contain a point."""
+    marked = np.zeros_like(grid.free)
+    marked[tuple(grid.cells(points).T)] = True
+    return marked
+
+
+def _walked(map: LexisMap, grid: StoreyGrid) -> Bool[np.ndarray, "rows columns"]:
+    """Which cells are within `WALKED_M` of the walk on this floor."""
+    walk = _marked(grid, np.concatenate(list(_steps(map, grid.floor))))
+    return np.asarray(distance_transform_edt(~walk) * CELL_M <= WALKED_M)
+
+
+def _steps(map: LexisMap, floor: int) -> Iterator[Float64[np.ndarray, "k 2"]]:
+    """The positions of keyframes, with positions between consecutive ones [m]."""
+    cameras = (map.T_W_B @ map.camera.T_B_C)[:, :2, 3]
+    yield cameras[map.floors == floor]
+    both = (map.floors[:-1] == floor) & (map.floors[1:] == floor)
+    short = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1) <= MAX_STEP_M
+    for i in np.flatnonzero(both & short):
+        yield np.linspace(cameras[i], cameras[i + 1], int(MAX_STEP_M / CELL_M) * 2)

@@ -1,0 +1,80 @@
+"""The grids mean to map_server what they should: each place is free, occupied or unknown, at its coordinates."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+import shapely
+import yaml
+from helpers.two_rooms import ROOMS, two_rooms
+
+from lexis.errors import LexisError, MapError
+from lexis.map.export import export_map
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ros") / "maps"
+    export_map(two_rooms(np.random.default_rng(3)), "ros", folder)
+    return folder
+
+
+def state(folder, x, y):
+    """What map_server says of a place, by the rules of its mode trinary."""
+    header = yaml.safe_load((folder / "floor0.yaml").read_text())
+    assert header["mode"] == "trinary" and header["negate"] == 0
+    image = cv2.imread(str(folder / header["image"]), cv2.IMREAD_GRAYSCALE)
+    column = int((x - header["origin"][0]) / header["resolution"])
+    row = len(image) - 1 - int((y - header["origin"][1]) / header["resolution"])
+    occupancy = (255 - int(image[row, column])) / 255.0
+    if occupancy > header["occupied_thresh"]:
+        return "occupied"
+    return "free" if occupancy < header["free_thresh"] else "unknown"
+
+
+@pytest.mark.parametrize(
+    ("place", "meaning"),
+    [((2, 3), "free"), ((4.05, 1.55), "free"), ((6, 1), "free"), ((-0.4, 2), "unknown"), ((5, 4.4), "unknown")],
+)
+def test_places_are_what_they_are(folder, place, meaning):
+    assert state(folder, *place) == meaning
+
+
+def test_the_image_is_not_mirrored(folder):
+    """The door is not in the middle of the wall: at one of two places that mirror each other, the wall is closed."""
+    assert state(folder, 4.05, 1.55) == "free" and state(folder, 4.05, 2.45) != "free"
+
+
+def test_walls_are_occupied(folder):
+    along = np.arange(0.5, 7.5, 0.1)
+    for wall_y in (0.0, 4.0):
+        found = [{state(folder, x, wall_y + d) for d in (-0.05, 0.05)} for x in along]
+        assert np.mean(["occupied" in states for states in found]) > 0.9
+
+
+def test_rooms_lie_beside_the_grids(folder):
+    storeys = json.loads((folder / "storeys.json").read_text())
+    assert [(storey["floor"], storey["map"], storey["rooms"]) for storey in storeys] == [
+        (0, "floor0.yaml", "floor0.geojson")
+    ]
+    rooms = json.loads((folder / "floor0.geojson").read_text())["features"]
+    assert [room["properties"]["name"] for room in rooms] == ["kitchen", "office"]
+    for room in rooms:
+        polygon, true = shapely.geometry.shape(room["geometry"]), shapely.box(*ROOMS[room["properties"]["label"]])
+        assert polygon.intersection(true).area / polygon.union(true).area > 0.85
+
+
+def test_an_earlier_folder_is_replaced_and_anything_else_is_left_alone(folder, tmp_path):
+    export_map(two_rooms(np.random.default_rng(3)), "ros", folder)
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter1.tex").write_text("years of work")
+    with pytest.raises(LexisError, match=r"holds no storeys\.json"):
+        export_map(two_rooms(np.random.default_rng(3)), "ros", tmp_path / "thesis")
+
+
+def test_a_map_of_stairs_alone_has_no_grid(tmp_path):
+    whole = two_rooms(np.random.default_rng(3))
+    whole.floors[:] = -1
+    with pytest.raises(MapError, match="only stairs"):
+        export_map(whole, "ros", tmp_path / "maps")

@@ -1,0 +1,72 @@
+"""Cells are free where the map saw through them, and occupied where it saw something: truth of two rooms, which is exact."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from helpers.two_rooms import CAMERA_M, DOOR, ROOMS, two_rooms
+
+from lexis.errors import MapError
+from lexis.map.interchange import storey_grid as module
+from lexis.map.interchange.storey_grid import CELL_M, floors, storey_grid
+
+INSIDE = shapely.union_all([*(shapely.box(*room) for room in ROOMS.values()), shapely.box(4.0, DOOR[0], 4.1, DOOR[1])])
+
+
+@pytest.fixture(scope="module")
+def lexis_map():
+    return two_rooms(np.random.default_rng(3))
+
+
+@pytest.fixture(scope="module")
+def grid(lexis_map):
+    return storey_grid(lexis_map, 0)
+
+
+def centres(grid, cells):
+    rows, columns = np.nonzero(cells)
+    return grid.origin + CELL_M * (np.stack([columns, rows], axis=1) + 0.5)
+
+
+def test_free_cells_are_in_the_rooms_and_fill_them(grid):
+    free = shapely.points(centres(grid, grid.free))
+    assert shapely.within(free, INSIDE.buffer(CELL_M)).all()
+    assert len(free) * CELL_M**2 > 0.85 * INSIDE.area
+
+
+def test_occupied_cells_are_along_the_walls(grid):
+    occupied = shapely.points(centres(grid, grid.occupied))
+    assert len(occupied) > 200
+    assert shapely.dwithin(occupied, INSIDE.boundary, CELL_M).all()
+    assert not (grid.free & grid.occupied).any()
+
+
+def test_floor_and_ceiling_are_no_obstacles(grid):
+    """Landmarks at the heights of floor and ceiling are on the walls here; without others, nothing is occupied."""
+    low, high = grid.heights
+    assert low == pytest.approx(0.02, abs=0.01) and high == pytest.approx(2.48, abs=0.01)
+
+
+def test_the_walk_is_free_without_any_landmark(lexis_map):
+    blind = replace(
+        lexis_map,
+        keyframes=tuple(replace(k, landmarks=replace(k.landmarks, points=np.zeros((0, 3)))) for k in lexis_map.keyframes),
+    )
+    grid = storey_grid(blind, 0)
+    assert grid.heights == (CAMERA_M, CAMERA_M)
+    assert not grid.occupied.any()
+    walk = shapely.LineString(blind.T_W_B[blind.floors == 0, :2, 3])
+    points = shapely.points(centres(grid, grid.free))
+    assert len(points) > 100 and shapely.dwithin(points, walk, module.WALKED_M + CELL_M).all()
+
+
+def test_stairs_have_no_grid(lexis_map):
+    assert floors(lexis_map) == [0]
+
+
+def test_floors_without_end_are_refused(lexis_map):
+    far = lexis_map.T_W_B.copy()
+    far[0, 0, 3] = 1e7
+    with pytest.raises(MapError, match=r"floor 0 is 1000.* m by .* large; valid: up to 200000 m²"):
+        storey_grid(replace(lexis_map, T_W_B=far), 0)
