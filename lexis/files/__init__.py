@@ -1,7 +1,8 @@
 """Safe reading of untrusted files, and atomic writing: a file or folder is written completely or not at all.
 
 `reading` and `arrays` read untrusted files. `replace` (with `swap` and `temporary_folder`) writes a file or folder under a
-temporary name in the same place and then renames it. `tum_trajectory` and `camera` read and write two small formats.
+temporary name in the same place and then renames it. `tum_trajectory` and `camera` read and write two small formats,
+and `g2o` reads pose graphs.
 """
 
 import lazy_loader

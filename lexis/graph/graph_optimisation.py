@@ -34,6 +34,8 @@ class GraphOptimiser:
         prior = gtsam.noiseModel.Isotropic.Sigma(6, _PRIOR_SIGMA)
         self._odometry.add(gtsam.PriorFactorPose3(0, gtsam.Pose3(first), prior))
         self._poses.insert(0, gtsam.Pose3(first))
+        self.iterations: int | None = None
+        """Number of iterations of the last optimisation; None before the first one, and for graduated non-convexity."""
         self._min_covariance = _min_covariance(config)
         self._kernel = _kernel(config)
 
@@ -62,6 +64,19 @@ class GraphOptimiser:
             noise = gtsam.noiseModel.Robust.Create(self._kernel, plain)
             self._loops.add(gtsam.BetweenFactorPose3(loop.match, loop.query, gtsam.Pose3(loop.T_match_query), noise))
             self._queries.append(loop.query)
+
+    @property
+    def cost(self) -> float:
+        """Half of the sum of the squared whitened residuals at the current poses; those of loops pass through the kernel."""
+        return self._odometry.error(self._poses) + self._loops.error(self._poses)
+
+    def start_chordally(self) -> None:
+        """Replace the current poses by a start that needs no estimate: the chordal relaxation of Carlone et al. (2015).
+
+        The relaxation finds all rotations at once by linear least squares, and then the positions. Odometry that ends in the
+        basin of a wrong minimum thus does no harm. Wrong loops do, because the relaxation has no robust kernel.
+        """
+        self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
 
     def optimise(self) -> Poses:
         """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
@@ -101,19 +116,28 @@ class GraphOptimiser:
         self, odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph, start: gtsam.Values
     ) -> gtsam.Values:
         """The poses that minimise the residuals of odometry and loops."""
-        graph = gtsam.NonlinearFactorGraph()
-        graph.push_back(odometry)
-        graph.push_back(loops)
+        graph = _joined(odometry, loops)
         parameters = gtsam.LevenbergMarquardtParams()
         parameters.setMaxIterations(self._config.max_iterations)
         if self._config.kernel != "gnc" or not loops.size():
-            return gtsam.LevenbergMarquardtOptimizer(graph, start, parameters).optimize()
+            plain = gtsam.LevenbergMarquardtOptimizer(graph, start, parameters)
+            found = plain.optimize()
+            self.iterations = plain.iterations()
+            return found
+        self.iterations = None
         graduated = gtsam.GncLMParams(parameters)
         graduated.setLossType(gtsam.GncLossType.TLS)
         graduated.setKnownInliers(list(range(odometry.size())))
         optimiser = gtsam.GncLMOptimizer(graph, start, graduated)
         optimiser.setInlierCostThresholds(self._config.outlier_threshold / 2.0)  # the cost is half of the squared residual
         return optimiser.optimize()
+
+
+def _joined(odometry: gtsam.NonlinearFactorGraph, loops: gtsam.NonlinearFactorGraph) -> gtsam.NonlinearFactorGraph:
+    graph = gtsam.NonlinearFactorGraph()
+    graph.push_back(odometry)
+    graph.push_back(loops)
+    return graph
 
 
 def _matrices(poses: gtsam.Values) -> Poses:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lexis.errors import LexisError
+from lexis.files.g2o import TRANSLATION_FIRST
 from lexis.files.replace import replaced_file
 from lexis.files.tum_trajectory import write_tum
 from lexis.map.interchange.hydra_rooms import write_hydra_rooms
@@ -20,9 +21,6 @@ from lexis.map.picture import map_svg
 from lexis.maths.se3 import between
 from lexis.room_names import instance_names
 from lexis.types import Covariance, LexisMap, Pose
-
-TRANSLATION_FIRST = np.array([3, 4, 5, 0, 1, 2])
-"""Order of rows and columns that turns a 6x6 matrix with rotation first into one with translation first, as g2o has it."""
 
 
 def export_map(map: LexisMap, format: str, path: Path) -> None:

@@ -149,6 +149,20 @@ def _places(arguments: argparse.Namespace) -> Iterator[Table]:
         yield table
 
 
+def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.public_pose_graphs import PoseGraphRow, optimise_files
+    from sim.report.figures import shown
+
+    title = "cost: half of the sum of squared residuals; excess: share above the least known cost"
+    table = Table(*(field.name.replace("_", " ") for field in fields(PoseGraphRow)), title=title)
+    for row in optimise_files(arguments.files):
+        table.add_row(
+            *(row.file, str(row.poses), str(row.edges), row.start, f"{row.start_cost:,.4g}", f"{row.cost:.6g}"),
+            *(shown(row.excess, "{:.4%}"), shown(row.iterations, "{}"), f"{row.seconds:.2f}"),
+        )
+    yield table
+
+
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.scale import bytes_per_keyframe, measure_scale
 
@@ -359,6 +373,13 @@ _BENCHMARKS = (
             argument("--fit", action="store_true", help="also fit the probability of a revisit to these walks"),
             SEED,
         ),
+    ),
+    Action(
+        "pose-graph",
+        _printing(_pose_graph),
+        "LEXIS's optimiser on pose graphs in g2o files: cost, iterations and time",
+        "lexis-sim bench pose-graph sphere2500.g2o parking-garage.g2o",
+        (argument("files", type=Path, nargs="+", metavar="FILE", help="pose graphs in three dimensions, as g2o files"),),
     ),
     Action(
         "scale",

@@ -1,0 +1,76 @@
+"""`lexis-sim bench pose-graph`: LEXIS's optimiser on pose graphs in g2o files, such as the public benchmarks.
+
+Every file is optimised twice: from odometry, which may end in a wrong minimum, and from the chordal relaxation.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from types import MappingProxyType
+
+from lexis.config import PoseGraphConfig
+from lexis.files.g2o import G2oGraph, read_g2o
+from lexis.graph_optimisation import GraphOptimiser
+from sim.errors import SimError
+
+LEAST_COSTS: Mapping[str, float] = MappingProxyType({"sphere2500": 675.701, "parking-garage": 0.634192})
+"""Known least costs, half of the sum of squared residuals on SE(3), by the names of public files without the ending."""
+_CONFIG = PoseGraphConfig(kernel="none", min_rotation_sigma_rad=1e-9, min_translation_sigma_m=1e-9, max_iterations=100)
+"""Least squares with the covariances of the file."""
+_STARTS: Mapping[str, Callable[[GraphOptimiser], None]] = MappingProxyType(
+    {"odometry": lambda graph: None, "chordal": GraphOptimiser.start_chordally}
+)
+
+
+@dataclass(frozen=True)
+class PoseGraphRow:
+    """One optimisation of one file."""
+
+    file: str
+    poses: int
+    edges: int
+    start: str
+    """Where the optimisation started: odometry or chordal."""
+    start_cost: float
+    """Half of the sum of squared whitened residuals at the start."""
+    cost: float
+    """The same at the end."""
+    excess: float | None
+    """Share by which the cost is above the least known cost; None for an unknown file."""
+    iterations: int | None
+    seconds: float
+    """Time to find the start and to optimise [s]; reading the file is not included."""
+
+
+def optimise_files(paths: Sequence[Path]) -> Iterator[PoseGraphRow]:
+    """Optimise every file from both starts. Raises `LexisError` or `SimError` for a file that cannot be used."""
+    for path in paths:
+        graph = read_g2o(path)
+        for start, begin in _STARTS.items():
+            optimiser = optimiser_of(graph, str(path))
+            began = perf_counter()
+            begin(optimiser)
+            start_cost = optimiser.cost
+            optimiser.optimise()
+            seconds = perf_counter() - began
+            least = LEAST_COSTS.get(path.stem)
+            excess = None if least is None else optimiser.cost / least - 1.0
+            size = len(graph.T_W_B), len(graph.edges)
+            yield PoseGraphRow(path.stem, *size, start, start_cost, optimiser.cost, excess, optimiser.iterations, seconds)
+
+
+def optimiser_of(graph: G2oGraph, name: str) -> GraphOptimiser:
+    """LEXIS's optimiser with a graph at the poses of its odometry; further edges between two poses count as loops.
+
+    Raises `SimError` if two consecutive poses have no edge, because LEXIS's graphs have odometry between all keyframes.
+    """
+    steps = {edge.query: edge for edge in reversed(graph.edges) if edge.query == edge.match + 1}
+    optimiser, pose = GraphOptimiser(graph.T_W_B[0], _CONFIG), graph.T_W_B[0]
+    for k in range(1, len(graph.T_W_B)):
+        if k not in steps:
+            raise SimError(f"{name}: no edge between poses {k - 1} and {k}; valid: edges between all consecutive poses")
+        pose = pose @ steps[k].T_match_query
+        optimiser.add_keyframe(pose, steps[k].T_match_query, steps[k].covariance)
+    optimiser.add_loops([edge for edge in graph.edges if edge is not steps.get(edge.query)])
+    return optimiser

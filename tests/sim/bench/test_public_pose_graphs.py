@@ -1,0 +1,56 @@
+"""Pose graphs in files: both starts reach the least cost, the chordal one also where odometry does not."""
+
+import gtsam
+import numpy as np
+import pytest
+
+from lexis.files.g2o import read_g2o
+from lexis.maths.se3 import between, exp
+from sim.bench.public_pose_graphs import optimise_files, optimiser_of
+from sim.errors import SimError
+
+
+def written(path, rng, turn_sigma, count=60):
+    """A g2o file of two laps on a circle with noisy odometry, and loops from lap to lap."""
+    true = np.array([exp(np.array([0, 0, 4 * np.pi * k / count, 0, 0, 0])) for k in range(count)])
+    true[:, :2, 3] = 5 * true[:, :2, 0]
+    graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    pairs = [(k, k + 1) for k in range(count - 1)] + [(k, k + count // 2) for k in range(0, count // 2, 2)] + [(9, 3)]
+    for a, b in pairs:
+        sigmas = np.repeat([turn_sigma if b == a + 1 else 0.01, 0.02], 3)
+        measured = between(true[a], true[b]) @ exp(rng.normal(size=6) * sigmas)
+        graph.add(gtsam.BetweenFactorPose3(a, b, gtsam.Pose3(measured), gtsam.noiseModel.Diagonal.Sigmas(sigmas)))
+    for k, pose in enumerate(true):
+        values.insert(k, gtsam.Pose3(pose))
+    gtsam.writeG2o(graph, values, str(path))
+    return graph, values
+
+
+def test_both_starts_reach_the_cost_that_gtsam_reaches_from_the_truth(tmp_path, rng):
+    graph, values = written(tmp_path / "circle.g2o", rng, 0.03)
+    graph.add(gtsam.PriorFactorPose3(0, values.atPose3(0), gtsam.noiseModel.Isotropic.Sigma(6, 1e-6)))
+    least = graph.error(gtsam.LevenbergMarquardtOptimizer(graph, values).optimize())
+    odometry, chordal = optimise_files([tmp_path / "circle.g2o"])
+    assert (odometry.start, chordal.start) == ("odometry", "chordal") and odometry.edges == graph.size() - 1
+    assert odometry.cost == pytest.approx(least, rel=1e-3) and chordal.cost == pytest.approx(least, rel=1e-3)
+    assert chordal.start_cost < odometry.start_cost and odometry.excess is None
+    assert chordal.iterations is not None and 0 < chordal.iterations < 20
+
+
+def test_the_chordal_start_helps_where_odometry_ends_in_a_wrong_minimum(tmp_path):
+    better = 0
+    for seed in range(6):
+        path = tmp_path / f"wild-{seed}.g2o"
+        written(path, np.random.default_rng(seed), 1.2)
+        odometry, chordal = optimise_files([path])
+        assert chordal.cost < 1.01 * odometry.cost
+        better += chordal.cost < 0.9 * odometry.cost
+    assert better
+
+
+def test_graphs_without_odometry_between_all_poses_are_refused(tmp_path, rng):
+    path = tmp_path / "gap.g2o"
+    written(path, rng, 0.03)
+    path.write_text("".join(line for line in path.read_text().splitlines(True) if " 7 8 " not in line))
+    with pytest.raises(SimError, match="no edge between poses 7 and 8"):
+        optimiser_of(read_g2o(path), "gap.g2o")
