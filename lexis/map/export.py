@@ -68,7 +68,6 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
     "json": _json,
     "svg": _svg,
     "dsg": write_spark_dsg,
-    "spark-dsg": write_spark_dsg,
     "hydra": write_hydra_rooms,
     "ros": write_ros_maps,
 }

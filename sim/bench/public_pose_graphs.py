@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from lexis.config import PoseGraphConfig
 from lexis.files.g2o import G2oGraph, read_g2o
-from lexis.graph_optimisation import GraphOptimiser
+from lexis.graph.graph_optimisation import GraphOptimiser
 from sim.errors import SimError
 
 LEAST_COSTS: Mapping[str, float] = MappingProxyType({"sphere2500": 675.701, "parking-garage": 0.634192})
