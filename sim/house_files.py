@@ -43,6 +43,13 @@ def _write_geojson(house: House, path: Path) -> None:
     _write(path, to_geojson(house.spec).encode())
 
 
+def _write_room_boxes(house: House, path: Path) -> None:
+    from lexis.map.interchange.hydra_rooms import write_room_boxes
+    from sim.true_rooms import true_room_boxes
+
+    write_room_boxes(true_room_boxes(house), path)
+
+
 def _write_png(house: House, path: Path) -> None:
     from sim.report.house_plan import plan_png
 
@@ -61,9 +68,15 @@ def _write(path: Path, content: bytes) -> None:
 
 
 MODELS: Mapping[str, Writer] = MappingProxyType(
-    {".glb": _write_glb, ".xml": _write_mjcf, ".json": _write_truth, ".geojson": _write_geojson}
+    {
+        ".glb": _write_glb,
+        ".xml": _write_mjcf,
+        ".json": _write_truth,
+        ".geojson": _write_geojson,
+        ".yaml": _write_room_boxes,
+    }
 )
 """Writers by suffix. glb: glTF. xml: MJCF, with a folder of textures beside the file. json: the ground truth. geojson: rooms
-and openings, in the format that the floor plan import reads."""
+and openings, in the format that the floor plan import reads. yaml: the true rooms as boxes, for Hydra's evaluator."""
 PLANS: Mapping[str, Writer] = MappingProxyType({".png": _write_png, ".svg": _write_svg})
 """Writers of pictures, by suffix. A picture shows the floor plans of all storeys side by side."""

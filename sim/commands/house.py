@@ -82,9 +82,9 @@ _ACTIONS = (
     Action(
         "export",
         _export,
-        "write the house for other tools: as glTF, MJCF with textures, truth as JSON, or plan as GeoJSON",
+        "write the house for other tools: as glTF, MJCF with textures, truth as JSON, plan as GeoJSON, or rooms for Hydra",
         "lexis-sim house export home.json -o home.glb",
-        (FILE, out_file("FILE.glb|.xml|.json|.geojson")),
+        (FILE, out_file("FILE.glb|.xml|.json|.geojson|.yaml")),
     ),
     Action(
         "gallery",

@@ -9,7 +9,7 @@ https://github.com/MIT-SPARK/Hydra, option `--bbox_file` of its program `evaluat
       rotation: {w: 1.0, x: 0.0, y: 0.0, z: 0.0}
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,26 +25,34 @@ from lexis.types import LexisMap
 
 STAIRS_BOX_M = (1.0, 1.0, 2.0)
 """Size of the box around every keyframe on stairs, whose free space has no plan [m]."""
-_UPRIGHT = {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}
+Box = dict[str, Any]
+"""A box as the file holds it."""
+RoomBoxes = Mapping[int, list[Box]]
+"""The boxes of every room by its number."""
 
 
 def write_hydra_rooms(map: LexisMap, path: Path) -> None:
     """Write the boxes of all rooms. Raises LexisError if the file cannot be written, or a floor is too large."""
+    write_room_boxes(hydra_rooms(map), path)
+
+
+def write_room_boxes(rooms: RoomBoxes, path: Path) -> None:
+    """Write a room file. Raises LexisError if it cannot be written."""
     with replaced_file(path) as beside:
-        beside.write_text(yaml.safe_dump(hydra_rooms(map), default_flow_style=None, width=120), encoding="utf-8")
+        beside.write_text(yaml.safe_dump(dict(rooms), default_flow_style=None, width=120), encoding="utf-8")
 
 
-def hydra_rooms(map: LexisMap) -> dict[int, list[dict[str, Any]]]:
+def hydra_rooms(map: LexisMap) -> RoomBoxes:
     """The boxes of every room in W, by the id of the room.
 
     A room on a floor is the union of boxes between the floor and the ceiling. A room that contains keyframes on stairs has
     a box around each of them. Each room has at least one box.
     """
-    boxes: dict[int, list[dict[str, Any]]] = {room.id: [] for room in map.rooms}
+    boxes: dict[int, list[Box]] = {room.id: [] for room in map.rooms}
     for floor in floors(map):
         grid = storey_grid(map, floor)
         for room_id, mask in room_masks(map, grid).items():
-            boxes[room_id] += [_box(*_corners(grid, rectangle)) for rectangle in rectangles(mask)]
+            boxes[room_id] += [room_box(*_corners(grid, rectangle)) for rectangle in rectangles(mask)]
     for room in map.rooms:
         boxes[room.id] += _stairs(map, room.keyframes)
     return boxes
@@ -57,14 +65,16 @@ def _corners(grid: StoreyGrid, rectangle: tuple[int, int, int, int]) -> Float64[
     return np.column_stack((plan, grid.heights))
 
 
-def _stairs(map: LexisMap, keyframes: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+def _stairs(map: LexisMap, keyframes: tuple[int, ...]) -> Iterator[Box]:
     half = np.array(STAIRS_BOX_M) / 2
     for i in keyframes:
         if map.floors[i] == NO_FLOOR:
             camera = (map.T_W_B[i] @ map.camera.T_B_C)[:3, 3]
-            yield _box(camera - half, camera + half)
+            yield room_box(camera - half, camera + half)
 
 
-def _box(low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]) -> dict[str, Any]:
+def room_box(low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]) -> Box:
+    """An upright box by its lowest and highest corner [m]."""
     centre, extents = np.round((low + high) / 2, 4), np.round(high - low, 4)
-    return {"center": centre.tolist(), "extents": extents.tolist(), "rotation": dict(_UPRIGHT)}
+    upright = {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}
+    return {"center": centre.tolist(), "extents": extents.tolist(), "rotation": upright}
