@@ -162,7 +162,7 @@ def _add_import(commands: Commands) -> None:
         commands, "import", _import, "a map from a scene graph of Spark-DSG", "lexis import map.dsg.json -o map"
     )
     graph.add_argument(
-        "graph", type=Path, metavar="FILE", help="JSON that 'lexis export --format dsg' wrote, or a changed copy"
+        "graph", type=Path, metavar="FILE", help="JSON that 'lexis export --format spark-dsg' wrote, or a changed copy"
     )
     graph.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
 

@@ -210,7 +210,7 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
     """Least number of keyframes between two optimisations of the graph."""
     window: Annotated[int, Ge(1)] = 100
     """Number of keyframes, counted from the last, that most optimisations move. All earlier poses are fixed then."""
-    growth: Annotated[float, Interval(ge=0, lt=1)] = 0.1
+    growth: Annotated[float, Interval(ge=0, lt=1)] = 0.2
     """The whole graph is optimised whenever this share of its keyframes has been added since the last time, and when the
     map is finished. The time per keyframe thus hardly grows with the graph. With 0, every optimisation is of the whole
     graph."""

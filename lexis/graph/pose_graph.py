@@ -38,6 +38,7 @@ class PoseGraph:
         self._active = GrowingArray((), np.int64)
         self._covariances: list[Covariance] = []
         self._retired = Retired()
+        self._acting: list[LoopEdge] = []
         self._optimiser: GraphOptimiser | None = None
         self._last_optimised, self._last_whole = _Extent(), _Extent()
         self.keyframes: list[Keyframe] = []
@@ -105,7 +106,8 @@ class PoseGraph:
                 edge = f"{loop.match} -> {loop.query}"
                 raise LexisError(f"loop edge {edge} does not fit the graph; valid: 0 <= match < query < {n}")
         if self._optimiser is not None:
-            self._optimiser.add_loops(self._between_active(loops))
+            self._acting.extend(acting := self._between_active(loops))
+            self._optimiser.add_loops(self._by_rows(acting))
         self.loops.extend(loops)
 
     def optimise_if_due(self, final: bool = False) -> bool:
@@ -142,7 +144,7 @@ class PoseGraph:
         if self._config.copies is None:
             return
         old = self.active[: -self._config.window]
-        rows = np.array([(loop.query, loop.match) for loop in self._between_active(self.loops)], int).reshape(-1, 2)
+        rows = np.array([(loop.query, loop.match) for loop in self._by_rows(self._acting)], int).reshape(-1, 2)
         anchor = anchors(self.T_W_B[old], self.path_m[old], rows[rows[:, 0] < len(old)], self._config.copies)
         leaving = np.flatnonzero(anchor != STAYS)
         if len(leaving):
@@ -168,14 +170,16 @@ class PoseGraph:
         self._optimiser = GraphOptimiser(T_O_B[0], self._config)
         for id, step, covariance in zip(self.active[1:].tolist(), steps, self._covariances[1:], strict=True):
             self._optimiser.add_keyframe(self.T_W_B[id], step, covariance)
-        self._optimiser.add_loops(self._between_active(self.loops))
+        self._acting = self._between_active(self._acting)
+        self._optimiser.add_loops(self._by_rows(self._acting))
 
     def _between_active(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
-        """The loop edges between active keyframes, with rows of `active` in place of ids."""
-        if not loops:
-            return []
-        ids = np.array([(loop.query, loop.match) for loop in loops])
-        rows = np.searchsorted(self.active, ids)
-        both = (self.active[rows] == ids).all(axis=1)
-        found = zip(loops, rows.tolist(), both.tolist(), strict=True)
-        return [replace(loop, query=query, match=match) for loop, (query, match), active in found if active]
+        """The loop edges both of whose keyframes are active."""
+        ids = np.array([(loop.query, loop.match) for loop in loops], int).reshape(-1, 2)
+        rows = np.flatnonzero(np.isin(ids, self.active).all(axis=1))
+        return [loops[row] for row in rows.tolist()]
+
+    def _by_rows(self, loops: Sequence[LoopEdge]) -> list[LoopEdge]:
+        """The loop edges with rows of `active` in place of ids, as the optimiser numbers keyframes."""
+        rows = np.searchsorted(self.active, [(loop.query, loop.match) for loop in loops]).reshape(-1, 2).tolist()
+        return [replace(loop, query=query, match=match) for loop, (query, match) in zip(loops, rows, strict=True)]

@@ -67,7 +67,7 @@ FORMATS: dict[str, Callable[[LexisMap, Path], None]] = {
     "g2o": _g2o,
     "json": _json,
     "svg": _svg,
-    "dsg": write_spark_dsg,
+    "spark-dsg": write_spark_dsg,
     "hydra": write_hydra_rooms,
     "ros": write_ros_maps,
 }

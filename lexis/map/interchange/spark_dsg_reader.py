@@ -32,7 +32,7 @@ from lexis.maths.quaternions import as_rotations
 from lexis.types import EncoderId, Features, Keyframe, Landmarks, LexisMap, LoopEdge, Poses, RoomInstance
 
 _FILE = FileKind(
-    "a scene graph written by 'lexis export --format dsg'", 400_000_000, MapError, unusable="no scene graph of a map"
+    "a scene graph written by 'lexis export --format spark-dsg'", 400_000_000, MapError, unusable="no scene graph of a map"
 )
 _UNIT = 1e-6
 """Largest deviation of a quaternion's norm from 1."""

@@ -101,7 +101,7 @@ def test_what_is_changed_in_spark_dsg_is_changed_in_the_map(saved):
 
 def test_commands_write_and_read_a_graph_with_which_plans_are_made(lexis_map, tmp_path, capsys):
     save_map(lexis_map, tmp_path / "map")
-    assert main(["export", str(tmp_path / "map"), "--format", "dsg", "-o", str(tmp_path / "graph.json")]) == 0
+    assert main(["export", str(tmp_path / "map"), "--format", "spark-dsg", "-o", str(tmp_path / "graph.json")]) == 0
     assert main(["import", str(tmp_path / "graph.json"), "-o", str(tmp_path / "back")]) == 0
     back = load_map(tmp_path / "back")
     assert plan(back, "corridor", "office 1").keyframes == plan(lexis_map, "corridor", "office 1").keyframes
