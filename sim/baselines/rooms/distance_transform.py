@@ -15,9 +15,10 @@ class DistanceTransform:
     """
 
     least_area_m2: float = 0.35
-    """Least area of the centre of a room [m²]: the value of the survey."""
+    """Least area of the centre of a room [m²]: the best of 0.35 to 4 m²,
+    tuned on homes 900 to 906 at openness 0 to 0.9, and the value of the survey."""
     least_m: float = 0.4
-    """Least threshold of the distance to walls [m]."""
+    """Least threshold of the distance to walls [m]; 0.55 m gives the same rooms in the tuning homes."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
         """Divide the free cells of a storey into rooms."""
