@@ -1,4 +1,4 @@
-"""`lexis-sim bench openness`: rooms by LEXIS and by the baselines, in the same houses with more and more open inner walls."""
+"""`lexis-sim bench openness`: rooms by LEXIS and by baselines, in the same houses with more and more open walls."""
 
 import csv
 from collections.abc import Callable, Iterator, Mapping, Sequence
