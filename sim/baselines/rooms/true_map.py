@@ -60,7 +60,7 @@ class TrueMap:
         i, j = np.clip(i, 0, len(self.x) - 1), np.clip(j, 0, len(self.y) - 1)
         closest = np.stack([_spread(each)[i, j] for each in segments])
         stairs = self._stairs_at(points)
-        return np.where(stairs >= 0, segments.max() + 1 + stairs, closest[level, np.arange(len(points))])
+        return np.asarray(np.where(stairs >= 0, segments.max() + 1 + stairs, closest[level, np.arange(len(points))]))
 
     def _stairs_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
         """Index in `house.rooms` of the staircase at every point; -1 where there is none."""

@@ -83,7 +83,7 @@ def _opposite(points: Int[np.ndarray, "n 2"], walls: Int[np.ndarray, "n 2 2"]) -
     """(1 - cosine) / 2 of the angle at each point between its two walls: 1 if the walls lie on opposite sides."""
     towards = walls - points[:, None]
     towards = towards / np.maximum(np.linalg.norm(towards, axis=2, keepdims=True), 1e-9)
-    return (1.0 - (towards[:, 0] * towards[:, 1]).sum(axis=1)) / 2
+    return np.asarray((1.0 - (towards[:, 0] * towards[:, 1]).sum(axis=1)) / 2)
 
 
 def merged(parts: Segments, least_cells: float, most_border: float) -> Segments:
