@@ -18,7 +18,7 @@ from sim.harness.scenario import Scenario
 from sim.harness.walk import Walk, walk
 
 
-class Segmentation(Protocol):
+class MapSegmentation(Protocol):
     """Interface of a method that divides the free cells of a storey into rooms."""
 
     def segments(self, free: Free, resolution_m: float) -> Segments:
@@ -33,13 +33,13 @@ class MapRooms:
     by odometry as LEXIS selects them, so that figures of both are about the same frames.
     """
 
-    def __init__(self, walked: Walk, segmentation: Segmentation) -> None:
+    def __init__(self, walked: Walk, segmentation: MapSegmentation) -> None:
         """Prepare a run of the walk's scenario, whose house and poses are the truth that the baseline is given."""
         self._walk, self._segmentation = walked, segmentation
         self._begin()
 
     @staticmethod
-    def of(scenario: Scenario, segmentation: Segmentation) -> "MapRooms":
+    def of(scenario: Scenario, segmentation: MapSegmentation) -> "MapRooms":
         """Prepare a run of a scenario. Raises `WorldsError` or `SimError` if the scenario is impossible."""
         return MapRooms(walk(scenario), segmentation)
 
