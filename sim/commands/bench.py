@@ -126,6 +126,24 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.openness_sweep import METHODS, OPENNESS, check_files, means, sweep, write_sweep
+
+    check_files(arguments.out)
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        total = len(METHODS) * len(OPENNESS) * len(seeds)
+        rows = list(bar.track(sweep(arguments.preset, seeds), total=total, description="runs"))
+    for path in arguments.out:
+        write_sweep(rows, path)
+    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: room PQ (splits / merges per house)"
+    table = Table("rooms by", *(f"openness {each:g}" for each in OPENNESS), title=title)
+    for name, found in means(rows).items():
+        cells = (f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f})" for each in found.values())
+        table.add_row(name, *cells)
+    yield table
+
+
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
 
@@ -360,6 +378,18 @@ _BENCHMARKS = (
         "labels and rooms by the methods of the paper and by sight, on the same walks",
         "lexis-sim bench rooms --preset uh2-apt --houses 5 --seed 900",
         (_PRESET, _HOUSES, _OPENNESS, SEED),
+    ),
+    Action(
+        "openness",
+        _printing(_openness),
+        "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
+        "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
+        (
+            _PRESET,
+            _HOUSES,
+            argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            SEED,
+        ),
     ),
     Action(
         "places",

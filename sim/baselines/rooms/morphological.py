@@ -1,0 +1,34 @@
+"""Morphological segmentation: rooms are what falls apart when the free space is eroded (Bormann et al. 2016, Sec. III-A)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.baselines.rooms.cells import Free, Segments, clearance, grown, large_components
+
+
+@dataclass(frozen=True)
+class Morphological:
+    """Erodes the free space cell by cell, and takes every part that is as large as a room out of the map.
+
+    The rest of the free space goes to the closest room by a wave front.
+    """
+
+    least_area_m2: float = 0.8
+    """Least area of an eroded room [m²]: the value of the survey, which was better than 2 m² on the tuning homes."""
+    most_area_m2: float = 16.0
+    """Largest area of an eroded room [m²]: the best of 12 to 47 m²,
+    tuned on homes 900 to 906 at openness 0 to 0.9. The survey has 47 m²."""
+
+    def segments(self, free: Free, resolution_m: float) -> Segments:
+        """Divide the free cells of a storey into rooms."""
+        distances_m = clearance(free, resolution_m)
+        limits = self.least_area_m2 / resolution_m**2, self.most_area_m2 / resolution_m**2
+        rooms = np.zeros(free.shape, np.int32)
+        rest = free.copy()
+        for depth_m in np.arange(0.0, float(distances_m.max()), resolution_m):
+            rest &= distances_m > depth_m
+            found = large_components(rest, *limits)
+            rooms[found > 0] = found[found > 0] + rooms.max()
+            rest &= found == 0
+        return grown(rooms, free)

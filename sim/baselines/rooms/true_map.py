@@ -1,0 +1,77 @@
+"""`TrueMap`: the true occupancy of every storey of a house, as a grid of cells."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int
+from scipy.ndimage import distance_transform_edt
+
+from sim.baselines.rooms.cells import Free, Segments
+from worlds.free_space import survey
+from worlds.house import House
+from worlds.labels import STAIRS
+from worlds.truth import floor_at, room_at
+
+RESOLUTION_M = 0.05
+"""Size of a cell [m], as in the survey by Bormann et al."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrueMap:
+    """The free cells of all storeys: rooms without their walls and stairs. Furniture and door leaves are left out.
+
+    Bormann et al. segment maps with and without furniture. Maps without furniture are easier, and the baselines get these.
+    """
+
+    house: House
+    x: Float64[np.ndarray, "nx"]
+    """x coordinates of the cells' centres in W [m]."""
+    y: Float64[np.ndarray, "ny"]
+    """y coordinates of the cells' centres in W [m]."""
+    free: Bool[np.ndarray, "storeys nx ny"]
+    """Whether each cell is free."""
+
+    @staticmethod
+    def of(house: House) -> "TrueMap":
+        """Rasterise the walls of a house."""
+        space = survey(replace(house, furniture=(), leaves=()), RESOLUTION_M)
+        return TrueMap(house, space.x, space.y, (space.room >= 0) & (space.clearance > 0))
+
+    def segmented(self, segment: Callable[[Free, float], Segments]) -> Int[np.ndarray, "storeys nx ny"]:
+        """Segment every storey; the numbers of segments, from 1, differ between storeys."""
+        levels: list[Segments] = []
+        for free in self.free:
+            found = segment(free, RESOLUTION_M)
+            below = levels[-1].max(initial=0) if levels else 0
+            levels.append(np.where(found > 0, found + below, 0).astype(np.int32))
+        return np.stack(levels)
+
+    def floors_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
+        """Storey of every point in W [m]; -1 on stairs."""
+        return np.where(self._stairs_at(points) >= 0, -1, floor_at(self.house, points))
+
+    def rooms_at(
+        self, segments: Int[np.ndarray, "storeys nx ny"], points: Float64[np.ndarray, "n 3"]
+    ) -> Int[np.ndarray, "n"]:
+        """Segment of the closest free cell to every point in W [m]; every staircase of the house is one more segment."""
+        level = floor_at(self.house, points)
+        i, j = (np.rint((points[:, k] - axis[0]) / RESOLUTION_M).astype(int) for k, axis in enumerate((self.x, self.y)))
+        i, j = np.clip(i, 0, len(self.x) - 1), np.clip(j, 0, len(self.y) - 1)
+        closest = np.stack([_spread(each)[i, j] for each in segments])
+        stairs = self._stairs_at(points)
+        return np.asarray(np.where(stairs >= 0, segments.max() + 1 + stairs, closest[level, np.arange(len(points))]))
+
+    def _stairs_at(self, points: Float64[np.ndarray, "n 3"]) -> Int[np.ndarray, "n"]:
+        """Index in `house.rooms` of the staircase at every point; -1 where there is none."""
+        rooms = room_at(self.house, points)
+        stairs = [k for k, room in enumerate(self.house.rooms) if room.label == STAIRS]
+        return np.where(np.isin(rooms, stairs), rooms, -1)
+
+
+def _spread(segments: Segments) -> Segments:
+    """Give every cell without a segment that of the closest cell with one."""
+    if not segments.any():
+        return segments
+    nearest = distance_transform_edt(segments == 0, return_distances=False, return_indices=True)
+    return np.asarray(segments[tuple(nearest)])
