@@ -34,6 +34,7 @@ TO_HELP = (
     "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
     "images look more like another room counts only where there is no other"
 )
+AVOID_HELP = "an instance or a label (all its rooms) that the way must not enter; may be given several times"
 DATASET_HELP = "folder of a recording in one of the forms below"
 DATASET_NOTE = """\
 A dataset is a folder that holds one of:
@@ -115,6 +116,7 @@ def _add_plan(commands: Commands) -> None:
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
+    path.add_argument("--avoid", action="append", default=[], metavar="ROOM", help=AVOID_HELP)
     path.add_argument("--keyframes", action="store_true", help="list the keyframes on the way too, with their positions")
     path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
 
@@ -202,7 +204,7 @@ def _info(arguments: argparse.Namespace) -> int:
 
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
-    result = plan(lexis_map, arguments.start, arguments.goal)
+    result = plan(lexis_map, arguments.start, arguments.goal, avoid=arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0
