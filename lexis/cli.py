@@ -21,7 +21,7 @@ from lexis.map.info import info_text, map_info
 from lexis.map.interchange.spark_dsg_reader import read_spark_dsg
 from lexis.map.path_directions import directions, place, plan_summary
 from lexis.planner import plan
-from lexis.room_names import instance_names, unused_names
+from lexis.room_names import find_rooms, instance_names, unused_names
 from lexis.settings import settings_data
 from lexis.types import LexisMap
 
@@ -33,8 +33,9 @@ ENCODER_HELP = "mini, MODEL[:PRETRAINED] or MODEL:PATH of open_clip (default: %(
 FROM_HELP = 'an instance ("office 2") or a label ("office"): of its instances the one with the shortest way to the goal'
 TO_HELP = (
     "likewise: of a label's instances the one nearest to the start by the length of the way; in both, an instance whose "
-    "images look more like another room counts only where there is no other"
+    "images look more like another room counts only where there is no other; or a description of several words"
 )
+AVOID_HELP = "an instance or a label (all its rooms) that the way must not enter; may be given several times"
 DATASET_HELP = "folder of a recording in one of the forms below"
 DATASET_NOTE = """\
 A dataset is a folder that holds one of:
@@ -116,6 +117,8 @@ def _add_plan(commands: Commands) -> None:
     path.add_argument("map", type=Path, metavar="MAP")
     path.add_argument("--from", dest="start", required=True, metavar="ROOM", help=FROM_HELP)
     path.add_argument("--to", dest="goal", required=True, metavar="ROOM", help=TO_HELP)
+    path.add_argument("--avoid", action="append", default=[], metavar="ROOM", help=AVOID_HELP)
+    path.add_argument("--calibration", type=Path, metavar="FILE", help=CALIBRATION_HELP)
     path.add_argument("--keyframes", action="store_true", help="list the keyframes on the way too, with their positions")
     path.add_argument("--json", action="store_true", help=f"{JSON_HELP}, keyframes included")
 
@@ -213,7 +216,8 @@ def _info(arguments: argparse.Namespace) -> int:
 
 def _plan(arguments: argparse.Namespace) -> int:
     lexis_map = load_map(arguments.map)
-    result = plan(lexis_map, arguments.start, arguments.goal)
+    goal = _goal(lexis_map, arguments.goal, arguments.calibration)
+    result = plan(lexis_map, arguments.start, goal, avoid=arguments.avoid)
     if arguments.json:
         print(json.dumps(plan_summary(lexis_map, result), indent=1))
         return 0
@@ -225,6 +229,17 @@ def _plan(arguments: argparse.Namespace) -> int:
         x, y, z = lexis_map.T_W_B[i, :3, 3]
         print(f"keyframe {i:6d}  {x:8.2f} {y:8.2f} {z:8.2f} m  {lexis_map.label_of(i)}")
     return 0
+
+
+def _goal(lexis_map: LexisMap, text: str, calibration: Path | None) -> str:
+    """The name of the goal: `text` itself if it names rooms of the map or is one word, else the room that it describes."""
+    if find_rooms(lexis_map.rooms, text) or len(text.split()) < 2:
+        return text
+    from lexis.query.calibration import find_calibration
+    from lexis.query.goals import goal_in_words
+
+    encoder = _map_encoder(lexis_map, None)
+    return goal_in_words(lexis_map, text, encoder, find_calibration(encoder, calibration))
 
 
 def _query(arguments: argparse.Namespace) -> int:

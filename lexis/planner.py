@@ -6,6 +6,7 @@
 3. Find the shortest path over this graph by Dijkstra's algorithm (`plan`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -67,21 +68,31 @@ class PathEnd(NamedTuple):
     similarity of a place is the weighted mean over the images that show the place."""
 
 
-def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None) -> Plan:
+def plan(map: LexisMap, start: str, goal: str, config: PlannerConfig | None = None, avoid: Sequence[str] = ()) -> Plan:
     """The shortest path between two rooms, named as instances ("office 2") or by label ("office").
 
     A label stands for all its instances; of these, the start and the goal with the shortest path are chosen. Instances with
     little evidence (`DOUBTFUL`) are ignored unless the label has no other: most of them are a few mislabelled keyframes in a
     room of another label. The path begins and ends well inside the rooms (`path_end`).
 
+    Args:
+        map: the map.
+        start: the room where the path begins.
+        goal: the room where the path ends.
+        config: the settings of the planner.
+        avoid: rooms, named like start and goal, whose keyframes the path may not contain. A label stands for all its rooms.
+
     Raises:
-        PlanError: the map lacks one of the rooms, or no path connects them.
+        PlanError: the map lacks one of the rooms, the start or the goal is to be avoided, or no path connects them.
     """
-    starts, goals = _ends(map, start), _ends(map, goal)
-    graph = adjacency(map, config or PlannerConfig())
+    closed = _closed_keyframes(map, avoid)
+    starts, goals = _open_ends(map, start, closed), _open_ends(map, goal, closed)
+    graph = _without(adjacency(map, config or PlannerConfig()), closed)
     lengths = dijkstra(graph, indices=[end.keyframe for end in starts])[:, [end.keyframe for end in goals]]
     s, g = (int(i) for i in np.unravel_index(lengths.argmin(), lengths.shape))
     if not np.isfinite(lengths[s, g]):
+        if len(closed):
+            raise PlanError(f"no path from {start} to {goal} without {', '.join(avoid)}; valid: fewer rooms to avoid")
         raise PlanError(f"no path from {start} to {goal}: the walk was interrupted between them; valid: rooms of one walk")
     keyframes = _path(graph, starts[s].keyframe, goals[g].keyframe)
     return Plan(starts[s].room, goals[g].room, keyframes, float(lengths[s, g]))
@@ -136,11 +147,40 @@ def _path(graph: csr_array, start: int, goal: int) -> tuple[int, ...]:
 
 def _ends(map: LexisMap, name: str) -> list[PathEnd]:
     """The ends of paths in the rooms of that name, without doubtful rooms. Raises PlanError for an unknown name."""
-    ends = [path_end(map, room) for room in find_rooms(map.rooms, name)]
-    if not ends:
-        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
+    ends = [path_end(map, room) for room in _known_rooms(map, name)]
     clear = DOUBTFUL * max(end.evidence for end in ends)
     return [end for end in ends if end.evidence > 0.0 and end.evidence >= clear] or ends
+
+
+def _open_ends(map: LexisMap, name: str, closed: Int[np.ndarray, "k"]) -> list[PathEnd]:
+    """The ends of paths in the rooms of that name that are not closed. Raises PlanError where none is left."""
+    ends = [end for end in _ends(map, name) if end.keyframe not in closed]
+    if not ends:
+        raise PlanError(
+            f"the path would begin or end in {name!r}, where a room is to be avoided; valid: other rooms to avoid"
+        )
+    return ends
+
+
+def _closed_keyframes(map: LexisMap, avoid: Sequence[str]) -> Int[np.ndarray, "k"]:
+    """Ids of all keyframes of the rooms to avoid, ascending. Raises PlanError for an unknown name."""
+    rooms = [room for name in avoid for room in _known_rooms(map, name)]
+    return np.unique(np.array([keyframe for room in rooms for keyframe in room.keyframes], int))
+
+
+def _without(graph: csr_array, closed: Int[np.ndarray, "k"]) -> csr_array:
+    """The graph without the connections of the closed keyframes."""
+    edges = graph.tocoo()
+    kept = ~(np.isin(edges.row, closed) | np.isin(edges.col, closed))
+    return csr_array((edges.data[kept], (edges.row[kept], edges.col[kept])), shape=graph.shape)
+
+
+def _known_rooms(map: LexisMap, name: str) -> tuple[RoomInstance, ...]:
+    """The rooms of that name. Raises PlanError for an unknown name."""
+    rooms = find_rooms(map.rooms, name)
+    if not rooms:
+        raise PlanError(f"no room {name!r} in the map; valid: {', '.join(instance_names(map.rooms))}, or a label alone")
+    return rooms
 
 
 def _within_rooms(map: LexisMap, positions: Float64[np.ndarray, "n 3"], shortcut_m: float) -> Int[np.ndarray, "m 2"]:

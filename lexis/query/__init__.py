@@ -1,7 +1,7 @@
 """Questions to a map in free words, such as "where can I wash my hands".
 
 `questions` reduces a question to its content, `answers` compares the content with keyframes and rooms, and `calibration`
-turns similarities into probabilities.
+turns similarities into probabilities. `goals` finds the room that a description names, for plans.
 """
 
 import lazy_loader

@@ -141,6 +141,19 @@ def test_info_prints_figures_or_json_and_draws(mapped, tmp_path, capsys):
     assert [room["name"] for room in json.loads(capsys.readouterr().out)["rooms"]] == ["kitchen", "office"]
 
 
+def test_a_plan_leads_to_the_room_that_a_description_names(mapped, calibration, capsys):
+    command = ["plan", str(mapped), "--from", "kitchen", "--calibration", str(calibration), "--json", "--to"]
+    assert cli.main([*command, "office"]) == 0
+    named = capsys.readouterr().out
+    assert cli.main([*command, "something green"]) == 0
+    assert capsys.readouterr().out == named
+
+
+def test_a_description_without_a_calibration_is_no_goal(mapped, capsys):
+    assert cli.main(["plan", str(mapped), "--from", "kitchen", "--to", "something green"]) == 2
+    assert "need a calibration" in capsys.readouterr().err
+
+
 def test_a_plan_prints_directions_and_on_demand_keyframes_or_json(mapped, capsys):
     command = ["plan", str(mapped), "--from", "kitchen", "--to", "office"]
     assert cli.main(command) == 0

@@ -257,3 +257,34 @@ def test_rooms_of_one_label_side_by_side_have_ends_of_their_own(rng):
     rooms = tuple(replace(lexis_map.rooms[1], id=i, keyframes=tuple(half)) for i, half in enumerate(halves))
     lexis_map = replace(lexis_map, rooms=rooms, labels=np.ones(len(x), int))
     assert all(path_end(lexis_map, room).keyframe in room.keyframes for room in rooms)
+
+
+def ring_of_rooms(rng):
+    """A square walk through four rooms, which ends where it began: two ways lead from any room to the opposite one."""
+    side = np.arange(0, 5, 0.5)
+    corners = [(side, 0 * side), (0 * side + 5, side), (5 - side, 0 * side + 5), (0 * side, 5 - side)]
+    positions = np.concatenate([np.stack([x, y, 0 * x], 1) for x, y in corners] + [np.zeros((1, 3))])
+    names = ("kitchen", "bathroom", "office", "corridor")
+    rooms = [(name, range(10 * i, 10 * i + 10 + (i == 3))) for i, name in enumerate(names)]
+    return build_map(positions, np.append(np.repeat(range(4), 10), 3), rooms, names, rng, loops=[(40, 0)], weights=[1.0])
+
+
+def test_a_path_leads_around_the_rooms_to_avoid(rng):
+    lexis_map = ring_of_rooms(rng)
+    for closed, other in (("bathroom", 3), ("corridor", 1)):
+        keyframes = plan(lexis_map, "kitchen", "office", avoid=[closed]).keyframes
+        labels = set(lexis_map.room_of[list(keyframes)])
+        assert other in labels and lexis_map.room_names.index(closed) not in labels
+
+
+@pytest.mark.parametrize(
+    ("avoid", "message"),
+    [
+        (["bathroom", "corridor"], "no path from kitchen to office without bathroom, corridor; valid: fewer"),
+        (["office"], "would begin or end in 'office'"),
+        (["garage"], "no room 'garage'.*valid: kitchen, bathroom, office, corridor"),
+    ],
+)
+def test_rooms_to_avoid_that_leave_no_path_are_named(rng, avoid, message):
+    with pytest.raises(PlanError, match=message):
+        plan(ring_of_rooms(rng), "kitchen", "office", avoid=avoid)

@@ -1,0 +1,27 @@
+"""Goals in free words: "somewhere to wash my hands" becomes the name of a room in the map."""
+
+from lexis.errors import PlanError
+from lexis.perception import TextEncoder
+from lexis.query.answers import ask
+from lexis.query.calibration import Calibration
+from lexis.room_names import instance_names
+from lexis.types import LexisMap
+
+
+def goal_in_words(map: LexisMap, text: str, encoder: TextEncoder, calibration: Calibration | None) -> str:
+    """Return the name of the room that fits a description best, such as "bathroom 2".
+
+    Raises:
+        PlanError: there is no calibration, so that a fit cannot be told from none, or no room of the map fits.
+        LexisError: `ask` refuses the description.
+    """
+    names = instance_names(map.rooms)
+    valid = f"valid: {', '.join(names)}, a label alone, or a description of what is there"
+    if calibration is None:
+        raise PlanError(
+            f"no room {text!r} in the map, and descriptions need a calibration of encoder {encoder.name!r}; {valid}"
+        )
+    answer = ask(map, text, encoder, calibration)
+    if answer.unknown:
+        raise PlanError(f"no room {text!r} in the map, and no room fits these words; {valid}")
+    return names[answer.rooms[0].room.id]
