@@ -10,6 +10,7 @@ data that passes between the stages, `config.py` the settings of the stages. The
 - `encoder`: the vision-language model that turns images and room names into vectors.
 - `datasets`: recorded runs as input.
 - `map`: a finished map as files, pictures, directions and summaries.
+- `sessions`: further recordings that continue a map, and maps that are merged.
 - `query`: questions to a map in free words.
 - `evaluation`: figures that compare a run with the truth.
 - `files`: safe reading of untrusted files, and writing that never leaves a file half written.

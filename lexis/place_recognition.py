@@ -25,6 +25,8 @@ _SINGLE_PRECISION = 1e-4
 
 Ids = Int[np.ndarray, "k"]
 PerKeyframe = Float64[np.ndarray, "k"]
+Old = Bool[np.ndarray, "old"]
+"""For each of the first keyframes, whether it is old enough to be proposed; later keyframes are not."""
 
 
 @runtime_checkable
@@ -50,25 +52,36 @@ def propose(
         graph: the current poses and embeddings.
         config: the method, how many keyframes to propose, and how old they must be.
     """
-    old = int(old_enough(query.id, graph.stamps, graph.path_m, config).sum())  # they are the first ones
+    old = _old_enough_in(graph, query, config)
     match config.method:
         case "probability":
             return by_probability(query, old, graph, config)
         case "room":
             return in_labelled_room(query, label, rooms, old, graph, config)
         case "similarity":
-            return _most_similar(query, np.arange(old), graph, config)
+            return most_similar_keyframes(query, np.flatnonzero(old), graph, config.candidates)
 
 
-def by_probability(query: Keyframe, old: int, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    """Propose those of the first `old` keyframes that the query revisits most probably.
+def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionConfig) -> Old:
+    """Whether each of the first keyframes is old enough, and in the query's component; all later ones are not.
+
+    All keyframes of earlier sessions are old enough.
+    """
+    start = graph.session_start
+    old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
+    count = start + int(old.sum())  # they are the first ones
+    return np.asarray(graph.components[:count] == graph.components[query.id])
+
+
+def by_probability(query: Keyframe, old: Old, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
+    """Propose those of the `old` keyframes that the query revisits most probably.
 
     The result is empty at a place that is seen for the first time: where no keyframe has `least_probability`. Otherwise,
     less probable keyframes fill up the candidates, because two views from different places in a room may overlap enough for
     a loop. See `revisit_log_odds` for the probability.
     """
     least = logit(config.least_probability)
-    ids = np.flatnonzero(_bound(query, old, graph, config) >= least + _MUCH_LESS)
+    ids = np.flatnonzero(old & (_bound(query, len(old), graph, config) >= least + _MUCH_LESS))
     T_old_query = between(graph.T_W_B[ids], graph.T_W_B[query.id])
     distances, angles = np.linalg.norm(T_old_query[:, :3, 3], axis=1), rotation_angle(T_old_query)
     odds = rounded(revisit_log_odds(_similarities(query, ids, graph), distances, angles, config))
@@ -111,7 +124,7 @@ def in_labelled_room(
     query: Keyframe,
     label: str,
     rooms: Sequence[RoomInstance],
-    old: int,
+    old: Old,
     graph: PoseGraph,
     config: PlaceRecognitionConfig,
 ) -> tuple[int, ...]:
@@ -123,20 +136,22 @@ def in_labelled_room(
     2. Choose the room whose mean position is closest to the query at the current pose estimate.
     3. Rank the old enough keyframes of that room by the cosine similarity of their embeddings with the query's.
 
-    The first `old` keyframes are old enough. The result is empty if no room has the label and an old enough keyframe.
+    `old` tells which keyframes are old enough. The result is empty if no room has the label and an old enough keyframe.
     """
-    members = {room.id: np.array([i for i in room.keyframes if i < old], int) for room in rooms if room.label == label}
+    ids = set(np.flatnonzero(old).tolist())
+    members = {room.id: np.array(sorted(ids.intersection(room.keyframes)), int) for room in rooms if room.label == label}
     eligible = [room for room in rooms if len(members.get(room.id, ()))]
     if not eligible:
         return ()
     position = graph.T_W_B[query.id, :3, 3]
     distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
-    return _most_similar(query, members[closest.id], graph, config)
+    return most_similar_keyframes(query, members[closest.id], graph, config.candidates)
 
 
-def _most_similar(query: Keyframe, ids: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    best = np.argsort(-rounded(_similarities(query, ids, graph)), kind="stable")[: config.candidates]
+def most_similar_keyframes(query: Keyframe, ids: Ids, graph: PoseGraph, count: int) -> tuple[int, ...]:
+    """Return up to `count` of the keyframes `ids`, those whose images are most similar to the query's, best first."""
+    best = np.argsort(-rounded(_similarities(query, ids, graph)), kind="stable")[:count]
     return tuple(ids[best].tolist())
 
 
