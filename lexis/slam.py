@@ -139,6 +139,11 @@ class Slam:
         return self._map()
 
     @property
+    def is_split(self) -> bool:
+        """Whether the map has several components, because a session has not been recognised in the others so far."""
+        return self._graph.is_split
+
+    @property
     def keyframes(self) -> int:
         """Number of keyframes in the graph, those of an earlier map included."""
         return len(self._graph.keyframes)
