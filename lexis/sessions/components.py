@@ -30,6 +30,11 @@ def component_of(map: LexisMap) -> Int[np.ndarray, "n"]:
     return np.asarray(session_components(map.keyframes, map.loops)[sessions])
 
 
+def sessions_apart(map: LexisMap) -> list[int]:
+    """Return the sessions of a map that are not connected with its first session."""
+    return np.flatnonzero(session_components(map.keyframes, map.loops)).tolist()
+
+
 def side_by_side(T_W_B: Poses, components: Int[np.ndarray, "n"]) -> Poses:
     """Lay components that share no frame beside each other along x, so that no two of them overlap.
 

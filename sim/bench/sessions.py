@@ -23,6 +23,8 @@ from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
 from worlds.presets import sample_house
 from worlds.spec import HouseSpec
 
+NEAR_M = 10.0
+"""A session should be joined to the map of its house within this length of walk [m]."""
 _SECOND_DAY = 500_000
 """Is added to the seed of a house for the tour, the odometry and the sensor noise of the second day."""
 _APART_M = 1000.0
@@ -132,3 +134,18 @@ def measure_sessions(
         first, second = walked_day(house, seed), walked_day(house, seed + _SECOND_DAY)
         for twin in (False, True):
             yield seed, twin, [return_to(first, second, at, length_m, twin)[1] for at in starts(second, every_m, length_m)]
+
+
+def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
+    """For the same house and for twins: starts, those joined, those joined within `NEAR_M`, median walk and largest error."""
+    by_house: dict[bool, list[Start]] = {False: [], True: []}
+    for _, twin, found in measured:
+        by_house[twin] += found
+    return {name: _counted(by_house[twin]) for twin, name in ((False, "the same"), (True, "a twin"))}
+
+
+def _counted(found: Sequence[Start]) -> tuple[float | None, ...]:
+    walks = [start.joined_m for start in found if start.joined_m is not None]
+    errors = [start.error_m for start in found if start.error_m is not None]
+    near = sum(walk <= NEAR_M for walk in walks)
+    return len(found), len(walks), near, float(np.median(walks)) if walks else None, max(errors, default=None)
