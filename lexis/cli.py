@@ -218,7 +218,7 @@ def _merge(arguments: argparse.Namespace) -> int:
 
 
 def _with_features(folder: Path) -> LexisMap:
-    """Load a map to which a session can be added. Raises MapError if it has no key points, by which places are recognised."""
+    """Load a map to which a session can be added. Raises MapError if it has no key points, which show places again."""
     lexis_map = load_map(folder)
     if not any(len(keyframe.features.keypoints) for keyframe in lexis_map.keyframes):
         raise MapError(f"{folder}: the map has no key points to recognise places by; valid: a map of images, with features")

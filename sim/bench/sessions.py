@@ -137,7 +137,7 @@ def measure_sessions(
 
 
 def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
-    """For the same house and for twins: starts, those joined, those joined within `NEAR_M`, median walk and largest error."""
+    """Starts, joined ones, those joined within `NEAR_M`, median walk and largest error, in the same house and in twins."""
     by_house: dict[bool, list[Start]] = {False: [], True: []}
     for _, twin, found in measured:
         by_house[twin] += found

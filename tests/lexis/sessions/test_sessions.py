@@ -33,6 +33,9 @@ class Encoder:
 
     name = fingerprint = "circle"
 
+    def encode_image(self, image):
+        raise AssertionError("there are no images")
+
     def encode_rooms(self, names):
         return np.eye(len(names), 4, dtype=np.float32)
 
