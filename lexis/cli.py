@@ -15,6 +15,7 @@ from lexis.config import Config, read_config
 from lexis.encoder.options import PRECISIONS, EncoderOptions
 from lexis.errors import EncoderError, LexisError, MapError
 from lexis.files.reading import FileKind, read_json
+from lexis.graph.components import sessions_apart
 from lexis.map.export import FORMATS, export_map
 from lexis.map.folder import JSON_FILE, load_map, save_map
 from lexis.map.info import info_text, map_info
@@ -80,7 +81,10 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = root.add_subparsers(required=True, metavar="COMMAND")
-    for add in (_add_run, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_import, _add_config):
+    for add in (
+        *(_add_run, _add_merge, _add_info, _add_plan, _add_query, _add_relabel, _add_export, _add_import),
+        _add_config,
+    ):
         add(commands)
     add_completion(commands, root)
     return root
@@ -92,8 +96,10 @@ def _add_run(commands: Commands) -> None:
     )
     run.epilog = f"{run.epilog}\n\n{DATASET_NOTE}"
     run.add_argument("dataset", type=Path, metavar="DATASET", help=DATASET_HELP)
-    run.add_argument("--rooms", required=True, help=ROOMS_HELP)
+    run.add_argument("--rooms", help=f"{ROOMS_HELP} (with --map: those of the map)")
     run.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the map")
+    run.add_argument("--map", type=Path, metavar="OLD", help="map that the recording continues; MAP then holds both")
+    run.add_argument("--save-every", type=positive, metavar="N", help="also save the map after every N keyframes")
     run.add_argument("--config", type=Path, metavar="FILE", help="settings as JSON; 'lexis config' prints the defaults")
     run.add_argument("--encoder", default="mini", help=ENCODER_HELP)
     run.add_argument("--cache", type=Path, metavar="DIR", help=CACHE_HELP)
@@ -101,6 +107,19 @@ def _add_run(commands: Commands) -> None:
     run.add_argument("--precision", choices=PRECISIONS, default="fp32", help="of the encoder (default: %(default)s)")
     run.add_argument("--odometry", metavar="NAME", help=ODOMETRY_HELP)
     run.add_argument("--camera", metavar="NAME", help="of several, the camera to use (default: cam0)")
+
+
+def _add_merge(commands: Commands) -> None:
+    merge = add_command(
+        commands, "merge", _merge, "one map from two maps of a building", "lexis merge monday tuesday -o both"
+    )
+    merge.add_argument("first", type=Path, metavar="A", help="map whose coordinates the new map has")
+    merge.add_argument("second", type=Path, metavar="B", help="map that is added")
+    merge.add_argument("-o", "--out", type=Path, required=True, metavar="MAP", help="folder of the new map")
+    merge.add_argument(
+        "--config", type=Path, metavar="FILE", help="settings as JSON, as for 'lexis run' (default: defaults)"
+    )
+    merge.add_argument("--encoder", help=MAP_ENCODER_HELP)
 
 
 def _add_info(commands: Commands) -> None:
@@ -185,15 +204,42 @@ def _run(arguments: argparse.Namespace) -> int:
     warn_of_replacement(arguments.out, JSON_FILE)
     options = EncoderOptions(arguments.device, arguments.precision, cache=arguments.cache)
     dataset = open_dataset(arguments.dataset, DatasetConfig(arguments.odometry, arguments.camera))
-    names = _rooms(arguments.rooms)
+    old = _with_features(arguments.map) if arguments.map else None
+    if old is None and arguments.rooms is None:
+        raise LexisError("--rooms is missing; valid: --rooms with names of rooms, or --map with a map that has them")
+    names = old.room_names if old and arguments.rooms is None else _rooms(arguments.rooms)
     config = read_config(arguments.config) if arguments.config else Config()
-    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config)
+    slam = Slam(dataset.camera, _encoder(arguments.encoder, options), names, config, map=old)
+    saved = slam.keyframes
     for observation in track(dataset, "mapping", console=Console(stderr=True), disable=not sys.stderr.isatty()):
         slam.process(observation)
+        if arguments.save_every and slam.keyframes >= saved + arguments.save_every:
+            save_map(slam.snapshot(), arguments.out)
+            saved = slam.keyframes
     lexis_map = slam.finish()
     save_map(lexis_map, arguments.out)
     _report(lexis_map, arguments.out)
     return 0
+
+
+def _merge(arguments: argparse.Namespace) -> int:
+    from lexis.merging import merge
+
+    warn_of_replacement(arguments.out, JSON_FILE)
+    first, second = _with_features(arguments.first), _with_features(arguments.second)
+    config = read_config(arguments.config) if arguments.config else None
+    lexis_map = merge(first, second, _map_encoder(first, arguments.encoder), config)
+    save_map(lexis_map, arguments.out)
+    _report(lexis_map, arguments.out)
+    return 0
+
+
+def _with_features(folder: Path) -> LexisMap:
+    """Load a map to which a session can be added. Raises MapError if it has no key points, which show places again."""
+    lexis_map = load_map(folder)
+    if not any(len(keyframe.features.keypoints) for keyframe in lexis_map.keyframes):
+        raise MapError(f"{folder}: the map has no key points to recognise places by; valid: a map of images, with features")
+    return lexis_map
 
 
 def _config(arguments: argparse.Namespace) -> int:
@@ -286,6 +332,11 @@ def _report(lexis_map: LexisMap, folder: Path) -> None:
     print(f"{keyframes}, {loops}, rooms: {', '.join(instance_names(lexis_map.rooms))}")
     if missing := unused_names(lexis_map.room_names, lexis_map.rooms):
         print(f"no room: {', '.join(missing)}")
+    if apart := sessions_apart(lexis_map):
+        print(
+            f"not recognised in the rest of the map: {', '.join(f'session {number}' for number in apart)}; the map holds it "
+            "as a separate part, which no plan connects with the rest"
+        )
     print(folder)
 
 

@@ -229,6 +229,20 @@ class PoseGraphConfig(Settings, place="pose_graph", error=ConfigError):
 
 
 @dataclass(frozen=True)
+class SessionConfig(Settings, place="sessions", error=ConfigError):
+    """Settings for joining a session to the rest of the map (beyond the paper)."""
+
+    candidates: Annotated[int, Ge(0)] = 10
+    """Number of keyframes of other sessions that are compared with each keyframe of a session that is not joined yet."""
+    agreeing: Annotated[int, Ge(2)] = 3
+    """Least number of keyframes whose loop edges must agree on the relative pose before two sessions are joined."""
+    span_m: Annotated[float, Ge(0)] = 1.0
+    """Least length of the path between the first and the last of these keyframes [m]."""
+    window_m: Annotated[float, Gt(0)] = 20.0
+    """Largest length of the path from these keyframes to the current one [m]. Older loop edges are forgotten."""
+
+
+@dataclass(frozen=True)
 class PlannerConfig(Settings, place="planner", error=ConfigError):
     """Settings for planning paths between rooms over the pose graph (paper, Sec. IV)."""
 
@@ -250,6 +264,7 @@ class Config(Settings, place="lexis", error=ConfigError):
     place_recognition: PlaceRecognitionConfig = field(default_factory=PlaceRecognitionConfig)
     verification: VerificationConfig = field(default_factory=VerificationConfig)
     pose_graph: PoseGraphConfig = field(default_factory=PoseGraphConfig)
+    sessions: SessionConfig = field(default_factory=SessionConfig)
     planner: PlannerConfig = field(default_factory=PlannerConfig)
 
     @property

@@ -31,12 +31,12 @@ class _Entry:
 class KeyframeWindow:
     """Takes frames in order and returns keyframes with landmarks in the same order."""
 
-    def __init__(self, camera: Camera, config: Config) -> None:
-        """Create an empty window."""
+    def __init__(self, camera: Camera, config: Config, first_id: int = 0, session: int = 0) -> None:
+        """Create an empty window for a session whose first keyframe gets the id `first_id`."""
         self._camera = camera
         self._config = config
         self._entries: deque[_Entry] = deque(maxlen=2 * config.keyframes.supports + 1)
-        self._count = 0
+        self._count, self.session = first_id, session
 
     def add(self, frame: Frame, features: Features, embedding: Float32[np.ndarray, "d"] | None) -> list[Keyframe]:
         """Add a frame. If a keyframe was waiting only for this frame, return it in a list; otherwise return an empty list.
@@ -71,6 +71,7 @@ class KeyframeWindow:
             embedding=entry.embedding,
             features=entry.features,
             landmarks=_with_points(triangulate(entry.view, views, self._camera, self._config.landmarks), observation),
+            session=self.session,
         )
         self._count += 1
         return [keyframe]

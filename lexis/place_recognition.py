@@ -25,6 +25,7 @@ _SINGLE_PRECISION = 1e-4
 
 Ids = Int[np.ndarray, "k"]
 PerKeyframe = Float64[np.ndarray, "k"]
+"""For each of the first keyframes, whether it is old enough to be proposed; later keyframes are not."""
 
 
 @runtime_checkable
@@ -52,15 +53,25 @@ def propose(
         graph: the current poses and embeddings.
         config: the method, how many keyframes to propose, and how old they must be.
     """
-    ids = graph.active
-    old = ids[old_enough(query.id, graph.stamps, graph.path_m, config)[ids]]
+    old = _old_enough_in(graph, query, config)
     match config.method:
         case "probability":
             return by_probability(query, old, graph, config)
         case "room":
             return in_labelled_room(query, label, rooms, old, graph, config)
         case "similarity":
-            return _most_similar(query, old, graph, config)
+            return most_similar_keyframes(query, old, graph, config.candidates)
+
+
+def _old_enough_in(graph: PoseGraph, query: Keyframe, config: PlaceRecognitionConfig) -> Ids:
+    """Ids of the active keyframes that are old enough and in the query's component, ascending.
+
+    All keyframes of earlier sessions are old enough.
+    """
+    start = graph.session_start
+    old = old_enough(query.id - start, graph.stamps[start:], graph.path_m[start:], config)
+    ids = graph.active[graph.active < start + int(old.sum())]  # those that are old enough are the first ones
+    return np.asarray(ids[graph.components[ids] == graph.components[query.id]])
 
 
 def by_probability(query: Keyframe, old: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
@@ -135,11 +146,12 @@ def in_labelled_room(
     position = graph.T_W_B[query.id, :3, 3]
     distances = rounded(np.linalg.norm([room.mean - position for room in eligible], axis=1))
     closest = eligible[int(distances.argmin())]
-    return _most_similar(query, members[closest.id], graph, config)
+    return most_similar_keyframes(query, members[closest.id], graph, config.candidates)
 
 
-def _most_similar(query: Keyframe, ids: Ids, graph: PoseGraph, config: PlaceRecognitionConfig) -> tuple[int, ...]:
-    best = np.argsort(-rounded(_similarities(query, ids, graph)), kind="stable")[: config.candidates]
+def most_similar_keyframes(query: Keyframe, ids: Ids, graph: PoseGraph, count: int) -> tuple[int, ...]:
+    """Return up to `count` of the keyframes `ids`, those whose images are most similar to the query's, best first."""
+    best = np.argsort(-rounded(_similarities(query, ids, graph)), kind="stable")[:count]
     return tuple(ids[best].tolist())
 
 

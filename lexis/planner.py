@@ -122,7 +122,9 @@ def adjacency(map: LexisMap, config: PlannerConfig) -> csr_array:
     because a longer one could lead through furniture or a wall.
     """
     positions = map.T_W_B[:, :3, 3]
-    walked = np.stack([np.arange(len(positions) - 1), np.arange(1, len(positions))], axis=1)
+    sessions = np.array([keyframe.session for keyframe in map.keyframes])
+    last = np.flatnonzero(sessions[:-1] == sessions[1:])
+    walked = np.stack([last, last + 1], axis=1)
     connections = np.concatenate([
         _pairs_within(walked, positions, MAX_STEP_M),
         _pairs_within(_trusted_loops(map), positions, config.shortcut_m),

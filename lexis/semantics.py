@@ -56,6 +56,42 @@ class Views:
     """Pose of the camera on the body."""
 
 
+def derive_by_component(
+    views: Views,
+    components: Int[np.ndarray, "n"],
+    room_names: tuple[str, ...],
+    config: Config,
+    given: Labels | None = None,
+) -> Semantics:
+    """Derive labels, rooms and floors for each component of the map alone, because components share no frame.
+
+    See `derive` for the other arguments. Floors are counted in each component from its lowest floor.
+    """
+    groups = [np.flatnonzero(components == name) for name in np.unique(components)]
+    if len(groups) == 1:
+        return derive(views, room_names, config, given)
+    parts = [derive(_part(views, ids), room_names, config, None if given is None else given[ids]) for ids in groups]
+    order = np.argsort(np.concatenate(groups))
+    rooms = [
+        replace(room, keyframes=tuple(ids[list(room.keyframes)].tolist()))
+        for ids, part in zip(groups, parts, strict=True)
+        for room in part.rooms
+    ]
+    return Semantics(
+        views.similarities,
+        np.concatenate([part.baseline_labels for part in parts])[order],
+        np.concatenate([part.labels for part in parts])[order],
+        np.concatenate([part.floors for part in parts])[order],
+        tuple(replace(room, id=i) for i, room in enumerate(rooms)),
+    )
+
+
+def _part(views: Views, ids: Int[np.ndarray, "k"]) -> Views:
+    """The views of some keyframes."""
+    spaces = [views.spaces[i] for i in ids.tolist()] if views.spaces else ()
+    return Views(views.similarities[ids], spaces, views.T_W_B[ids], views.T_B_C)
+
+
 def derive(
     views: Views,
     room_names: tuple[str, ...],

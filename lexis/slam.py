@@ -14,6 +14,9 @@ Every observation passes through these stages (with the sections of the paper):
 7. Optimise the graph when loops have been added (`lexis.graph`, Eq. 2), which removes odometry drift.
 8. Label all keyframes, refine the labels, and cluster keyframes into rooms and floors (`lexis.semantics`, III-B and III-C).
    This happens when the map is finished, because the result depends on all poses.
+
+With an earlier map, the keyframes are a further session of this map. Its place in the map is unknown at first: see
+`lexis.sessions.relocalisation`.
 """
 
 from collections.abc import Sequence
@@ -22,6 +25,7 @@ from dataclasses import replace
 from lexis.config import Config
 from lexis.errors import LexisError
 from lexis.features import FeatureExtractor
+from lexis.graph.components import session_components, side_by_side
 from lexis.graph.pose_graph import PoseGraph
 from lexis.inputs import check_camera, check_observation, check_room_names, with_copied_geometry
 from lexis.keyframe_window import KeyframeWindow
@@ -30,10 +34,12 @@ from lexis.maths.growing_array import GrowingArray
 from lexis.perception import Encoder, embedding_of, features_of
 from lexis.place_recognition import PlaceRecogniser, propose
 from lexis.room_labels import most_similar, similarities
-from lexis.semantics import Labeller, Semantics, Views, derive
+from lexis.semantics import Labeller, Semantics, Views, derive_by_component
+from lexis.sessions.compatibility import check_continues
+from lexis.sessions.relocalisation import Relocaliser, at_any_distance, candidates_elsewhere, shift_of
 from lexis.sight.visible_space import VisibleSpace, space_in_view
 from lexis.timing import StageTimer
-from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, RoomInstance, Verdict
+from lexis.types import Camera, EncoderId, Keyframe, LexisMap, Observation, Poses, RoomInstance, Verdict
 from lexis.verification import Verifier, verify
 
 
@@ -57,14 +63,17 @@ class Slam:
         verifier: Verifier = verify,
         place_recogniser: PlaceRecogniser = propose,
         labeller: Labeller | None = None,
+        *,
+        map: LexisMap | None = None,
     ) -> None:
         """Set up all stages and encode the room prompts.
 
-        Each of the last three arguments replaces a stage: verification, place recognition, or the labelling before
-        keyframes are clustered into rooms. A test can thus put the truth in the place of one stage.
+        The arguments `verifier`, `place_recogniser` and `labeller` each replace a stage: verification, place recognition, or
+        the labelling before keyframes are clustered into rooms. A test can thus put the truth in the place of one stage.
+        With `map`, the observations are a new session of this map; the result contains all sessions.
 
         Raises:
-            LexisError: the camera or the room names are unusable.
+            LexisError: the camera or the room names are unusable, or differ from those of `map`.
         """
         check_camera(camera)
         check_room_names(room_names)
@@ -76,7 +85,6 @@ class Slam:
         self._text = encoder.encode_rooms(self._room_names)
         self._selector = KeyframeSelector(self._config.keyframes)
         self._extractor = FeatureExtractor(self._config.landmarks)
-        self._window = KeyframeWindow(self._camera, self._config)
         self._graph = PoseGraph(self._config.pose_graph)
         self._similarities = GrowingArray((len(self._room_names),))
         self._spaces: list[VisibleSpace] = []
@@ -85,6 +93,12 @@ class Slam:
         self._rooms: tuple[RoomInstance, ...] = ()
         self._previous: Observation | None = None
         self._timed = StageTimer()
+        self._relocaliser = Relocaliser(self._config.sessions, self._config.verification)
+        if map is not None:
+            check_continues(map, camera, encoder, room_names)
+            self._resume(map)
+        first, session = (len(map.keyframes), map.keyframes[-1].session + 1) if map else (0, 0)
+        self._window = KeyframeWindow(self._camera, self._config, first, session)
 
     def process(self, observation: Observation) -> None:
         """Process the next observation. If it is a keyframe, it enters the graph once the frames after it have arrived.
@@ -109,6 +123,31 @@ class Slam:
         for keyframe in complete:
             self._add(keyframe)
 
+    def replay(self, keyframe: Keyframe) -> None:
+        """Add a keyframe of another map, in place of an observation. Its session is appended to those of this map."""
+        keyframes, own = self._graph.keyframes, self._window.session
+        self._add(replace(keyframe, id=len(keyframes), session=own + keyframe.session))
+
+    def snapshot(self) -> LexisMap:
+        """Return the map so far. The last keyframes, which still wait for frames, are left out; the run can go on.
+
+        Raises:
+            LexisError: there is no keyframe yet.
+        """
+        if not self._graph.keyframes:
+            raise LexisError("there is no keyframe yet; valid: a snapshot when `keyframes` is at least 1")
+        return self._map()
+
+    @property
+    def is_split(self) -> bool:
+        """Whether the map has several components, because a session has not been recognised in the others so far."""
+        return self._graph.is_split
+
+    @property
+    def keyframes(self) -> int:
+        """Number of keyframes in the graph, those of an earlier map included."""
+        return len(self._graph.keyframes)
+
     def finish(self) -> LexisMap:
         """Complete the last keyframes without the frames they were waiting for, and return the map of all observations.
 
@@ -122,7 +161,16 @@ class Slam:
         if not self._graph.keyframes:
             raise LexisError("no observation was processed; valid: at least one before finish()")
         self._optimise(final=True)
-        return self._map(self._derive_semantics())
+        return self._map()
+
+    def _resume(self, map: LexisMap) -> None:
+        """Fill the graph with the keyframes, poses and loops of an earlier map."""
+        components = session_components(map.keyframes, map.loops)
+        self._graph.resume(map.keyframes, map.T_W_B, map.loops, components)
+        for row in map.similarities:
+            self._similarities.append(row)
+        self._spaces += [self._space(keyframe) for keyframe in map.keyframes if self._config.by_sight]
+        self._candidates, self._verdicts = list(map.candidates), list(map.verdicts)
 
     def _add(self, keyframe: Keyframe) -> None:
         """Add a keyframe to the graph, and close its loops.
@@ -134,19 +182,23 @@ class Slam:
         self._graph.add_keyframe(keyframe)
         self._similarities.append(similarities(keyframe.embedding, self._text))
         if self._config.by_sight:
-            self._spaces.append(space_in_view(keyframe, self._camera.T_B_C, self._config.sight))
+            self._spaces.append(self._space(keyframe))
         self._close_loops(keyframe)
+        self._join_components(keyframe)
         optimised = self._optimise()
         due = optimised or len(self._graph.keyframes) % self._config.labels.every == 0
         if due and self._config.place_recognition.method == "room":
-            self._rooms = self._derive_semantics().rooms
+            self._rooms = self._derive_semantics(self._graph.T_W_B).rooms
 
-    def _derive_semantics(self) -> Semantics:
-        """Labels, rooms and floors of all keyframes at their current poses."""
+    def _space(self, keyframe: Keyframe) -> VisibleSpace:
+        return space_in_view(keyframe, self._camera.T_B_C, self._config.sight)
+
+    def _derive_semantics(self, T_W_B: Poses) -> Semantics:
+        """Labels, rooms and floors of all keyframes at the given poses."""
         with self._timed("rooms"):
             given = self._labeller(self._graph.keyframes) if self._labeller else None
-            views = Views(self._similarities.rows, self._spaces, self._graph.T_W_B, self._camera.T_B_C)
-            return derive(views, self._room_names, self._config, given)
+            views = Views(self._similarities.rows, self._spaces, T_W_B, self._camera.T_B_C)
+            return derive_by_component(views, self._graph.components, self._room_names, self._config, given)
 
     def _close_loops(self, query: Keyframe) -> None:
         """Propose loop candidates, verify them by PnP, and add the loop edges."""
@@ -159,17 +211,32 @@ class Slam:
         self._verdicts.extend(verified.verdicts)
         self._graph.add_loops(verified.edges)
 
+    def _join_components(self, query: Keyframe) -> None:
+        """Seek the place of a keyframe in the components of the map that are not connected with its own."""
+        if not self._graph.is_split:
+            return
+        with self._timed("relocalise"):
+            candidates = candidates_elsewhere(query, self._graph, self._config.sessions)
+            settings = at_any_distance(self._config.verification)
+            found = self._verify(query, candidates, self._graph, self._camera, settings)
+            agreed = self._relocaliser.agreed(found.edges, self._graph)
+        if agreed:
+            self._graph.join(agreed, shift_of(agreed[-1], self._graph))
+            self._optimise(final=True)
+
     def _optimise(self, final: bool = False) -> bool:
         with self._timed("optimise"):
             return self._graph.optimise_if_due(final)
 
-    def _map(self, semantics: Semantics) -> LexisMap:
+    def _map(self) -> LexisMap:
+        T_W_B = side_by_side(self._graph.T_W_B, self._graph.components)
+        semantics = self._derive_semantics(T_W_B)
         return LexisMap(
             camera=self._camera,
             encoder=EncoderId(self._encoder.name, self._encoder.fingerprint),
             room_names=self._room_names,
             keyframes=tuple(self._graph.keyframes),
-            T_W_B=self._graph.T_W_B,
+            T_W_B=T_W_B,
             similarities=semantics.similarities,
             baseline_labels=semantics.baseline_labels,
             labels=semantics.labels,

@@ -107,6 +107,8 @@ class Keyframe:
     features: Features
     """AKAZE features of the image (f_AKAZE in the paper)."""
     landmarks: Landmarks
+    session: int = 0
+    """Number of the recording session, from 0. Each session has an odometry frame O of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +222,8 @@ class LexisMap:
     """All names that a room can have. Labels are indices into this tuple."""
     keyframes: tuple[Keyframe, ...]
     T_W_B: Poses
-    """Optimised poses of the keyframes."""
+    """Optimised poses of the keyframes. Sessions that no loop edge connects to the first one lie beside it along x, because
+    their place is unknown."""
     similarities: Float64[np.ndarray, "n rooms"]
     """Cosine similarity of every keyframe's image with every entry of `room_names` (paper, Eq. 1)."""
     baseline_labels: Int[np.ndarray, "n"]

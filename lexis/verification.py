@@ -105,7 +105,7 @@ def plausible(
 def _compared(verdict: Verdict, edge: LoopEdge, graph: PoseGraph, config: VerificationConfig) -> Verdict:
     """Refuse a loop that is far from the current estimate; the tolerance grows with the path in between, as drift does."""
     estimated = between(graph.T_W_B[edge.match], graph.T_W_B[edge.query])
-    path_m = graph.path_m[edge.query] - graph.path_m[edge.match]
+    path_m = graph.path_between(edge.match, edge.query)
     distance = float(np.linalg.norm(edge.T_match_query[:3, 3] - estimated[:3, 3]))
     angle = float(rotation_angle(between(edge.T_match_query, estimated)))
     near = distance <= config.gate_m + config.gate_share * path_m
@@ -164,8 +164,9 @@ class Locator:
         """
         pool = range(max(match - self._config.pool, 0), min(match + self._config.pool + 1, self._query.id))
         ids, points = [], []
-        for neighbour in pool:
-            keyframe = self._keyframes[neighbour]
+        for keyframe in (self._keyframes[neighbour] for neighbour in pool):
+            if keyframe.session != self._keyframes[match].session:
+                continue
             T_match_neighbour = between(self._keyframes[match].T_O_B, keyframe.T_O_B)
             pairs = self._match(keyframe)
             ids.append(pairs[:, 0])

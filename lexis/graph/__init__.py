@@ -1,7 +1,8 @@
 """The pose graph: keyframes joined by odometry and loop edges, and the poses that fit these edges best.
 
 Read `pose_graph` first: the graph grows with each keyframe and each loop. `graph_optimisation` finds the poses and limits
-the influence of wrong loops (paper, Eq. 2). `thinning` tells which keyframes are no longer needed.
+the influence of wrong loops (paper, Eq. 2). `thinning` tells which keyframes are no longer needed, and `components` which
+sessions are connected by loops and share a frame.
 """
 
 import lazy_loader

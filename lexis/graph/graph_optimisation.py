@@ -16,6 +16,9 @@ from lexis.types import Covariance, LoopEdge, Pose, Poses
 _Kernel: TypeAlias = gtsam.noiseModel.mEstimator.DCS | gtsam.noiseModel.mEstimator.Huber | gtsam.noiseModel.mEstimator.Null
 _PRIOR_SIGMA = 1e-6
 """Standard deviation of the prior on the first pose [rad, m], which only fixes the gauge freedom."""
+_UNKNOWN_SIGMA = 1e4
+"""Standard deviation of the edge between two sessions [rad, m]. It says nothing about their relative pose, but it keeps the
+equations solvable while no loop edge connects them."""
 
 
 class GraphOptimiser:
@@ -49,6 +52,19 @@ class GraphOptimiser:
         self._odometry.add(gtsam.BetweenFactorPose3(self._count - 1, self._count, gtsam.Pose3(step), noise))
         self._poses.insert(self._count, gtsam.Pose3(T_W_B))
         self._count += 1
+
+    def add_session(self, T_W_B: Pose) -> None:
+        """Append the first keyframe of a new session at an initial pose, whose relation to earlier keyframes is unknown."""
+        step = self._poses.atPose3(0).between(gtsam.Pose3(T_W_B))
+        unknown = gtsam.noiseModel.Isotropic.Sigma(6, _UNKNOWN_SIGMA)
+        self._odometry.add(gtsam.BetweenFactorPose3(0, self._count, step, unknown))
+        self._poses.insert(self._count, gtsam.Pose3(T_W_B))
+        self._count += 1
+
+    def restart_at(self, T_W_B: Poses) -> None:
+        """Replace the poses of all keyframes, from which the next optimisation starts."""
+        for key, pose in enumerate(T_W_B):
+            self._poses.update(key, gtsam.Pose3(pose))
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Add loop edges.

@@ -1,4 +1,7 @@
-"""The growing pose graph: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D)."""
+"""The growing pose graph: keyframes, loop edges, and the current estimate of the poses (paper, Sec. III-A, III-D).
+
+Odometry connects the keyframes of one session. Sessions that loops connect form a component, whose poses share a frame.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,8 +14,11 @@ from lexis.errors import LexisError
 from lexis.graph.graph_optimisation import GraphOptimiser, loop_weights
 from lexis.graph.thinning import STAYS, Retired, anchors
 from lexis.maths.growing_array import GrowingArray
-from lexis.maths.se3 import between, compose_covariance
-from lexis.types import Covariance, Keyframe, LoopEdge, Poses
+from lexis.maths.se3 import between, compose_covariance, inverse
+from lexis.types import Covariance, Keyframe, LoopEdge, Pose, Poses
+
+_SESSION_M = 1e6
+"""Assumed path between two sessions, so that all their keyframes count as of different visits [m]."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,10 @@ class PoseGraph:
         self._acting: list[LoopEdge] = []
         self._optimiser: GraphOptimiser | None = None
         self._last_optimised, self._last_whole = _Extent(), _Extent()
+        self._sessions = GrowingArray((), np.int64)
+        self._component_of = np.zeros(0, int)  # by session
+        self.session_start = 0
+        """Id of the first keyframe of the last session."""
         self.keyframes: list[Keyframe] = []
         self.loops: list[LoopEdge] = []
 
@@ -61,13 +71,31 @@ class PoseGraph:
 
     @property
     def path_m(self) -> Float64[np.ndarray, "n"]:
-        """Length of the odometry path from the first keyframe to each keyframe [m]."""
+        """Length of the odometry path to each keyframe from the first keyframe of its session [m]."""
         return self._path_m.rows
 
     @property
     def stamps(self) -> Float64[np.ndarray, "n"]:
         """Stamps of the keyframes [s]."""
         return self._stamps.rows
+
+    @property
+    def components(self) -> Int[np.ndarray, "n"]:
+        """The component of every keyframe, named by the number of its earliest session."""
+        return np.asarray(self._component_of[self._sessions.rows])
+
+    @property
+    def is_split(self) -> bool:
+        """Whether there are several components."""
+        return bool(self._component_of.any())
+
+    def path_between(self, first: int, second: int) -> float:
+        """Length of the odometry path between two keyframes, over which their estimated relative pose drifts [m].
+
+        For keyframes of two sessions, it is the path of the second keyframe's session.
+        """
+        same = self.keyframes[first].session == self.keyframes[second].session
+        return float(self.path_m[second] - (self.path_m[first] if same else 0.0))
 
     @property
     def loop_weights(self) -> Float64[np.ndarray, "loops"]:
@@ -78,12 +106,12 @@ class PoseGraph:
         return loop_weights(self.T_W_B, self.loops, self._config)
 
     def add_keyframe(self, keyframe: Keyframe) -> None:
-        """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose."""
-        if self._optimiser is None:
-            self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
-            self._embeddings = GrowingArray(keyframe.embedding.shape, np.float32)
-            self._T_W_B.append(keyframe.T_O_B)
-            self._path_m.append(0.0)
+        """Append a keyframe at the pose that odometry predicts from the previous keyframe's pose.
+
+        The first keyframe of a session begins a new component, at its odometry pose.
+        """
+        if self._optimiser is None or keyframe.session != self.keyframes[-1].session:
+            self._begin_session(keyframe)
         else:
             step = between(self.keyframes[-1].T_O_B, keyframe.T_O_B)
             self._T_W_B.append(self.T_W_B[-1] @ step)
@@ -93,7 +121,55 @@ class PoseGraph:
         self._covariances.append(keyframe.step_covariance)
         self._stamps.append(keyframe.stamp)
         self._embeddings.append(keyframe.embedding)
+        self._sessions.append(keyframe.session)
         self.keyframes.append(keyframe)
+
+    def _begin_session(self, keyframe: Keyframe) -> None:
+        if self._optimiser is None:
+            self._optimiser = GraphOptimiser(keyframe.T_O_B, self._config)
+            self._embeddings = GrowingArray(keyframe.embedding.shape, np.float32)
+        else:
+            self._optimiser.add_session(keyframe.T_O_B)
+        self._T_W_B.append(keyframe.T_O_B)
+        self._path_m.append(0.0)
+        self._component_of = np.append(self._component_of, keyframe.session)
+        self.session_start = keyframe.id
+
+    def resume(
+        self,
+        keyframes: Sequence[Keyframe],
+        T_W_B: Poses,
+        loops: Sequence[LoopEdge],
+        component_of: Int[np.ndarray, "sessions"],
+    ) -> None:
+        """Fill an empty graph with the keyframes, poses and loops of an earlier one, and the component of every session."""
+        for keyframe in keyframes:
+            self.add_keyframe(keyframe)
+        self._move_to(T_W_B)
+        self._component_of = component_of
+        self.add_loops(loops)
+        self._last_optimised = self._last_whole = _Extent(len(self.keyframes), len(self.loops))
+
+    def join(self, loops: Sequence[LoopEdge], shift: Pose) -> None:
+        """Join two components by loop edges that all lead from one of them to the other.
+
+        `shift` moves the poses of the component of the loops' queries to where they belong beside their matches. The poses
+        of the component with the earlier session stay as they are; the other one is moved.
+        """
+        components = self.components
+        moved, kept = int(components[loops[0].query]), int(components[loops[0].match])
+        if moved < kept:
+            moved, kept, shift = kept, moved, np.asarray(inverse(shift))
+        T_W_B = self.T_W_B.copy()
+        T_W_B[components == moved] = shift @ T_W_B[components == moved]
+        self._move_to(T_W_B)
+        self._component_of = np.where(self._component_of == moved, kept, self._component_of)
+        self.add_loops(loops)
+
+    def _move_to(self, T_W_B: Poses) -> None:
+        assert self._optimiser is not None
+        self._T_W_B.replace(np.arange(len(T_W_B)), T_W_B)
+        self._optimiser.restart_at(T_W_B[self.active])
 
     def add_loops(self, loops: Sequence[LoopEdge]) -> None:
         """Append verified loop edges; they take effect at the next optimisation, except those to retired keyframes.
@@ -140,12 +216,19 @@ class PoseGraph:
         self._T_W_B.replace(*self._retired.following(int(moved[0]), self.T_W_B))
 
     def _retire(self) -> None:
-        """Let active keyframes before the last `window` ones retire if enough earlier ones show their places."""
-        if self._config.copies is None:
+        """Let active keyframes before the last `window` ones retire if enough earlier ones show their places.
+
+        None retires while there are several components, whose poses cannot be compared. The first and last keyframes of a
+        session stay, because the loops that lead from the first one do not count.
+        """
+        if self._config.copies is None or self.is_split:
             return
         old = self.active[: -self._config.window]
+        sessions = self._sessions.rows[old]
+        starts = np.flatnonzero(np.diff(sessions, prepend=-1))
         rows = np.array([(loop.query, loop.match) for loop in self._by_rows(self._acting)], int).reshape(-1, 2)
-        anchor = anchors(self.T_W_B[old], self.path_m[old], rows[rows[:, 0] < len(old)], self._config.copies)
+        rows = rows[(rows[:, 0] < len(old)) & ~np.isin(rows[:, 0], starts)]
+        anchor = anchors(self.T_W_B[old], self.path_m[old] + _SESSION_M * sessions, rows, self._config.copies)
         leaving = np.flatnonzero(anchor != STAYS)
         if len(leaving):
             self._retired = self._retired.joined_by(old[leaving], old[anchor[leaving]], self.T_W_B)
@@ -166,10 +249,13 @@ class PoseGraph:
     def _restart(self) -> None:
         """Begin the optimiser anew with the active keyframes at their current poses, and the loop edges between them."""
         T_O_B = np.stack([self.keyframes[id].T_O_B for id in self.active.tolist()])
-        steps = between(T_O_B[:-1], T_O_B[1:])
+        steps, begins = between(T_O_B[:-1], T_O_B[1:]), np.diff(self._sessions.rows[self.active]) > 0
         self._optimiser = GraphOptimiser(T_O_B[0], self._config)
-        for id, step, covariance in zip(self.active[1:].tolist(), steps, self._covariances[1:], strict=True):
-            self._optimiser.add_keyframe(self.T_W_B[id], step, covariance)
+        for id, step, covariance, new in zip(self.active[1:], steps, self._covariances[1:], begins, strict=True):
+            if new:
+                self._optimiser.add_session(self.T_W_B[id])
+            else:
+                self._optimiser.add_keyframe(self.T_W_B[id], step, covariance)
         self._acting = self._between_active(self._acting)
         self._optimiser.add_loops(self._by_rows(self._acting))
 

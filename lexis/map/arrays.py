@@ -17,6 +17,7 @@ from lexis.maths.se3 import is_rigid
 from lexis.types import OUTCOMES, Features, Keyframe, Landmarks, LexisMap, LoopArrays, LoopEdge, Verdict
 
 LAYOUT: Layout = {
+    "session": ("i8", ("keyframes",)),
     "observation_index": ("i8", ("keyframes",)),
     "stamp": ("f8", ("keyframes",)),
     "T_O_B": ("f8", ("keyframes", 4, 4)),
@@ -64,6 +65,7 @@ def pack(map: LexisMap, features: bool) -> dict[str, Shaped[np.ndarray, "..."]]:
     seen = keyframes if features else ()
     nothing = np.zeros(len(keyframes))
     columns = {
+        "session": [k.session for k in keyframes],
         "observation_index": [k.observation_index for k in keyframes],
         "stamp": [k.stamp for k in keyframes],
         "T_O_B": [k.T_O_B for k in keyframes],
@@ -115,6 +117,7 @@ def unpack_keyframes(arrays: Arrays) -> tuple[Keyframe, ...]:
             embedding=arrays["embedding"][i],
             features=Features(keypoints[i], descriptors[i]),
             landmarks=Landmarks(points[i], feature_ids[i]),
+            session=int(arrays["session"][i]),
         )
         for i in range(len(arrays["stamp"]))
     )
@@ -193,8 +196,11 @@ def _check_references(arrays: Arrays) -> None:
             raise MapError(f"array {name} has a value outside [{low}, {high})")
     if n < 1:
         raise MapError("the map has no keyframes; valid: at least one")
-    if (np.diff(arrays["stamp"]) <= 0).any():
-        raise MapError("array stamp does not ascend")
+    steps = np.diff(arrays["session"], prepend=0)
+    if ((steps != 0) & (steps != 1)).any() or arrays["session"][0]:
+        raise MapError("array session does not count sessions; valid: 0, ..., 0, 1, ..., 1 and so on")
+    if ((np.diff(arrays["stamp"]) <= 0) & (steps[1:] == 0)).any():
+        raise MapError("array stamp does not ascend within a session")
     query, match = arrays["loop_query"], arrays["loop_match"]
     if (later := np.flatnonzero(match >= query)).size:
         i = later[0]

@@ -46,7 +46,8 @@ def _kitti(map: LexisMap, path: Path) -> None:
 def _g2o(map: LexisMap, path: Path) -> None:
     """Write the pose graph: optimised vertices, odometry edges, and all loop edges whatever their robust weight."""
     vertices = [f"VERTEX_SE3:QUAT {i} {_pose(pose)}" for i, pose in enumerate(map.T_W_B)]
-    steps = [_edge(a.id, b.id, between(a.T_O_B, b.T_O_B), b.step_covariance) for a, b in pairwise(map.keyframes)]
+    pairs = pairwise(map.keyframes)
+    steps = [_edge(a.id, b.id, between(a.T_O_B, b.T_O_B), b.step_covariance) for a, b in pairs if a.session == b.session]
     loops = [_edge(loop.match, loop.query, loop.T_match_query, loop.covariance) for loop in map.loops]
     _write(path, [*vertices, *steps, *loops])
 
@@ -81,6 +82,7 @@ def summary(map: LexisMap) -> dict[str, Any]:
     keyframes = [
         {
             "id": i,
+            "session": keyframe.session,
             "stamp_s": keyframe.stamp,
             "position_m": map.T_W_B[i, :3, 3].tolist(),
             "orientation_xyzw": quaternions[i].tolist(),

@@ -46,7 +46,7 @@ class _Encoder(BaseModel):
 class _Map(BaseModel):
     model_config = _STRICT
 
-    schema_version: Literal[3] = Field(alias="schema")
+    schema_version: Literal[4] = Field(alias="schema")
     camera: CameraData
     encoder: _Encoder
     room_names: tuple[_Name, ...] = Field(min_length=1, max_length=MAX_ROOM_NAMES)
@@ -61,7 +61,7 @@ def save_map(map: LexisMap, directory: Path, features: bool = True) -> None:
     with it. Raises LexisError if the folder cannot be written, or holds something that is no map.
     """
     header = _Map(
-        schema=3,
+        schema=4,
         camera=CameraData.of(map.camera),
         encoder=_Encoder(name=map.encoder.name, fingerprint=map.encoder.fingerprint),
         room_names=map.room_names,

@@ -1,10 +1,12 @@
 """A summary of a map, as plain data and as text."""
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from lexis.graph.components import sessions_apart
 from lexis.planner import MIN_LOOP_WEIGHT
 from lexis.room_names import instance_names, unused_names
 from lexis.types import LexisMap
@@ -13,6 +15,7 @@ from lexis.types import LexisMap
 def map_info(map: LexisMap) -> dict[str, Any]:
     """A summary of a map as plain data for JSON: rooms, floors, counts of keyframes and loops, path [m] and duration [s]."""
     steps = np.linalg.norm(np.diff(map.T_W_B[:, :3, 3], axis=0), axis=1)
+    same = np.diff([keyframe.session for keyframe in map.keyframes]) == 0
     size = map.camera.intrinsics
     rooms = [
         {"name": name, "label": room.label, "floor": room.floor, "keyframes": len(room.keyframes)}
@@ -21,8 +24,10 @@ def map_info(map: LexisMap) -> dict[str, Any]:
     return {
         "schema": 1,
         "keyframes": len(map.keyframes),
-        "path_m": float(steps.sum()),
-        "duration_s": map.keyframes[-1].stamp - map.keyframes[0].stamp,
+        "sessions": map.keyframes[-1].session + 1,
+        "sessions_apart": sessions_apart(map),
+        "path_m": float(steps[same].sum()),
+        "duration_s": float(np.diff([keyframe.stamp for keyframe in map.keyframes])[same].sum()),
         "floors": sorted({int(floor) for floor in map.floors if floor >= 0}),
         "rooms": rooms,
         "loops": len(map.loops),
@@ -45,6 +50,7 @@ def info_text(info: dict[str, Any]) -> str:
     ]
     return "\n".join([
         f"keyframes   {info['keyframes']}",
+        *([f"sessions    {info['sessions']}{_apart(info['sessions_apart'])}"] if info["sessions"] > 1 else []),
         f"path        {info['path_m']:.1f} m between keyframes",
         f"duration    {info['duration_s']:.1f} s",
         f"floors      {len(info['floors'])}",
@@ -58,3 +64,8 @@ def info_text(info: dict[str, Any]) -> str:
         f"{'room':{width}s}  {'floor':>6s}  keyframes",
         *rooms,
     ])  # fmt: skip
+
+
+def _apart(sessions: Sequence[int]) -> str:
+    """A note about sessions that are not connected with the first one."""
+    return f", not connected with session 0: {', '.join(map(str, sessions))}" if sessions else ""

@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from lexis.config import Config
+from lexis.graph.components import component_of
 from lexis.inputs import check_room_names
 from lexis.map.encoder_check import check_encoder
 from lexis.perception import Encoder
 from lexis.room_labels import similarities
-from lexis.semantics import Views, derive
+from lexis.semantics import Views, derive_by_component
 from lexis.sight.visible_space import space_in_view
 from lexis.types import LexisMap
 
@@ -34,7 +35,7 @@ def relabel(map: LexisMap, room_names: Sequence[str], encoder: Encoder, config: 
     embeddings = np.array([keyframe.embedding for keyframe in map.keyframes])
     spaces = [space_in_view(keyframe, T_B_C, config.sight) for keyframe in map.keyframes if config.by_sight]
     views = Views(similarities(embeddings, encoder.encode_rooms(names)), spaces, map.T_W_B, T_B_C)
-    meaning = derive(views, names, config)
+    meaning = derive_by_component(views, component_of(map), names, config)
     return replace(
         map,
         room_names=names,

@@ -181,6 +181,19 @@ def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.sessions import NEAR_M, measure_sessions, summary
+    from sim.report.figures import shown
+
+    title = f"{arguments.preset}, features: a session that starts somewhere on another day, {arguments.length:g} m of walk"
+    headers = ("starts", "joined", f"joined within {NEAR_M:g} m", "median walk [m]", "largest error [m]")
+    table = Table("house", *map(escape, headers), title=title)
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():
+        table.add_row(name, *(shown(value, "{:.3g}") for value in row))
+    yield table
+
+
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.scale import bytes_per_keyframe, measure_scale
 
@@ -410,6 +423,19 @@ _BENCHMARKS = (
         "LEXIS's optimiser on pose graphs in g2o files: cost, iterations and time",
         "lexis-sim bench pose-graph sphere2500.g2o parking-garage.g2o",
         (argument("files", type=Path, nargs="+", metavar="FILE", help="pose graphs in three dimensions, as g2o files"),),
+    ),
+    Action(
+        "sessions",
+        _printing(_sessions),
+        "whether a robot that returns on another day recognises where it is, and never does in a twin house",
+        "lexis-sim bench sessions --preset home --houses 5",
+        (
+            _PRESET,
+            _HOUSES,
+            argument("--every", type=float, default=10.0, help="metres of walk between starts (default: %(default)s)"),
+            argument("--length", type=float, default=15.0, help="length of each session in metres (default: %(default)s)"),
+            SEED,
+        ),
     ),
     Action(
         "scale",

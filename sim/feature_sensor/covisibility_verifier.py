@@ -143,6 +143,22 @@ class CovisibilityVerifier:
         """
         return CovisibilityVerifier(self._model, lambda index: self._view_of(original(index)), self._seed)
 
+    def followed_by(self, second: "CovisibilityVerifier", count: int, away_m: float = 0.0) -> "CovisibilityVerifier":
+        """Return a verifier for two sessions, of which the first has `count` observations and the second has those after.
+
+        The second session is moved by `away_m` along x, so that it can lie in another house.
+        """
+        shift = np.eye(4)
+        shift[0, 3] = away_m
+
+        def view_of(index: int) -> TrueView:
+            if index < count:
+                return self._view_of(index)
+            view = second._view_of(index - count)
+            return replace(view, T_W_B=shift @ view.T_W_B, T_W_C=shift @ view.T_W_C)
+
+        return CovisibilityVerifier(self._model, view_of, second._seed)
+
     def __call__(
         self, query: Keyframe, candidates: Sequence[int], graph: PoseGraph, camera: Camera, config: VerificationConfig
     ) -> Verification:

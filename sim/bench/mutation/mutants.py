@@ -514,7 +514,7 @@ _ROOMS = (
     Mutant(
         "labels and rooms come from the poses of the odometry",
         "slam.py",
-        "self._spaces, self._graph.T_W_B, self._camera.T_B_C)",
+        "self._spaces, T_W_B, self._camera.T_B_C)",
         "self._spaces, __import__('numpy').stack([each.T_O_B for each in self._graph.keyframes]), self._camera.T_B_C)",
     ),
     Mutant(

@@ -177,3 +177,39 @@ def test_a_loop_to_a_retired_keyframe_is_kept_without_effect(rng):
     graph.optimise_if_due(final=True)
     np.testing.assert_allclose(graph.T_W_B, before, atol=1e-4)
     assert len(graph.loop_weights) == len(loops) + 1
+
+
+def two_sessions(rng, config):
+    """A graph of 200 keyframes on the circle, and a second session of 160 there, joined at its second keyframe."""
+    T_O_B, loops = every_lap(rng, 360)
+    moved = se3.exp(np.array([0.0, 0.0, 1.0, 30.0, 0.0, 0.0])) @ T_O_B
+    graph = PoseGraph(config)
+    for one in graph_of(T_O_B).keyframes:
+        again = one.id >= 200
+        graph.add_keyframe(replace(one, session=int(again), T_O_B=moved[one.id] if again else one.T_O_B))
+        loop = [loops[one.id]] if one.id in loops and one.id != 200 else []
+        if one.id == 201:
+            graph.join(loop, graph.T_W_B[loop[0].match] @ loop[0].T_match_query @ se3.inverse(graph.T_W_B[201]))
+        else:
+            graph.add_loops(loop)
+        graph.optimise_if_due()
+    graph.optimise_if_due(final=True)
+    return graph
+
+
+def test_keyframes_of_several_sessions_retire_but_no_odometry_joins_the_sessions(rng):
+    thin, whole = (two_sessions(np.random.default_rng(5), replace(THIN, copies=copies)) for copies in (2, None))
+    assert len(thin.active) < 200 < len(whole.active) and {199, 200} <= set(thin.active.tolist())
+    # Odometry between the sessions would tear the map apart, because it says that they are 30 m apart.
+    assert np.linalg.norm(thin.T_W_B[:, :3, 3] - whole.T_W_B[:, :3, 3], axis=1).max() < 0.2
+    assert np.abs(thin.T_W_B[:, :3, 3]).max() < 10.0
+
+
+def test_nothing_retires_while_the_sessions_are_not_joined(rng):
+    T_O_B, loops = every_lap(rng, 200)
+    graph = PoseGraph(THIN)
+    for one in graph_of(T_O_B).keyframes:
+        graph.add_keyframe(replace(one, session=int(one.id >= 10)))
+        graph.add_loops([loops[one.id]] if one.id >= 50 and one.id % 40 >= 10 else [])
+        graph.optimise_if_due()
+    assert graph.is_split and len(graph.active) == 200

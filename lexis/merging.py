@@ -1,0 +1,30 @@
+"""Merging of two saved maps: the sessions of the second one are added to the first one, as if they were recorded again."""
+
+from lexis.config import Config
+from lexis.perception import Encoder
+from lexis.slam import Slam
+from lexis.types import LexisMap
+from lexis.verification import Verifier, verify
+
+
+def merge(
+    first: LexisMap, second: LexisMap, encoder: Encoder, config: Config | None = None, verifier: Verifier = verify
+) -> LexisMap:
+    """Add the keyframes of the second map to the first map, and find the loops within and between both.
+
+    A part of the second map that is not recognised in the first one stays a component of its own.
+
+    Args:
+        first: the map whose frame the result has.
+        second: the map whose keyframes are added.
+        encoder: the encoder that made both maps.
+        config: settings; None: defaults.
+        verifier: verifies loops.
+
+    Raises:
+        MapError: the maps differ in their encoder, camera or room names.
+    """
+    slam = Slam(second.camera, encoder, second.room_names, config, verifier, map=first)
+    for keyframe in second.keyframes:
+        slam.replay(keyframe)
+    return slam.finish()

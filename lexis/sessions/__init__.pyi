@@ -1,0 +1,1 @@
+from .compatibility import check_continues as check_continues

@@ -1,0 +1,25 @@
+"""A check that a new session can continue a map: both need the same encoder, room names and camera."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lexis.errors import MapError
+from lexis.map.encoder_check import check_encoder
+from lexis.perception import Encoder
+from lexis.types import Camera, LexisMap
+
+
+def check_continues(map: LexisMap, camera: Camera, encoder: Encoder, room_names: Sequence[str]) -> None:
+    """Raise MapError unless a session with this camera, encoder and room names can continue the map."""
+    check_encoder(map, encoder)
+    if tuple(room_names) != map.room_names:
+        raise MapError(
+            f"the map has the room names {', '.join(map.room_names)}, but the new session has {', '.join(room_names)}; "
+            "valid: equal names in equal order ('lexis relabel' changes those of a map)"
+        )
+    if camera.intrinsics != map.camera.intrinsics or not np.allclose(camera.T_B_C, map.camera.T_B_C, atol=1e-6):
+        raise MapError(
+            f"the camera {camera.intrinsics} or its pose on the body differs from the map's {map.camera.intrinsics}; "
+            "valid: the same camera in all sessions of a map"
+        )

@@ -1,0 +1,98 @@
+"""Relocalisation: where a session lies in the rest of the map (beyond the paper).
+
+Until a session is joined to another component of the map, nothing is known about their relative pose. For each keyframe:
+
+1. Propose the most similar keyframes of the other components as loop candidates (`candidates_elsewhere`).
+2. Verify them by PnP, at any distance (`at_any_distance`), because there is no estimate to compare them with.
+3. Each edge implies a relative pose of the components. Join them when edges of several keyframes imply the same one
+   (`Relocaliser.agreed`). One keyframe is never trusted, because twin rooms and repeated objects look alike.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from lexis.config import SessionConfig, VerificationConfig
+from lexis.graph.pose_graph import PoseGraph
+from lexis.maths.se3 import between, inverse, rotation_angle
+from lexis.maths.ties import reaches
+from lexis.place_recognition import most_similar_keyframes
+from lexis.types import Keyframe, LoopArrays, LoopEdge, Pose
+
+_ANY_M, _ANY_RAD = 1e9, 4.0
+"""Tolerances that admit every pose [m, rad]."""
+
+
+def candidates_elsewhere(query: Keyframe, graph: PoseGraph, config: SessionConfig) -> tuple[int, ...]:
+    """Return the ids of the keyframes most similar to the query among those of other components, best first."""
+    elsewhere = np.flatnonzero(graph.components != graph.components[query.id])
+    elsewhere = elsewhere[elsewhere < query.id]
+    return most_similar_keyframes(query, elsewhere, graph, config.candidates)
+
+
+def at_any_distance(config: VerificationConfig) -> VerificationConfig:
+    """Settings that verify loops however far they are from the current estimate."""
+    return replace(config, gate_m=_ANY_M, gate_rad=_ANY_RAD)
+
+
+class Relocaliser:
+    """Collects loop edges between components, and returns those that agree as soon as they are enough."""
+
+    def __init__(self, config: SessionConfig, tolerances: VerificationConfig) -> None:
+        """Begin without edges. `tolerances` contains the limits that loops within a component have to keep, too."""
+        self._config, self._tolerances = config, tolerances
+        self._edges: list[LoopEdge] = []
+
+    def agreed(self, edges: Sequence[LoopEdge], graph: PoseGraph) -> tuple[LoopEdge, ...]:
+        """Add the edges of a new keyframe, and return the edges that agree with one of them; none if there are too few.
+
+        Edges count as long as the path from their query to the new keyframe is at most `window_m` long, because odometry
+        drifts. The edges that agree must come from at least `agreeing` keyframes, which span at least `span_m` of the path,
+        and from more than half of all keyframes with edges between the same two components.
+        """
+        self._edges = [edge for edge in (*self._edges, *edges) if self._is_recent(edge, graph)]
+        for edge in edges:
+            rivals = [other for other in self._edges if _ends(other, graph) == _ends(edge, graph)]
+            fits = _fit(edge, rivals, graph, self._tolerances)
+            found = tuple(other for other, fit in zip(rivals, fits.tolist(), strict=True) if fit)
+            if self._suffice(found, rivals, graph):
+                return found
+        return ()
+
+    def _is_recent(self, edge: LoopEdge, graph: PoseGraph) -> bool:
+        """Whether an edge leads from the session of the last keyframe, and from the last part of the path."""
+        return edge.query >= graph.session_start and graph.path_between(edge.query, -1) <= self._config.window_m
+
+    def _suffice(self, found: Sequence[LoopEdge], rivals: Sequence[LoopEdge], graph: PoseGraph) -> bool:
+        queries = sorted({edge.query for edge in found})
+        many = len(queries) >= self._config.agreeing and 2 * len(queries) > len({edge.query for edge in rivals})
+        return many and bool(reaches(graph.path_between(queries[0], queries[-1]), self._config.span_m))
+
+
+def shift_of(edge: LoopEdge, graph: PoseGraph) -> Pose:
+    """The rigid motion that moves the poses of the query's component to where they belong, by this edge alone."""
+    return np.asarray(graph.T_W_B[edge.match] @ edge.T_match_query @ inverse(graph.T_W_B[edge.query]))
+
+
+def _ends(edge: LoopEdge, graph: PoseGraph) -> tuple[int, int]:
+    """The components that an edge connects."""
+    return int(graph.components[edge.query]), int(graph.components[edge.match])
+
+
+def _fit(
+    edge: LoopEdge, others: Sequence[LoopEdge], graph: PoseGraph, config: VerificationConfig
+) -> Bool[np.ndarray, "others"]:
+    """Whether each other edge implies the same relative pose of the components as `edge`, as exactly as odometry can tell.
+
+    The limits are those for loops within a component. They grow with the path between the queries, as drift does.
+    """
+    rows = LoopArrays.of(others)
+    measured = graph.T_W_B[rows.match] @ rows.T_match_query
+    predicted = shift_of(edge, graph) @ graph.T_W_B[rows.query]
+    path_m: Float64[np.ndarray, others] = np.abs(graph.path_m[rows.query] - graph.path_m[edge.query])
+    distances = np.linalg.norm(measured[:, :3, 3] - predicted[:, :3, 3], axis=1)
+    near = distances <= config.gate_m + config.gate_share * path_m
+    turned = rotation_angle(between(measured, predicted)) <= config.gate_rad + config.gate_rad_m * path_m
+    return np.asarray(near & turned)

@@ -1,0 +1,151 @@
+"""`lexis-sim bench sessions`: a robot that returns to a house on another day, or that wakes up in a twin house.
+
+The first day's walk gives a map. On the second day, with another tour, odometry and sensor noise, the robot starts at many
+places of its tour. In its own house, it has to recognise where it is; in a twin house, it must not recognise anything.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from lexis.maths.se3 import between
+from lexis.slam import Slam
+from lexis.types import Camera, LexisMap, Observation
+from lexis.verification import Verifier
+from sim.errors import SimError
+from sim.feature_sensor.covisibility_verifier import CovisibilityVerifier
+from sim.harness import Scenario, run
+from sim.harness.adapters import Lexis
+from sim.harness.slam_under_test import FeatureInput
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+from worlds.presets import sample_house
+from worlds.spec import HouseSpec
+
+NEAR_M = 10.0
+"""A session should be joined to the map of its house within this length of walk [m]."""
+_SECOND_DAY = 500_000
+"""Is added to the seed of a house for the tour, the odometry and the sensor noise of the second day."""
+_APART_M = 1000.0
+"""Distance between twin houses in the world [m], so that no view of the one shows anything of the other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Day:
+    """The walk of one day through a house, on the feature sensor."""
+
+    observations: tuple[Observation, ...]
+    T_W_B: Float64[np.ndarray, "n 4 4"]
+    """True poses of the body, by index of the observation."""
+    camera: Camera
+    room_names: tuple[str, ...]
+    verifier: CovisibilityVerifier
+    map: LexisMap
+    """The map of this day alone."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """What became of a session that started somewhere on the second day."""
+
+    joined_m: float | None
+    """Length of the walk until the session was joined to the map [m]; None if it was not."""
+    error_m: float | None
+    """Distance of the last keyframe from its true place in the frame of the map [m]; None if it was not joined."""
+
+
+class _Recorder(Lexis):
+    """LEXIS that keeps its observations and its verifier."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.observations: list[Observation] = []
+        self.given: tuple[Camera, tuple[str, ...], Verifier] | None = None
+
+    def start_on_features(self, camera: Camera, room_names: Sequence[str], features: FeatureInput) -> None:
+        self.given = camera, tuple(room_names), features.verifier
+        super().start_on_features(camera, room_names, features)
+
+    def process(self, observation: Observation) -> None:
+        self.observations.append(observation)
+        super().process(observation)
+
+
+def walked_day(house: HouseSpec, seed: int) -> Day:
+    """Walk through a house with the tour, the odometry and the sensor noise of a seed, and map it."""
+    slam = _Recorder()
+    scenario = Scenario(house=house, seed=seed, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ)
+    finished = run(scenario, slam)
+    assert slam.given is not None
+    camera, names, verifier = slam.given
+    if not isinstance(verifier, CovisibilityVerifier):
+        raise SimError("bench sessions: the run has no simulated verifier; valid: runs on features")
+    return Day(tuple(slam.observations), finished.session.tour.T_W_B, camera, names, verifier, slam.map)
+
+
+def return_to(first: Day, second: Day, start: int, length_m: float, twin: bool = False) -> tuple[LexisMap, Start]:
+    """Continue the map of the first day by a session that starts at an observation of the second day."""
+    count = len(first.T_W_B)
+    verifier = first.verifier.followed_by(second.verifier, count, _APART_M if twin else 0.0)
+    slam = Slam(second.camera, Lexis().encoder, second.room_names, verifier=verifier, map=first.map)
+    walked_m, joined_m = 0.0, None
+    previous = second.observations[start]
+    for observation in second.observations[start:]:
+        slam.process(replace(observation, index=count + observation.index))
+        walked_m += float(np.linalg.norm(observation.T_O_B[:3, 3] - previous.T_O_B[:3, 3]))
+        previous = observation
+        if joined_m is None and not slam.is_split and slam.keyframes > len(first.map.keyframes):
+            joined_m = walked_m
+        if walked_m > length_m:
+            break
+    found = slam.finish()
+    return found, Start(joined_m, None if joined_m is None else _error_m(found, first, second))
+
+
+def _error_m(found: LexisMap, first: Day, second: Day) -> float:
+    """Distance between the estimated and the true position of the last keyframe, relative to its nearest old keyframe."""
+    count, last = len(first.T_W_B), found.keyframes[-1].observation_index
+    old = [k.id for k in found.keyframes if k.observation_index < count]
+    true_old = first.T_W_B[[found.keyframes[i].observation_index for i in old]]
+    true = second.T_W_B[last - count]
+    nearest = int(np.linalg.norm(true_old[:, :3, 3] - true[:3, 3], axis=1).argmin())
+    estimated = between(found.T_W_B[old[nearest]], found.T_W_B[-1])
+    return float(np.linalg.norm(estimated[:3, 3] - between(true_old[nearest], true)[:3, 3]))
+
+
+def starts(day: Day, every_m: float, length_m: float) -> list[int]:
+    """Observations along a day's walk, `every_m` apart, after each of which at least `length_m` of the walk remain."""
+    steps = np.linalg.norm(np.diff([seen.T_O_B[:3, 3] for seen in day.observations], axis=0), axis=1)
+    path_m = np.concatenate([[0.0], np.cumsum(steps)])
+    places = np.arange(0.0, max(path_m[-1] - length_m, every_m), every_m)
+    return [int(row) for row in np.searchsorted(path_m, places)]
+
+
+def measure_sessions(
+    preset: str, seeds: Sequence[int], every_m: float = 10.0, length_m: float = 15.0
+) -> Iterator[tuple[int, bool, list[Start]]]:
+    """For every house, yield its seed, whether the second day is in the twin house, and the starts of that day.
+
+    The twin house looks exactly like the first one to the encoder, but key points match at the rate of false loops only.
+    """
+    for seed in seeds:
+        house = sample_house(preset, seed)
+        first, second = walked_day(house, seed), walked_day(house, seed + _SECOND_DAY)
+        for twin in (False, True):
+            yield seed, twin, [return_to(first, second, at, length_m, twin)[1] for at in starts(second, every_m, length_m)]
+
+
+def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tuple[float | None, ...]]:
+    """Starts, joined ones, those joined within `NEAR_M`, median walk and largest error, in the same house and in twins."""
+    by_house: dict[bool, list[Start]] = {False: [], True: []}
+    for _, twin, found in measured:
+        by_house[twin] += found
+    return {name: _counted(by_house[twin]) for twin, name in ((False, "the same"), (True, "a twin"))}
+
+
+def _counted(found: Sequence[Start]) -> tuple[float | None, ...]:
+    walks = [start.joined_m for start in found if start.joined_m is not None]
+    errors = [start.error_m for start in found if start.error_m is not None]
+    near = sum(walk <= NEAR_M for walk in walks)
+    return len(found), len(walks), near, float(np.median(walks)) if walks else None, max(errors, default=None)

@@ -1,0 +1,188 @@
+"""Sessions on a circle that is known exactly: a verifier that knows the truth stands in for PnP."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.box_room import FORWARD_CAMERA
+from helpers.same_map import assert_same
+
+from lexis.config import Config, PlannerConfig, SessionConfig
+from lexis.errors import MapError
+from lexis.graph.components import component_of, sessions_apart, side_by_side
+from lexis.map.folder import load_map, save_map
+from lexis.map.relabelling import relabel
+from lexis.maths import se3
+from lexis.merging import merge
+from lexis.planner import adjacency
+from lexis.slam import Slam
+from lexis.types import Features, LoopEdge, Observation, Percept, Verdict
+from lexis.verification import Verification, plausible
+
+ROOMS = ("office", "kitchen")
+COVARIANCE = np.diag(np.repeat([0.001, 0.003], 3) ** 2)
+LOOP_COVARIANCE = np.diag(np.repeat([0.005, 0.02], 3) ** 2)
+FIRST, SECOND = 60, 30
+"""Keyframes of the two sessions."""
+MOVED = se3.exp(np.array([0.0, 0.0, 1.0, 30.0, -20.0, 0.5]))
+"""Where the odometry of the second session starts, in the frame of the first session."""
+
+
+class Encoder:
+    """Every image is an office, and images from nearby places of the circle are similar."""
+
+    name = fingerprint = "circle"
+
+    def encode_image(self, image):
+        raise AssertionError("there are no images")
+
+    def encode_rooms(self, names):
+        return np.eye(len(names), 4, dtype=np.float32)
+
+
+def circle(first, count):
+    """True poses on a circle of 40 keyframes with radius 3.2 m."""
+    step = se3.exp(np.array([0.0, 0.0, 2 * np.pi / 40, 0.501, 0.0, 0.0]))
+    T = [np.linalg.matrix_power(step, first)]
+    for _ in range(count - 1):
+        T.append(T[-1] @ step)
+    return np.stack(T)
+
+
+TRUE = np.concatenate([circle(0, FIRST), circle(17, SECOND)])
+
+
+def observation(index, T_O_B, rng):
+    x, y = TRUE[index, :2, 3] / 3.2
+    embedding = np.array([1.0, 0.0, x, y])
+    percept = Percept(
+        np.float32(embedding / np.linalg.norm(embedding)),
+        Features(rng.uniform(0, 20, (3, 2)).astype(np.float32), rng.integers(0, 256, (3, 61), np.uint8)),
+    )
+    return Observation(index, 1.0 + index % FIRST, percept, T_O_B, COVARIANCE)
+
+
+def true_edge(query, match, graph):
+    ends = [graph.keyframes[i].observation_index for i in (match, query)]
+    return LoopEdge(query, match, se3.between(*TRUE[ends]), LOOP_COVARIANCE, 50)
+
+
+def verifier(wrong=frozenset(), shift=MOVED):
+    """Confirms each candidate by the truth; the edges between sessions from the observations `wrong` are shifted."""
+
+    def check(query, candidates, graph, camera, config):
+        located = []
+        for match in candidates:
+            edge = true_edge(query.id, match, graph)
+            if query.observation_index in wrong and graph.keyframes[match].session != query.session:
+                turned = se3.exp(np.array([0.0, 0.0, 0.3 * query.id, 0.0, 2.0 * query.id, 0.0]))
+                edge = replace(edge, T_match_query=edge.T_match_query @ turned)
+            located.append((Verdict(query.id, match, "accepted"), edge))
+        return plausible(located, graph, config)
+
+    return check
+
+
+def nothing(query, candidates, graph, camera, config):
+    return Verification(())
+
+
+def walk(indices, verify, config=None, map=None):
+    rng = np.random.default_rng(2)
+    start = np.eye(4) if indices[0] == 0 else se3.inverse(MOVED)
+    slam = Slam(FORWARD_CAMERA, Encoder(), ROOMS, config, verify, map=map)
+    for i in indices:
+        slam.process(observation(i, start @ TRUE[i], rng))
+    return slam
+
+
+@pytest.fixture(scope="module")
+def first():
+    return walk(range(FIRST), verifier()).finish()
+
+
+def second(first, verify, config=None):
+    return walk(range(FIRST, FIRST + SECOND), verify, config, first).finish()
+
+
+def test_a_recognised_session_takes_the_frame_of_the_map(first):
+    joined = second(first, verifier())
+    assert sessions_apart(joined) == []
+    np.testing.assert_allclose(joined.T_W_B, TRUE, atol=1e-3)
+
+
+def test_a_session_that_is_not_recognised_lies_beside_the_map(first):
+    apart = second(first, nothing)
+    assert sessions_apart(apart) == [1]
+    np.testing.assert_array_equal(apart.T_W_B[:FIRST], first.T_W_B)
+    gap = apart.T_W_B[FIRST:, 0, 3].min() - apart.T_W_B[:FIRST, 0, 3].max()
+    assert gap == pytest.approx(10.0)
+    np.testing.assert_allclose(
+        se3.between(apart.T_W_B[FIRST], apart.T_W_B[-1]), se3.between(TRUE[FIRST], TRUE[-1]), atol=1e-9
+    )
+
+
+def test_rooms_and_ways_do_not_cross_components(first):
+    apart = second(first, nothing)
+    components = component_of(apart)
+    assert all(len(set(components[list(room.keyframes)])) == 1 for room in apart.rooms)
+    rows, columns = adjacency(apart, PlannerConfig()).nonzero()
+    assert (components[rows] == components[columns]).all()
+    assert_same(replace(relabel(apart, ROOMS, Encoder()), stage_seconds={}), replace(apart, stage_seconds={}))
+
+
+def test_edges_that_contradict_each_other_never_join(first):
+    assert sessions_apart(second(first, verifier(wrong=range(FIRST, FIRST + SECOND)))) == [1]
+
+
+def test_wrong_edges_do_not_keep_a_session_from_being_joined(first):
+    joined = second(first, verifier(wrong=range(FIRST, FIRST + 4)))
+    np.testing.assert_allclose(joined.T_W_B[FIRST:], TRUE[FIRST:], atol=0.02)
+
+
+@pytest.mark.parametrize("few", [dict(agreeing=SECOND + 1), dict(span_m=20.0)])
+def test_few_keyframes_or_a_short_path_are_not_enough(first, few):
+    assert sessions_apart(second(first, verifier(), Config(sessions=SessionConfig(**few)))) == [1]
+
+
+def test_a_map_of_several_sessions_is_saved_and_continued(first, tmp_path):
+    both = second(first, nothing)
+    save_map(both, tmp_path / "map")
+    assert_same(load_map(tmp_path / "map"), both)
+    third = walk(range(FIRST, FIRST + SECOND), verifier(), map=load_map(tmp_path / "map"))
+    assert sessions_apart(third.finish()) == []  # the third session recognises both
+
+
+def test_two_maps_are_merged_like_a_second_session(first):
+    other = walk(range(FIRST, FIRST + SECOND), verifier()).finish()
+    merged = merge(first, other, Encoder(), verifier=verifier())
+    assert [keyframe.session for keyframe in merged.keyframes] == [0] * FIRST + [1] * SECOND
+    np.testing.assert_allclose(merged.T_W_B, TRUE, atol=1e-3)
+
+
+def test_a_snapshot_does_not_change_the_run(first):
+    slam = walk(range(30), verifier())
+    early = slam.snapshot()
+    assert len(early.keyframes) == slam.keyframes > 20
+    for i in range(30, FIRST):
+        slam.process(observation(i, TRUE[i], np.random.default_rng(i)))
+        slam.snapshot()
+    np.testing.assert_array_equal(slam.finish().T_W_B, first.T_W_B)
+
+
+def test_another_camera_or_other_names_are_refused(first):
+    with pytest.raises(MapError, match="room names"):
+        Slam(FORWARD_CAMERA, Encoder(), ("office",), map=first)
+    turned = replace(FORWARD_CAMERA, T_B_C=FORWARD_CAMERA.T_B_C @ se3.exp(np.array([0, 0.1, 0, 0, 0, 0])))
+    with pytest.raises(MapError, match="same camera"):
+        Slam(turned, Encoder(), ROOMS, map=first)
+
+
+def test_components_side_by_side_keep_their_shape(rng):
+    T = se3.exp(rng.normal(size=(9, 6)))
+    components = np.array([0, 0, 0, 1, 1, 1, 0, 2, 2])
+    laid = side_by_side(T, components)
+    for name in range(3):
+        ids = components == name
+        np.testing.assert_allclose(se3.between(laid[ids][0], laid[ids]), se3.between(T[ids][0], T[ids]), atol=1e-12)
+    assert laid[components == 1, 0, 3].min() == pytest.approx(laid[components == 0, 0, 3].max() + 10.0)
