@@ -15,6 +15,7 @@ from lexis.datasets.dataset import write_dataset
 from lexis.errors import EncoderError
 from lexis.map.folder import load_map, save_map
 from lexis.query.calibration import Calibration, save_calibration
+from lexis.slam import Slam
 from lexis.types import Camera, EncoderId, Intrinsics, LoopEdge, Observation
 
 
@@ -313,3 +314,52 @@ def test_a_count_of_one_is_singular(mapped, tmp_path, capsys, loops, says):
     save_map(looped, tmp_path / "looped")
     assert cli.main(["relabel", str(tmp_path / "looped"), "--rooms", "kitchen,hall", "-o", str(tmp_path / "other")]) == 0
     assert f"keyframes, {says}, rooms: " in capsys.readouterr().out
+
+
+@pytest.fixture
+def textured(rng, tmp_path):
+    """A recording of four metres with key points in every image, none of which is seen twice."""
+    poses = np.tile(np.eye(4), (41, 1, 1))
+    poses[:, 0, 3] = 0.1 * np.arange(41)
+    images = np.kron(rng.integers(0, 256, (41, 12, 16, 1), np.uint8), np.ones((1, 10, 10, 3), np.uint8))
+    camera = Camera(Intrinsics(160, 120, 100.0, 100.0, 79.5, 59.5), np.eye(4))
+    write_dataset(
+        tmp_path / "textured", camera, [Observation(i, 0.1 * i, images[i], poses[i], 1e-6 * np.eye(6)) for i in range(41)]
+    )
+    return tmp_path / "textured"
+
+
+def test_a_run_that_is_cut_off_leaves_the_last_complete_map(dataset, tmp_path, monkeypatch):
+    process = Slam.process
+
+    def cut_off(slam, observation):
+        if observation.index == 60:
+            raise KeyboardInterrupt
+        process(slam, observation)
+
+    monkeypatch.setattr(Slam, "process", cut_off)
+    out = tmp_path / "map"
+    assert cli.main(["run", str(dataset), "--rooms", "kitchen, office", "--save-every", "3", "-o", str(out)]) != 0
+    saved = load_map(out)
+    assert 3 <= len(saved.keyframes) <= 12 and len(saved.labels) == len(saved.keyframes)
+
+
+def test_a_session_elsewhere_becomes_a_part_of_its_own(textured, tmp_path, capsys):
+    one, both, merged = (tmp_path / name for name in ("one", "both", "merged"))
+    assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(one)]) == 0
+    assert cli.main(["run", str(textured), "--map", str(one), "-o", str(both)]) == 0
+    assert cli.main(["merge", str(one), str(one), "-o", str(merged)]) == 0
+    assert capsys.readouterr().out.count("not recognised in the rest of the map: session 1") == 2
+    n = len(load_map(one).keyframes)
+    for folder in (both, merged):
+        assert [keyframe.session for keyframe in load_map(folder).keyframes] == [0] * n + [1] * n
+    assert cli.main(["info", str(both)]) == 0 and "not connected with session 0: 1" in capsys.readouterr().out
+
+
+def test_a_session_needs_a_map_with_key_points_and_equal_room_names(dataset, textured, mapped, tmp_path, capsys):
+    assert cli.main(["run", str(dataset), "--map", str(mapped), "-o", str(tmp_path / "both")]) == 2
+    assert "the map has no key points to recognise places by" in capsys.readouterr().err
+    assert cli.main(["run", str(textured), "--rooms", "kitchen, office", "-o", str(tmp_path / "one")]) == 0
+    again = ["run", str(textured), "--map", str(tmp_path / "one"), "--rooms", "kitchen", "-o", str(tmp_path / "both")]
+    assert cli.main(again) == 2
+    assert "valid: equal names in equal order" in capsys.readouterr().err and not (tmp_path / "both").exists()
