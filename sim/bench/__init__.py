@@ -4,9 +4,11 @@
 labels, rooms, loops and plans of whole runs. `room_methods` compares methods for labels and rooms, and `places` methods of
 place recognition. `openness_sweep` compares LEXIS with the baselines for rooms while inner walls are opened. `scale`
 measures how time and memory grow along one long walk, and `sessions` whether a robot that returns recognises where it is.
-`public_pose_graphs` optimises the graphs in g2o files. `planning` compares plans that are driven with different pose
-estimates, and `queries` asks the `everyday_questions`. `fidelity` compares the feature sensor with renders, and the
-subpackage `encoders` compares vision-language models. `houses` chooses the houses of a benchmark.
+`public_pose_graphs` optimises the graphs in g2o files, and `kernels` tests robust kernels against `injected_loops`, which
+are wrong. `planning` compares plans that are driven with different pose estimates, and `queries` asks the
+`everyday_questions`. `fidelity` compares the feature sensor with renders, and the subpackage `encoders` compares
+vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes its rows as a CSV file and as a
+picture.
 
 Two benchmarks judge the harness itself. `shrinking` tests the reducer on the `failing_scenarios`, in which the SLAM has one
 of the `planted_bugs`. The subpackage `mutation` plants bugs into LEXIS and counts which of them a suite finds.

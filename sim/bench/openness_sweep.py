@@ -1,8 +1,7 @@
 """`lexis-sim bench openness`: rooms by LEXIS and by baselines, in the same houses with more and more open walls."""
 
-import csv
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -21,6 +20,7 @@ from sim.baselines.rooms import (
 )
 from sim.bench.encoders.table import import_matplotlib
 from sim.bench.houses import configs
+from sim.bench.row_files import write_rows
 from sim.errors import SimError
 from sim.harness import Scenario, SlamUnderTest, evaluate, run
 from sim.harness.adapters import GeometricRooms, Lexis
@@ -115,10 +115,7 @@ def write_sweep(rows: Sequence[SweepRow], path: Path) -> None:
     if path.suffix in IMAGES:
         draw_sweep(means(rows), path)
         return
-    with replaced_file(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(asdict(rows[0])), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(asdict(row) for row in rows)
+    write_rows(rows, path)
 
 
 def draw_sweep(found: Mapping[str, Mapping[float, SweepMean]], path: Path) -> None:

@@ -26,6 +26,7 @@ from sim.commands.arguments import (
     SEED,
     argument,
     folder,
+    number,
     seeing_encoder,
 )
 from sim.durations import duration_s
@@ -46,6 +47,8 @@ _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="M
 _OWN_PYTESTS = 10
 """Approximate number of tests replaying a reduced scenario that pytest also runs in a process of its own."""
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
+_CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
+_PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -192,6 +195,36 @@ def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
     for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():
         table.add_row(name, *(shown(value, "{:.3g}") for value in row))
     yield table
+
+
+def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
+    from sim.bench.row_files import check_folder, check_picture, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    if arguments.plot:
+        check_picture(arguments.plot)
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    rows = list(
+        summarised(
+            [each for house in mapped_houses(arguments.preset, seeds) for each in kernel_runs(house, arguments.threshold)]
+        )
+    )
+    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
+    headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
+    table = Table("false loops", "share", "kernel", *headers, title=title)
+    for row in rows:
+        table.add_row(
+            *(row.kind, f"{row.share:.0%}", row.kernel, f"{row.ate_m:.3f} ± {row.ate_std_m:.3f}", f"{row.growth:.1%}"),
+            *(f"{row.true_rejected:.1%} ± {row.true_rejected_std:.1%}", f"{row.untouched:.0%}", f"{row.false_trusted:.1%}"),
+            end_section=row.kernel == rows[-1].kernel,
+        )
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+    if arguments.plot:
+        draw_kernels(rows, arguments.plot)
 
 
 def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -434,6 +467,25 @@ _BENCHMARKS = (
             _HOUSES,
             argument("--every", type=float, default=10.0, help="metres of walk between starts (default: %(default)s)"),
             argument("--length", type=float, default=15.0, help="length of each session in metres (default: %(default)s)"),
+            SEED,
+        ),
+    ),
+    Action(
+        "kernels",
+        _printing(_kernels),
+        "robust kernels against false loops that are added to finished maps",
+        "lexis-sim bench kernels --preset home --houses 5 --seed 500",
+        (
+            _PRESET,
+            _HOUSES,
+            argument(
+                "--threshold",
+                type=number(0.001, 1e6),
+                default=12.6,
+                help="squared whitened residual above which a kernel lowers a weight (default: %(default)s)",
+            ),
+            _CSV,
+            _PLOT,
             SEED,
         ),
     ),

@@ -1,0 +1,144 @@
+"""`lexis-sim bench kernels`: robust kernels of the pose graph against false loops that are added to finished maps.
+
+LEXIS maps every house once. Its odometry and its loops, with false loops among them, are then optimised with each kernel.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool
+
+from lexis.config import PoseGraphConfig
+from lexis.evaluation.trajectory import ate_rmse
+from lexis.graph.pose_graph import PoseGraph
+from lexis.types import Keyframe, LoopEdge, Poses
+from sim.bench.houses import configs
+from sim.bench.injected_loops import KINDS, injected
+from sim.bench.row_files import draw_panels
+from sim.harness import Scenario, run
+from sim.harness.adapters import Lexis
+from sim.harness.loops import edge_truth
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+
+KERNELS: tuple[Literal["dcs", "gnc", "huber", "none"], ...] = ("dcs", "gnc", "huber", "none")
+SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+"""Shares of injected loops among all loops."""
+REJECTED = 0.5
+"""A loop with a smaller weight counts as rejected."""
+
+
+@dataclass(frozen=True, eq=False)
+class MappedHouse:
+    """The pose graph that LEXIS built in one house, and the truth about it."""
+
+    seed: int
+    keyframes: tuple[Keyframe, ...]
+    loops: tuple[LoopEdge, ...]
+    is_true: Bool[np.ndarray, "loops"]
+    true_poses: Poses
+
+
+@dataclass(frozen=True)
+class KernelRun:
+    """One optimisation of one house with injected loops."""
+
+    seed: int
+    kind: str
+    share: float
+    kernel: str
+    ate_m: float
+    """Absolute trajectory error of the keyframes [m]."""
+    true_rejected: float
+    """Share of LEXIS's own true loops that are rejected."""
+    false_trusted: float
+    """Share of the injected loops that are not rejected; 0 without injected loops."""
+
+
+@dataclass(frozen=True)
+class KernelRow:
+    """Runs with one kernel, kind and share over all houses: means and standard deviations."""
+
+    kind: str
+    share: float
+    kernel: str
+    houses: int
+    ate_m: float
+    ate_std_m: float
+    growth: float
+    """Mean growth of the ATE over that of the same kernel without injected loops, as a share."""
+    true_rejected: float
+    true_rejected_std: float
+    false_trusted: float
+    untouched: float
+    """Share of the houses in which no true loop is rejected."""
+
+
+def mapped_houses(preset: str, seeds: Sequence[int]) -> Iterator[MappedHouse]:
+    """Let LEXIS map a house for each seed on the feature sensor."""
+    usual, slam = Scenario(preset=preset, fidelity="features", frame_rate_hz=FEATURES_FRAME_RATE_HZ), Lexis()
+    for scenario in configs(usual, seeds):
+        finished = run(scenario, slam)
+        yield MappedHouse(scenario.seed, slam.map.keyframes, slam.map.loops, edge_truth(finished), finished.true_poses)
+
+
+def kernel_runs(house: MappedHouse, threshold: float = PoseGraphConfig.outlier_threshold) -> Iterator[KernelRun]:
+    """Optimise the graph of a house with every kernel, kind and share of injected loops.
+
+    `threshold` is the setting `pose_graph.outlier_threshold`.
+    """
+    for kind in KINDS:
+        for share in SHARES:
+            rng = np.random.default_rng((house.seed, list(KINDS).index(kind), round(100 * share)))
+            count = round(share / (1.0 - share) * len(house.loops))
+            false = injected(kind, count, house.true_poses, house.loops, rng)
+            for kernel in KERNELS:
+                config = PoseGraphConfig(kernel=kernel, outlier_threshold=threshold)
+                yield KernelRun(house.seed, kind, share, kernel, *_optimised(house, false, config))
+
+
+def _optimised(house: MappedHouse, false: Sequence[LoopEdge], config: PoseGraphConfig) -> tuple[float, float, float]:
+    """The ATE, the share of true loops rejected and of false loops trusted; the optimisation starts at the odometry."""
+    graph = PoseGraph(config)
+    for keyframe in house.keyframes:
+        graph.add_keyframe(keyframe)
+    graph.add_loops([*house.loops, *false])
+    graph.optimise_if_due(final=True)
+    rejected = graph.loop_weights < REJECTED
+    own, added = rejected[: len(house.loops)][house.is_true], rejected[len(house.loops) :]
+    ate_m = ate_rmse(graph.T_W_B[:, :3, 3], house.true_poses[:, :3, 3]) or 0.0
+    return ate_m, float(own.mean()) if len(own) else 0.0, float((~added).mean()) if len(added) else 0.0
+
+
+def summarised(runs: Sequence[KernelRun]) -> Iterator[KernelRow]:
+    """Means and standard deviations over the houses, in the order of kinds, shares and kernels."""
+    clean = {(each.seed, each.kind, each.kernel): each.ate_m for each in runs if each.share == 0.0}
+    groups: dict[tuple[str, float, str], list[KernelRun]] = {}
+    for each in runs:
+        groups.setdefault((each.kind, each.share, each.kernel), []).append(each)
+    for (kind, share, kernel), found in groups.items():
+        ate, rejected = np.array([each.ate_m for each in found]), np.array([each.true_rejected for each in found])
+        growth = ate / [clean[each.seed, kind, kernel] for each in found] - 1.0
+        trusted = np.mean([each.false_trusted for each in found])
+        figures = ate.mean(), ate.std(), growth.mean(), rejected.mean(), rejected.std(), trusted, (rejected == 0).mean()
+        yield KernelRow(kind, share, kernel, len(found), *map(float, figures))
+
+
+def draw_kernels(rows: Sequence[KernelRow], path: Path) -> None:
+    """Draw the ATE and the share of rejected true loops against the share of injected loops, as PNG or SVG."""
+
+    def curves(kind: str, figure: str, spread: str) -> dict[str, list[tuple[float, float, float]]]:
+        return {
+            kernel: [
+                (row.share, getattr(row, figure), getattr(row, spread))
+                for row in rows
+                if (row.kind, row.kernel) == (kind, kernel)
+            ]
+            for kernel in KERNELS
+        }
+
+    figures = ("ate_m", "ate_std_m"), ("true_rejected", "true_rejected_std")
+    panels = [[(f"{kind} false loops", curves(kind, *names)) for kind in KINDS] for names in figures]
+    draw_panels(panels, ("share of injected loops", ("ATE [m]", "true loops rejected")), path)

@@ -1,0 +1,105 @@
+"""Kernels against injected loops: without them all kernels agree, and the robust kernels withstand them."""
+
+import csv
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from lexis.evaluation.loops import true_edges
+from lexis.maths.se3 import between, exp, inverse, log
+from lexis.types import Features, Keyframe, Landmarks, LoopArrays, LoopEdge
+from sim.bench import kernels as module
+from sim.bench.injected_loops import GROUP, KINDS, injected
+from sim.bench.kernels import KERNELS, KernelRow, MappedHouse, draw_kernels, kernel_runs, summarised
+from sim.bench.row_files import check_picture, write_rows
+from sim.errors import SimError
+
+SIGMAS = np.repeat([0.01, 0.03], 3)
+
+
+@pytest.fixture(scope="module")
+def house():
+    """Two laps on a circle with noisy odometry, and true loops from lap to lap."""
+    rng, count, laps = np.random.default_rng(0), 100, 2
+    true = np.array([exp(np.array([0, 0, 2 * np.pi * laps * k / count, 0, 0, 0])) for k in range(count)])
+    true[:, :2, 3] = 4 * true[:, :2, 0]
+    steps = between(true[:-1], true[1:]) @ exp(rng.normal(size=(count - 1, 6)) * SIGMAS)
+    odometry = [true[0]]
+    for step in steps:
+        odometry.append(odometry[-1] @ step)
+    nothing = (
+        Features(np.zeros((0, 2), np.float32), np.zeros((0, 61), np.uint8)),
+        Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+    )
+    unit = np.array([1.0], np.float32)
+    keyframes = tuple(Keyframe(k, k, float(k), pose, np.diag(SIGMAS**2), unit, *nothing) for k, pose in enumerate(odometry))
+    loops = tuple(
+        LoopEdge(k + 50, k, between(true[k], true[k + 50]) @ exp(rng.normal(size=6) * SIGMAS), np.diag(SIGMAS**2), 40)
+        for k in range(0, 50, 2)
+    )
+    return MappedHouse(0, keyframes, loops, np.ones(len(loops), bool), true)
+
+
+@pytest.fixture(scope="module")
+def runs(house):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "SHARES", (0.0, 0.5))
+        return list(kernel_runs(house))
+
+
+def test_without_injected_loops_all_kernels_agree_within_a_centimetre(runs):
+    clean = [run for run in runs if run.share == 0.0]
+    assert len(clean) == len(KINDS) * len(KERNELS)
+    assert np.ptp([run.ate_m for run in clean]) < 0.01
+    assert all(run.true_rejected == run.false_trusted == 0.0 for run in clean if run.kernel in ("dcs", "none"))
+
+
+def test_robust_kernels_withstand_half_of_false_loops_that_spoil_least_squares(runs):
+    rows = {(row.kind, row.share, row.kernel): row for row in summarised(runs)}
+    assert len(rows) == len(KINDS) * 2 * len(KERNELS)
+    for kind in KINDS:
+        assert rows[kind, 0.5, "dcs"].growth < 0.2 and rows[kind, 0.5, "gnc"].growth < 0.2
+        assert rows[kind, 0.5, "none"].growth > 2.0 and rows[kind, 0.5, "none"].false_trusted == 1.0
+        assert rows[kind, 0.5, "dcs"].false_trusted < 0.1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_injected_loops_are_false_and_as_many_as_wanted(house, kind, rng):
+    loops = injected(kind, 33, house.true_poses, house.loops, rng)
+    edges = LoopArrays.of(loops)
+    assert len(loops) == 33 and (edges.match < edges.query).all()
+    assert not true_edges(edges.query, edges.match, edges.T_match_query, house.true_poses).any()
+    apart = np.linalg.norm(house.true_poses[edges.match, :3, 3] - house.true_poses[edges.query, :3, 3], axis=1)
+    assert (apart < 3).all() if kind == "local" else np.median(apart) > 3
+
+
+def test_the_loops_of_a_cluster_agree_with_each_other(house, rng):
+    loops = injected("grouped", GROUP, house.true_poses, house.loops, rng)
+    true = house.true_poses
+    moved = [true[a.match] @ a.T_match_query @ inverse(true[a.query]) for a in loops]
+    there = [each @ true[loop.query] for loop, each in zip(loops, moved, strict=True)]
+    first = [moved[0] @ true[loop.query] for loop in loops]
+    assert np.linalg.norm(log(between(np.array(first), np.array(there))), axis=1).max() < 0.4
+    assert np.ptp([a.query - a.match for a in loops]) == 0
+
+
+def test_walks_without_a_pair_that_fits_get_no_false_loops(house, rng):
+    assert injected("local", 5, np.tile(np.eye(4), (50, 1, 1)), house.loops, rng) == []
+    assert injected("random", 5, house.true_poses, [], rng) == []
+
+
+def test_rows_become_a_csv_file_and_pictures(runs, tmp_path):
+    rows = list(summarised(runs))
+    write_rows(rows, tmp_path / "rows.csv")
+    with (tmp_path / "rows.csv").open() as file:
+        read = list(csv.DictReader(file))
+    assert [row["kernel"] for row in read] == [row.kernel for row in rows]
+    assert list(read[0]) == [field.name for field in fields(KernelRow)]
+    for name, start in (("a.png", b"\x89PNG"), ("a.svg", b"<?xml")):
+        check_picture(tmp_path / name)
+        draw_kernels(rows, tmp_path / name)
+        assert (tmp_path / name).read_bytes().startswith(start)
+    for name in ("a.pdf", "nowhere/a.png"):
+        with pytest.raises(SimError, match="valid"):
+            check_picture(tmp_path / name)
