@@ -52,9 +52,7 @@ def test_a_jump_of_the_trajectory_is_found(lexis):
 
 
 def test_a_single_frame_has_no_steps(lexis):
-    one = {name: getattr(lexis.estimate, name)[:1] for name in ("frames", "T_W_B")}
-    only = replace(lexis.estimate, labels=None, rooms=None, floors=None, baseline_labels=None, loops=None, candidates=None,
-                   similarities=None, **one)  # fmt: skip
+    only = Estimate(lexis.estimate.frames[:1], lexis.estimate.T_W_B[:1])
     assert steps_follow_odometry(replace(lexis, estimate=only)).holds is None
 
 
