@@ -1,9 +1,9 @@
 """Benchmarks behind `lexis-sim bench`: each benchmark measures figures over several houses and prints a table.
 
 `speed` (with `memory`, `overlap` and `plain`) measures time, and `throughput` houses per second. `segmentation` measures the
-labels, rooms, loops and plans of whole runs. `room_methods` compares methods for labels and rooms, and `places` methods of
-place recognition. `openness_sweep` compares LEXIS with the baselines for rooms while inner walls are opened. `scale`
-measures how time and memory grow along one long walk, and `sessions` whether a robot that returns recognises where it is.
+labels, rooms, loops and plans of whole runs. The subpackage `peers` compares LEXIS with other methods on the same walks, and
+`places` compares its own methods of place recognition. `scale` measures how time and memory grow along one long walk, and
+`sessions` whether a robot that returns recognises where it is.
 `public_pose_graphs` optimises the graphs in g2o files, and `kernels` tests robust kernels against `injected_loops`, which
 are wrong. `planning` compares plans that are driven with different pose estimates, and `queries` asks the
 `everyday_questions`. `fidelity` compares the feature sensor with renders, and the subpackage `encoders` compares

@@ -36,6 +36,8 @@ from worlds.presets import PRESETS
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 _PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
+_PRESETS = argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP)
+_FIDELITY = argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP)
 _OPENNESS = argument(
     "--openness",
     type=float,
@@ -119,7 +121,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.room_methods import compare_methods
+    from sim.bench.peers.room_methods import compare_methods
 
     table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
     seeds = range(arguments.seed, arguments.seed + arguments.houses)
@@ -130,7 +132,7 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.openness_sweep import METHODS, OPENNESS, check_files, means, sweep, write_sweep
+    from sim.bench.peers.openness_sweep import METHODS, OPENNESS, check_files, means, sweep, write_sweep
 
     check_files(arguments.out)
     seeds = range(arguments.seed, arguments.seed + arguments.houses)
@@ -145,6 +147,26 @@ def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
         cells = (f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f})" for each in found.values())
         table.add_row(name, *cells)
     yield table
+
+
+def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
+    from sim.bench.row_files import check_folder, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
+    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
+    table = Table("method", *presets, title=title)
+    for method, found in means(rows).items():
+        table.add_row(method, *(f"{each.ate_m:.3f} ± {each.std_m:.3f} ({each.odometry:.2f})" for each in found.values()))
+    table.add_section()
+    for method, paper in PAPER_ATE_M.items():
+        table.add_row(f"paper: {method}", *(f"{paper[each]:.2f}" if each in paper else "" for each in presets))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
 
 
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -438,14 +460,21 @@ _BENCHMARKS = (
         ),
     ),
     Action(
+        "table3",
+        _printing(_table3),
+        "trajectory errors of odometry and of LEXIS with each method of place recognition, as in the paper's Table III",
+        "lexis-sim bench table3 --presets ori home --houses 5 --seed 500",
+        (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
+    ),
+    Action(
         "places",
         _printing(_places),
         "loop candidates by the method of the paper, by similarity alone and by the probability of a revisit",
         "lexis-sim bench places --presets home ori --houses 5 --seed 900",
         (
-            argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP),
+            _PRESETS,
             _HOUSES,
-            argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP),
+            _FIDELITY,
             argument("--fit", action="store_true", help="also fit the probability of a revisit to these walks"),
             SEED,
         ),

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.bench import openness_sweep as module
-from sim.bench.openness_sweep import METHODS, SweepRow, check_files, means, sweep, write_sweep
+from sim.bench.peers import openness_sweep as module
+from sim.bench.peers.openness_sweep import METHODS, SweepRow, check_files, means, sweep, write_sweep
 from sim.errors import SimError
 
 

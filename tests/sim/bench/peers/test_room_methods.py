@@ -1,7 +1,7 @@
 """The methods for labels and rooms are compared on the same walks."""
 
 from lexis.config import PAPER, Config
-from sim.bench.room_methods import METHODS, compare_methods
+from sim.bench.peers.room_methods import METHODS, compare_methods
 
 
 def test_the_first_method_is_that_of_the_paper_and_sight_finds_better_rooms():

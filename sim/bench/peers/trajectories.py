@@ -1,0 +1,91 @@
+"""`lexis-sim bench table3`: trajectory errors of odometry and of LEXIS with each method of place recognition (Table III)."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from lexis.config import Config, PlaceRecognitionConfig
+from sim.bench.houses import configs
+from sim.fidelity import Fidelity
+from sim.harness import Scenario, SlamUnderTest, evaluate, run
+from sim.harness.adapters import Lexis, OdometryOnly
+from sim.harness.adapters.true_stages import TrueStages
+from sim.harness.world_tests import FEATURES_FRAME_RATE_HZ
+
+PAPER_ATE_M: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "ORB-SLAM3": {"ori": 0.22, "home": 0.10},
+        "VINS-Fusion": {"ori": 0.10, "home": 0.08},
+        "LEXIS": {"ori": 0.16, "home": 0.10},
+    }
+)
+"""Table III of the paper: absolute trajectory error by method and data set [m], in houses other than ours."""
+
+
+def _proposing(method: PlaceRecognitionConfig) -> Callable[[Scenario], SlamUnderTest]:
+    return lambda scenario: Lexis(scenario.encoder, Config(place_recognition=method))
+
+
+def _with_true_loops(scenario: Scenario) -> SlamUnderTest:
+    truth = TrueStages.of(scenario)
+    return Lexis(scenario.encoder, place_recogniser=truth.propose, verifier=truth.verify)
+
+
+METHODS: Mapping[str, Callable[[Scenario], SlamUnderTest]] = MappingProxyType(
+    {
+        "odometry": lambda scenario: OdometryOnly(),
+        "LEXIS, by room (paper)": _proposing(PlaceRecognitionConfig(method="room")),
+        "LEXIS, by similarity": _proposing(PlaceRecognitionConfig(method="similarity")),
+        "LEXIS": _proposing(PlaceRecognitionConfig()),
+        "LEXIS, true loops": _with_true_loops,
+    }
+)
+"""The SLAM for a scenario, by the name of the method. The last one is told which keyframes show one place."""
+
+
+@dataclass(frozen=True)
+class TrajectoryRow:
+    """The trajectory of one method in one house."""
+
+    preset: str
+    seed: int
+    method: str
+    ate_m: float
+    """Absolute trajectory error [m]."""
+    odometry_m: float
+    """Absolute trajectory error of the odometry on the same walk [m]."""
+
+
+@dataclass(frozen=True)
+class TrajectoryMean:
+    """Absolute trajectory errors of one method, over the houses of one preset."""
+
+    ate_m: float
+    std_m: float
+    worst_m: float
+    odometry: float
+    """Mean over the houses of the error, divided by that of the odometry on the same walk."""
+
+
+def compare_trajectories(presets: Sequence[str], seeds: Sequence[int], fidelity: Fidelity) -> Iterator[TrajectoryRow]:
+    """Let every method of `METHODS` follow the same walks, one for each preset and seed."""
+    rate_hz = FEATURES_FRAME_RATE_HZ if fidelity == "features" else Scenario.frame_rate_hz
+    for preset in presets:
+        for scenario in configs(Scenario(preset=preset, fidelity=fidelity, frame_rate_hz=rate_hz), seeds):
+            for name, slam in METHODS.items():
+                found = evaluate(run(scenario, slam(scenario))).trajectory
+                yield TrajectoryRow(preset, scenario.seed, name, found.ate_m or 0.0, found.ate_odometry_m or 0.0)
+
+
+def means(rows: Sequence[TrajectoryRow]) -> dict[str, dict[str, TrajectoryMean]]:
+    """Average over houses, by method and preset."""
+    found: dict[str, dict[str, TrajectoryMean]] = {}
+    for method, preset in dict.fromkeys((row.method, row.preset) for row in rows):
+        mine = [row for row in rows if (row.method, row.preset) == (method, preset)]
+        ate_m = np.array([row.ate_m for row in mine])
+        shares = ate_m / [row.odometry_m for row in mine]
+        figures = ate_m.mean(), ate_m.std(), ate_m.max(), shares.mean()
+        found.setdefault(method, {})[preset] = TrajectoryMean(*map(float, figures))
+    return found
