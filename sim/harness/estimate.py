@@ -37,8 +37,8 @@ class LoopClaims:
     """For each loop, the row of its earlier frame in `Estimate.frames`."""
     T_match_query: Float64[np.ndarray, "m 4 4"]
     """For each loop, the measured pose of the body at the later frame, in the body frame of the earlier frame."""
-    weights: Float64[np.ndarray, "m"]
-    """Final confidence of the SLAM in each loop, in [0, 1]; all ones if the SLAM gives no confidence."""
+    weights: Float64[np.ndarray, "m"] | None = None
+    """Final confidence of the SLAM in each loop, in [0, 1]; None if the SLAM gives no confidences."""
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,8 @@ def _loops(run: Run) -> tuple[LoopMark, ...]:
     loops = run.estimate.loops
     if loops is None:
         return ()
-    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), loops.weights.tolist(), strict=True)
+    weights = np.ones(len(loops.query)) if loops.weights is None else loops.weights
+    marks = zip(loops.query.tolist(), loops.match.tolist(), edge_truth(run).tolist(), weights.tolist(), strict=True)
     return tuple(LoopMark(*mark) for mark in marks)
 
 

@@ -36,8 +36,8 @@ class LoopClaim(_Strict):
     """Stamp of the earlier frame [s]."""
     T_match_query: Annotated[list[float], Field(min_length=7, max_length=7)]
     """Measured pose of the body at the later frame, in the body frame of the earlier frame: tx ty tz [m], qx qy qz qw."""
-    weight: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
-    """Final confidence of the program in the loop."""
+    weight: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    """Final confidence of the program in the loop; 1 if only other loops of the file have a weight."""
 
 
 class RevisitClaim(_Strict):
@@ -69,14 +69,19 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
     query, match = (rows_of([getattr(loop, name) for loop in file.loops]) for name in ("query", "match"))
     rows = np.array([loop.T_match_query for loop in file.loops], float).reshape(-1, 7)
     _check(file.loops, query <= match, np.linalg.norm(rows[:, 3:], axis=1))
-    claims: dict[str, Any] = {
-        "loops": LoopClaims(query, match, poses_of(rows), np.array([loop.weight for loop in file.loops], float))
-    }
+    claims: dict[str, Any] = {"loops": LoopClaims(query, match, poses_of(rows), _weights(file.loops))}
     if file.candidates is not None:
         queries = rows_of([revisit.query for revisit in file.candidates]).tolist()
         matches = [tuple(rows_of(revisit.matches).tolist()) for revisit in file.candidates]
         claims["candidates"] = tuple(zip(queries, matches, strict=True))
     return claims
+
+
+def _weights(loops: Sequence[LoopClaim]) -> Float64[np.ndarray, "m"] | None:
+    """Weights of all loops, or None if no loop has one."""
+    if all(loop.weight is None for loop in loops):
+        return None
+    return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])
 
 
 def _check(loops: Sequence[LoopClaim], forward: Bool[np.ndarray, "m"], norms: Float64[np.ndarray, "m"]) -> None:

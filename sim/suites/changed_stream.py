@@ -109,4 +109,5 @@ def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose)
     query, match = new_row[loops.query], new_row[loops.match]
     others = query != match  # two frames for one observation may form a loop
     T_match_query = T_B_N @ loops.T_match_query[others] @ inverse(T_B_N)
-    return LoopClaims(query[others], match[others], T_match_query, loops.weights[others])
+    weights = None if loops.weights is None else loops.weights[others]
+    return LoopClaims(query[others], match[others], T_match_query, weights)

@@ -75,7 +75,7 @@ def steps_follow_odometry(run: Run) -> CheckFinding:
 def trusted_loops_fit(run: Run) -> CheckFinding:
     """Compare the relative poses of trusted loop closures with those of the trajectory."""
     poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or (np.asarray(loops.weights) == 1.0).all():
+    if poses is None or loops is None or loops.weights is None:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     if not (trusted := np.asarray(loops.weights) > _TRUSTED).any():
         return CheckFinding(None, "the SLAM trusts no loop closure")
@@ -90,7 +90,7 @@ def trusted_loops_fit(run: Run) -> CheckFinding:
 def fitting_loops_are_trusted(run: Run) -> CheckFinding:
     """Look for loop closures that the trajectory satisfies although the SLAM does not trust them."""
     poses, loops = run.estimate.T_W_B, run.estimate.loops
-    if poses is None or loops is None or (np.asarray(loops.weights) == 1.0).all():
+    if poses is None or loops is None or loops.weights is None:
         return CheckFinding(None, "the SLAM does not say which loop closures it trusts")
     moved, turned = _loop_errors(loops, poses)
     fits = (moved <= _FITS_M) & (turned <= _FITS_RAD)
