@@ -48,7 +48,7 @@ class ProofPlan:
 
 @dataclass(frozen=True)
 class ReductionProof:
-    """The outcome of reducing one scenario: sizes before and after, times, and broken laws."""
+    """Result of testing the reducer on one scenario: sizes before and after, times, and requirements that it broke."""
 
     number: int
     rooms: tuple[int, int]

@@ -1,4 +1,4 @@
-"""`blame`: runs a failing scenario again with one part replaced at a time, and says which replacements mend the failure."""
+"""`blame`: reruns a failing scenario with one part of it or of LEXIS replaced at a time; says which changes mend it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

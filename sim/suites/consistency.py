@@ -19,7 +19,7 @@ _STEP_M, _STEP_RAD = 0.25, 0.1
 """Largest correction of the motion between two successive frames of the estimate [m, rad]. A SLAM distributes a correction
 over the loop; corrections of LEXIS reach 0.12 m and 0.03 rad, on odometry that drifts much."""
 _STEP_SHARE, _STEP_RAD_M = 0.05, 0.01
-"""What is added to these bounds for each metre of a step, for a SLAM whose frames are far apart [m/m, rad/m]."""
+"""Added to `_STEP_M` and `_STEP_RAD` per metre between successive frames, for SLAMs with sparse frames [m/m, rad/m]."""
 _LOOP_M, _LOOP_RAD = 0.5, 0.15
 """Largest difference between a trusted loop closure and the poses that it joins [m, rad]. LEXIS reaches 0.21 m, 0.03 rad."""
 _FITS_M, _FITS_RAD = 0.06, 0.02

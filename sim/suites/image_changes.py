@@ -15,7 +15,7 @@ class OtherImages(NoChange):
     """Every second observation shows another image: one that is black, or an embedding that is the same for all of them."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation, with the other image if its index is odd."""
+        """Yield the observation, with its image replaced if the observation's index is odd."""
         yield replace(observation, image=_other(observation.image)) if self.is_replaced(observation.index) else observation
 
     @staticmethod

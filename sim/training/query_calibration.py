@@ -89,13 +89,14 @@ class CalibrationFigures:
     best_calibration_error: float
     """Expected calibration error of the probability of each question's best room, the one with the highest probability."""
     right: float
-    """Share, of the questions with an answer, for which the best room is right, or shows the thing very small."""
+    """Share of the questions with an answer for which the best room is right. A room that shows the thing, but only very
+    small, counts as right."""
     unknown_auc: float
     """Area under the ROC curve for telling questions with and without an answer apart by the best room's probability."""
     found: float
-    """Share, of the questions with an answer, for which an answer is given instead of "unknown"."""
+    """Share of the questions with an answer that are answered with a room instead of "unknown"."""
     unknown: float
-    """Share, of the questions without an answer, for which "unknown" is given."""
+    """Share of the questions without an answer that are answered with "unknown"."""
 
 
 def measure(calibration: Calibration, encoder: TextEncoder, houses: Iterable[QuestionBatch]) -> CalibrationFigures:

@@ -26,7 +26,7 @@ from sim.harness.slam_under_test import SlamUnderTest
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
-"""Name of the comparison of the scenarios for which only one of the SLAMs has a result."""
+"""Name of the comparison that counts, for each SLAM, the scenarios for which only that SLAM has a result."""
 
 
 class Rule(NamedTuple):

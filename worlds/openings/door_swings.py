@@ -113,7 +113,7 @@ def swing_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
 
 
 def resting_box(door: OpeningDraft, leaf: LeafDraft) -> Rectangle:
-    """The rectangle around the leaf at the angle at which it stands [m]."""
+    """Return the bounding rectangle of the leaf, standing open at `leaf.angle` [m]."""
     tip, half = door.width * math.cos(leaf.angle), LEAF_THICKNESS_M / 2
     return _box(door, leaf, min(0.0, tip) - half, max(0.0, tip) + half, door.width * math.sin(leaf.angle))
 

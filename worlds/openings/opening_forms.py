@@ -46,7 +46,7 @@ class Task:
     draw: float
     """Number in [0, 1) that decides where along the wall an opening lies."""
     blocked: tuple[OpeningDraft, ...] = ()
-    """Stretches of wall with furniture in front of them, as drafts of openings; a new door avoids them if it can."""
+    """Stretches of wall with furniture in front of them; a new door is placed elsewhere if possible."""
 
     @property
     def main(self) -> Boundary:

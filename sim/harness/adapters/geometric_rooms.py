@@ -26,10 +26,10 @@ STAIRS = -1
 
 
 class GeometricRooms:
-    """Claims the odometry's poses, floors by height and room instances by position, but no labels.
+    """A baseline that reports the odometry's poses, floors by height and rooms by position, but no labels.
 
     Poses show no walls or doors, so the rule is simple: on each floor, and on the stairs, keyframes form rooms in which no
-    two keyframes are more than `ROOM_M` apart. This rule splits longer rooms, merges small rooms side by side, and fails on
+    two keyframes are more than `ROOM_M` apart. This rule splits longer rooms, merges small neighbouring rooms, and fails on
     walks so long that the drift of the height hides the storeys.
     """
 
