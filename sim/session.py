@@ -87,9 +87,10 @@ class Session:
                 yield Observation(i, stamp, image, T_O_B[i], covariance), self.truths[i]
 
     def picture(self, frame: int) -> Image:
-        """Render the image of a frame of the tour, without faults of the image, also in sessions with a `sensor`.
+        """Render the image of one frame of the tour, without the faults that a run applies to images.
 
-        Raises `GraphicsError` if there is no off-screen OpenGL.
+        This also works in a session with a `sensor`, which itself renders no images. Raises `GraphicsError` if there is no
+        off-screen OpenGL.
         """
         with closing(FrameRenderer(self._world_states, self.camera, self._distortion)) as renderer:
             return renderer.rgb(frame, self.tour.T_W_B[frame])

@@ -30,7 +30,8 @@ _COUNT = 1000
 _STEEP = 0.1
 """Cosine of the elevation beyond which a camera counts as looking straight up or down."""
 _SPARE_M = 1e-5
-"""Spare distance with which neighbours are searched, before their distances are rounded and compared [m]."""
+"""Distance by which the search radius for neighbours exceeds `near_m` [m], so that no neighbour is lost before the distances
+are rounded and compared with `near_m`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -67,7 +67,7 @@ class Agreement:
     rendered: float
     """Mean of the figure over rendered runs."""
     features: float
-    """Mean of the figure over runs with features."""
+    """Mean of the compared figure over the runs of fidelity "features" (without images)."""
     mean_difference: float
     """Mean over the houses of the absolute difference between the rendered run and the run with features."""
 

@@ -16,11 +16,13 @@ from lexis.types import Covariance, LoopEdge, Poses
 LOCAL_M = (1.0, 3.0)
 """Range of the true distances between the two keyframes of a local false loop [m]."""
 GROUP = 6
-"""Number of false loops in a cluster, between consecutive keyframes."""
+"""Largest number of false loops in a cluster. They connect consecutive keyframes of one place to consecutive keyframes of
+another place."""
 _GAP = 20
 """Least number of keyframes between the two keyframes of a false loop."""
 _OFFSET = np.repeat([0.1, 0.3], 3) * [0.1, 0.1, 1, 1, 1, 0.1]
-"""Standard deviations of the stated relative poses; the camera stays upright: rotation, then translation [rad, m]."""
+"""Standard deviations of the relative pose that a false loop states: three rotations [rad], then three translations [m].
+Tilt deviates less than yaw, and height less than x and y, because the camera stays upright."""
 _FURTHEST_M = 3.0
 """Keyframes farther apart than this are at different places [m]."""
 

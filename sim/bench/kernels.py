@@ -68,7 +68,8 @@ class KernelRow:
     ate_m: float
     ate_std_m: float
     growth: float
-    """Mean growth of the ATE over that of the same kernel without injected loops, as a share."""
+    """How much the injected loops increase the ATE with this kernel, as a mean over the houses: 0.1 if the ATE is 10 %
+    larger than without injected loops."""
     true_rejected: float
     true_rejected_std: float
     false_trusted: float

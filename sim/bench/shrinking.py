@@ -177,7 +177,7 @@ class ReductionSummary:
     broken: int
     """How many reductions break a law."""
     least_rooms: int | None
-    """Least number of rooms in which the bug can show; None for all families together."""
+    """Least number of rooms in which the family's planted bug can show; None in the summary of all families together."""
     rooms_before: float
     """Median number of rooms of the original scenarios."""
     rooms: tuple[float, float, float]

@@ -181,7 +181,10 @@ def _interleaved(work: Mapping[str, Callable[[np.ndarray], object]], poses: Pose
 
 
 def _ratio(name: str, slow: Sequence[float], fast: Sequence[float], bar: float) -> SpeedFigure:
-    """The ratio of the median times `slow` and `fast`. The worst value is the smallest ratio at a single pose."""
+    """The ratio of two lists of times, `slow` / `fast`, with one time for each pose.
+
+    The median of the figure is the ratio of the two median times; its worst value is the smallest ratio at any pose.
+    """
     single = np.array(slow) / np.array(fast)
     return SpeedFigure(name, float(np.median(slow) / np.median(fast)), float(single.min()), len(single), f">= {bar:g}")
 

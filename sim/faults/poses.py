@@ -51,7 +51,11 @@ class OdometryFreeze(SpanFault):
     """Duration of the fault [s]."""
 
     def apply(self, stream: Stream, rng: np.random.Generator) -> Stream:
-        """Yield the stream with frozen poses. All later poses are wrong, too; the truth of these frames names the fault."""
+        """Yield the stream with frozen poses while the fault lasts.
+
+        Afterwards all poses stay wrong, because the odometry continues from the frozen pose. The truth of every frame with a
+        wrong pose contains the name of this fault.
+        """
         before: Observation | None = None
         reported = np.eye(4)
         frozen = False

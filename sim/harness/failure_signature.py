@@ -71,7 +71,8 @@ class FailureTest:
     def __call__(self, scenario: Scenario) -> Signature | None:
         """Run the SLAM on a scenario; return the signature of the failure, or None if the run does not fail.
 
-        If the test has a claim, raises `SimError` if the SLAM crashes or the figure of the claim is null.
+        A test with a claim, such as "labels.accuracy < 0.7", raises `SimError` in two cases: the SLAM crashes, or the run
+        has no value (null) for a figure in the claim.
         """
         return self.signature_of(self.outcome(scenario))
 

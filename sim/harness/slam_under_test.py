@@ -64,7 +64,10 @@ class SavesFiles(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FeatureInput:
-    """What a SLAM needs in runs of fidelity "features", in which there are no images to encode or to verify loops with."""
+    """What the harness gives to a SLAM in a run of fidelity "features": the feature model and a loop verifier.
+
+    Such a run has no images, so the SLAM can neither encode images nor compare them to verify loops.
+    """
 
     model: FeatureModel
     source: str

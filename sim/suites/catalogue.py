@@ -147,7 +147,8 @@ PLANS = Consistent(
     plans_can_be_walked,
     rate=0.9,
 )
-"""A law for houses of one storey. A loop closure that is slightly wrong may lead a step through the corner of a table."""
+"""The law that plans are walkable, for houses of one storey. It has to hold in 90 % of the scenarios only, because a loop
+closure that is slightly wrong may lead a step of a plan through the corner of a table."""
 HOMES = SuitePart(
     "homes",
     "Homes of one storey and three to five rooms. LEXIS does well there, so most laws are checked in them.",

@@ -97,7 +97,11 @@ class ClaimCheck:
 
 @dataclass(frozen=True)
 class SameClaims:
-    """A law about the input: after a change that must matter little, the SLAM makes the same claims about the frames."""
+    """A law about the input: after a change that should hardly matter, the SLAM reports nearly the same results.
+
+    The results compared are the frames that the SLAM used, their poses, labels, rooms and floors, and the loop closures;
+    `compares` limits what has to agree besides the poses.
+    """
 
     name: str
     says: str

@@ -37,7 +37,7 @@ would amplify the difference to metres."""
 _AT_STAIRS = 3.0
 """Weight that holds the band to the line near stairs; elsewhere on the floor, this weight is 1."""
 _ON_STAIRS = 20.0
-"""Weight that holds the band to the line on stairs."""
+"""Weight that keeps the band (the path during the smoothing) close to the original line on stairs."""
 _PINNED = 1e4
 """Weight that holds the band to the line at the points at which the line turns back."""
 _SPARE_M = (0.01, 0.05)
@@ -142,7 +142,7 @@ def _spline(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
 
 
 def _between(points: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "m d"]:
-    """Sample the polyline through points at as many places as `_spline` does."""
+    """Sample the polyline through `points`, `_PER_STEP` samples a step, so that its samples match those of `_spline`."""
     t = np.arange(_PER_STEP)[:, None, None] / _PER_STEP
     spans = (1 - t) * points[:-1] + t * points[1:]
     return np.concatenate([np.swapaxes(spans, 0, 1).reshape(-1, points.shape[1]), points[-1:]])

@@ -43,7 +43,8 @@ _SCENES = (
 )  # fmt: skip
 """Sentence frames with a room {0} and two things {1} and {2}."""
 _BARE_SHARE, _HEAD_SHARE = 0.4, 0.3
-"""Share of compositions without a sentence frame, and share of compositions whose second word is one of `_HEADS`."""
+"""Share of all random texts (see `compositions`) that are not put into a sentence frame (a template), and share of all
+random texts whose second word is replaced by one of `_HEADS`."""
 _NEAR_SHARE = 0.7
 """Share of the random words that are drawn from words related to houses (`near_words`), not from all words."""
 

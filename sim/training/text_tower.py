@@ -162,9 +162,10 @@ def load_text_tower(path: Path) -> TextTransformer:
 
 
 def _begin_with_words(tower: TextTransformer, lesson: Lesson) -> None:
-    """Initialise the token embedding of every word with the first entries of the word's target.
+    """Initialise the token embedding of every word with the first entries of the word's target embedding.
 
-    Training then starts from a bag-of-words model, instead of from noise.
+    The target embedding is the embedding that the text tower has to learn for the word. Training then starts from a
+    bag-of-words model, instead of from noise.
     """
     width = tower.token_embedding.embedding_dim
     single = lesson.words[((lesson.tokens[lesson.words] != 0).sum(dim=1) == 3).numpy()]  # start, the word, end

@@ -133,7 +133,7 @@ class Comparison:
     scenarios: int
     """Number of scenarios for which both SLAMs have a result."""
     houses: int
-    """Number of independent scenarios among them."""
+    """Number of independent scenarios among `scenarios`: those with the same seed count as one."""
     figures: tuple[FigureChange, ...]
     claims: tuple[ClaimChange, ...]
     confidence: float

@@ -68,7 +68,10 @@ class PlanGrid:
 
     @cached_property
     def _padded(self) -> Int[np.ndarray, "storeys nx ny"]:
-        """`owner` with a frame of cells without a room, for points outside of the grid."""
+        """Return `owner` (the room number of each cell) with a border one cell wide, for points outside of the grid.
+
+        Cells of the border belong to no room (`NO_ROOM`).
+        """
         return np.pad(self.owner, ((0, 0), (1, 1), (1, 1)), constant_values=NO_ROOM)
 
     @staticmethod

@@ -209,7 +209,10 @@ def _longest(shell: Shell, storeys: Sequence[BandedStorey]) -> dict[Band, int]:
 
 
 def _widths(storey: BandedStorey, band: Band, shell: Shell) -> list[int]:
-    """Preferred width of every bay (main room with its small rooms) of a band, before the band is stretched [cm]."""
+    """Preferred width of every bay of a band before the band is stretched [cm].
+
+    A band is a row of rooms along a corridor. A bay is a slice of it: one main room with its small rooms.
+    """
     widths = [bay_width(bay, shell.depths.of(band)) for bay in storey.bays(band)]
     if widths and storey.wrap and band == "south":
         # The area beyond the spine's end is taken from the room's width in the band, so that its total area stays.

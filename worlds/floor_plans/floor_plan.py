@@ -40,8 +40,8 @@ class PlanStyle:
     heights_m: tuple[float, ...] = (2.6,)
     """Possible heights of the ceiling above the floor; one is drawn for the whole building [m]."""
     stairs: tuple[StairsKind | None, ...] = ("U", "L", "straight", None)
-    """Possible kinds of stairs; one is drawn. None stands for U-shaped stairs at the end of the spine (the corridor); all
-    other stairs stand on the north side of the spine."""
+    """Possible kinds of stairs, one of which is drawn at random. The entry None means U-shaped stairs at the end of the
+    spine (the corridor); all other entries mean stairs on the north side of the spine."""
     one_sided_m: tuple[float, float] = (9.0, 16.0)
     """Range from which a limit is drawn [m]. If no storey's rooms, put side by side, reach this length, all rooms stand on
     one side of the spine (the corridor)."""

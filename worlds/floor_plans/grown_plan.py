@@ -226,11 +226,11 @@ class _Plan:
         return max(room.box[2] for room in self.rooms), max(room.box[3] for room in self.rooms)
 
     def storey(self, level: int, levels: int, min_openness: float, more: Mapping[str, object]) -> StoreySpec:
-        """Return the storey as a spec; `more` are further fields of the spec.
+        """Return the storey as a spec; `more` holds further fields of the spec.
 
-        If `min_openness` is above 0, the stretches of wall between indoor rooms are treated in order. A stretch whose closed
-        part would make the total closed length too large is removed as a whole; all other stretches get the openings
-        requested for them.
+        At least the share `min_openness` of the length of all walls between indoor rooms has to be open. The walls are
+        visited in order and get the openings requested for them. If a wall's closed part would bring the total closed length
+        above the limit, the wall is removed along its whole length instead. With `min_openness` 0, there is no limit.
         """
         rooms = [RoomSpec(id=room.id, label=room.request.label, polygon_m=room.polygon) for room in self.rooms]
         openings: list[OpeningSpec] = []

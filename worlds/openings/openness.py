@@ -33,7 +33,7 @@ _NEAR = 0.004
 _FRONT_M = 0.6
 """Depth of the area in front of a wall in which furniture counts as standing at the wall [m]."""
 _NARROW_M = 1.3
-"""Width of an opening [m]; no leaf may stand in front of openings narrower than this."""
+"""Openings narrower than this count as narrow [m]. No door leaf may stand in front of a new narrow opening."""
 
 
 @dataclass(frozen=True)
@@ -143,10 +143,12 @@ def _excess(plans: Sequence[_PartPlan], goal: float) -> float:
 
 
 def _share_out(plans: list[_PartPlan], goal: float) -> None:
-    """Change `plans` by the `_steps`, in order, until the open area of all plans together reaches the goal [m²].
+    """Open or close partitions until the open area of all partitions together reaches `goal` [m²].
 
-    A step in the wrong direction is skipped: a partition may already be more open than its style would make it. The last
-    step is the one that would overshoot the goal. It is taken only in part, and only if this reduces the difference.
+    `plans` holds the planned openings of each partition; it is changed in place. The changes are those of `_steps`, in
+    order. A change in the wrong direction is skipped: for example, a partition may already be more open than its style would
+    make it. The first change that would overshoot the goal is the last. It is made only in part, and only if this brings the
+    area nearer to the goal.
     """
     lacking = -_excess(plans, goal)
     opening = lacking > 0.0

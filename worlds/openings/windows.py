@@ -167,9 +167,10 @@ def hang_windows(
 
 
 def _style(spec: HouseSpec, room: RoomSpec, index: int) -> int:
-    """Seed of a window's appearance. It depends only on the seeds of house and appearance, the room, and the window's index.
+    """Seed of the appearance of a room's window number `index`.
 
-    Twin rooms (with equal seeds) get the same window seeds.
+    It depends on this number, on the seed of the house's appearance, and on the room: on the room's own seed if it has one,
+    and otherwise on the house's seed and the room's id. Twin rooms (with equal seeds) thus have windows that look alike.
     """
     own = (spec.seed, room.id) if room.seed is None else (room.seed,)
     return zlib.crc32(repr((own, spec.appearance.seed, index)).encode())

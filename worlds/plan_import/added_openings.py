@@ -179,7 +179,10 @@ def _extent(cell: RoomSpec, side: Side) -> tuple[float, float]:
 def _stair_opening(
     storey: StoreySpec, cell: RoomSpec, side: Side, span: tuple[float, float], leads: Leads
 ) -> Iterator[OpeningSpec]:
-    """Yield the opening that takes the interval `span` of a side; yield nothing unless one room lies behind all of it."""
+    """Yield the opening between the room of the stairs and the room behind one of its sides, in the interval `span` [m].
+
+    Yield nothing unless a single room lies behind the whole interval.
+    """
     (own,) = _cells(storey, cell)
     axis, larger = side
     at = bounds(cell)[1 - axis + 2 * larger]

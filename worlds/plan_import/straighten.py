@@ -119,10 +119,10 @@ def _line(group: Sequence[float]) -> float:
 
 
 def _corners(lines: Sequence[tuple[int, float]]) -> tuple[Point, ...]:
-    """Intersections of consecutive walls, which are given as (axis, coordinate); empty if fewer than 4 walls are left.
+    """The corners of a room: the intersections of consecutive walls, or nothing if fewer than 4 walls are left.
 
-    First, consecutive walls along the same axis are merged and walls of zero length are dropped, until there are no such
-    walls.
+    Each of the walls in `lines` is given as (axis, coordinate). Before the corners are computed, consecutive walls along the
+    same axis are merged and walls of zero length are dropped, until there are no such walls.
     """
     around = list(lines)
     while True:

@@ -1,10 +1,11 @@
-"""The free and the occupied cells of a storey, as far as the map witnesses them: lines of sight to landmarks, and the walk.
+"""Finds the free and the occupied cells of a storey, by lines of sight to landmarks and by the path of the camera.
 
-1. The space between a camera and a landmark is free, and the landmark is on something. Only heights at which a robot could
-   run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
-2. Count for every cell the keyframes that look through it and those with a landmark in it. A cell is occupied if these are
-   enough (`OCCUPIED_SHARE`), and else free if `MIN_VIEWS` keyframes look through it: single landmarks may be behind walls.
-3. Where the camera itself went, all cells within `WALKED_M` are free.
+1. The space between a camera and a landmark is free, and there is an obstacle at the landmark. Only heights at which a robot
+   could run into something count: neither the floor nor the ceiling is an obstacle (`_obstacle_heights`).
+2. For every cell, count the keyframes that look through it and the keyframes that see a landmark in it. The cell is occupied
+   if the latter are at least the share `OCCUPIED_SHARE` of both together. Otherwise it is free if at least `MIN_VIEWS`
+   keyframes look through it; fewer are not enough, because single landmarks may be behind walls.
+3. All cells within `WALKED_M` of the camera's path are free.
 """
 
 from collections.abc import Iterator

@@ -22,7 +22,7 @@ class Voronoi:
     least_turn: float = 0.7
     """Least of (1 - cosine) / 2 of the angle between the directions to the two closest walls, along the graph."""
     least_width_m: float = 0.4
-    """Narrower places are no passages, but corners of rooms and rough edges of walls [m]."""
+    """Least width of a passage between rooms [m]. Narrower places are only corners of rooms or rough edges of walls."""
     contrast: float = 1.5
     """The graph near a critical point has to be farther from walls than the point by at least this factor: the best
     of 1.1 to 1.5, tuned on homes 900 to 906 at openness 0 to 0.9."""

@@ -46,7 +46,8 @@ class Grade:
     smallest: str = ""
     """Size of the smallest scenario in which the check fails, such as "2 rooms, 4 m"; "" if there is none."""
     blamed: str = ""
-    """What mends the failure in that scenario, such as "mended by: perfect odometry."; "" if the check is no claim."""
+    """The replacement that makes the failure in the smallest scenario disappear, such as "mended by: perfect odometry."; ""
+    if there is no such scenario, or if the failing check is a law instead of a claim about figures."""
 
     @property
     def is_caught(self) -> bool:
@@ -138,9 +139,10 @@ def _check(folder: Path, options: list[str]) -> tuple[int | None, str, str]:
 
 
 def _graded(start: tuple[str, str, int], data: Mapping[str, Any], shown: str, seconds: float) -> Grade:
-    """Judge a suite that ended by its verdicts, and by what the command printed about the smallest scenarios.
+    """Make the grade of a mutant for which the suite ran to its end.
 
-    `start` holds the mutant, the suite and the seed.
+    `start` holds the mutant, the suite and the seed. `data` holds the verdicts of the suite. `shown` is what the command
+    printed; the size of the smallest failing scenario, and what mends the failure, are read from it.
     """
     failed = [check for check in data["checks"] if check["outcome"] == "fails"]
     scenarios = len(data["results"]) + sum(len(check["failures"]) for check in data["checks"] if check["check"] == COMPLETES)
