@@ -90,9 +90,11 @@ class GraphOptimiser:
         """Replace the current poses by a start that needs no estimate: the chordal relaxation of Carlone et al. (2015).
 
         The relaxation finds all rotations at once by linear least squares, and then the positions. Odometry that ends in the
-        basin of a wrong minimum thus does no harm. Wrong loops do, because the relaxation has no robust kernel.
+        basin of a wrong minimum thus does no harm. Wrong loops do, because the relaxation has no robust kernel. A graph
+        without loops keeps its poses: odometry alone has no wrong minimum, and GTSAM's relaxation cannot solve it.
         """
-        self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
+        if self._loops.size():
+            self._poses = gtsam.InitializePose3.initialize(_joined(self._odometry, self._loops))
 
     def optimise(self) -> Poses:
         """Optimise all poses, starting at the last result; return ``T_W_B`` of all keyframes in their order."""
