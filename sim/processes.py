@@ -8,7 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "PASSIVE", "GOMP_SPINCOUNT": "0"}
 
 
 def process_pool(
@@ -23,7 +23,7 @@ def process_pool(
 
 
 def _begin(start: Callable[..., Any] | None, arguments: tuple[Any, ...]) -> None:
-    os.environ.update(_ONE_THREAD)  # for libraries that are not loaded yet
+    os.environ.update(ONE_THREAD)  # for libraries that are not loaded yet
     threadpool_limits(1)  # for libraries that are loaded already
     if start is not None:
         start(*arguments)

@@ -8,7 +8,7 @@ labels, rooms, loops and plans of whole runs. The subpackage `peers` compares LE
 are wrong. `planning` compares plans that are driven with different pose estimates, and `queries` asks the
 `everyday_questions`. `fidelity` compares the feature sensor with renders, and the subpackage `encoders` compares
 vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes its rows as a CSV file and as a
-picture.
+picture. `collection` runs all benchmarks of the `benchmark_list`.
 
 Two benchmarks judge the harness itself. `shrinking` tests the reducer on the `failing_scenarios`, in which the SLAM has one
 of the `planted_bugs`. The subpackage `mutation` plants bugs into LEXIS and counts which of them a suite finds.

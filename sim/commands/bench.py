@@ -15,7 +15,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from lexis.command_line import Command, Commands, positive
-from sim.commands import bench_encoders
+from sim.commands import bench_all, bench_encoders
 from sim.commands.action import Action, add_actions
 from sim.commands.arguments import (
     CONFIG_HELP,
@@ -410,6 +410,13 @@ def _spread(value: object) -> str:
 
 
 _BENCHMARKS = (
+    Action(
+        "all",
+        bench_all.run_all,
+        "all benchmarks but mutation and shrinking; a collection that was interrupted is continued",
+        "lexis-sim bench all --quick -o tables",
+        bench_all.ARGUMENTS,
+    ),
     Action(
         "speed",
         _printing(_speed),
