@@ -71,7 +71,10 @@ def ceiling_of(work: Path) -> Ceiling:
 
 
 def own_room(frames: Frames) -> Float[np.ndarray, "n"]:
-    """Return for each frame the share of the image that shows rooms with the label of the camera's room, and their objects."""
+    """Return for each frame the share of the image that shows rooms with the label of the camera's room.
+
+    The objects in these rooms count as parts of the rooms.
+    """
     return np.asarray(frames.views[np.arange(len(frames.rooms)), frames.rooms])
 
 
