@@ -56,8 +56,9 @@ def place_loss(
 ) -> Tensor:
     """Return a supervised contrastive loss (Khosla 2020). It is low if frames of one place are the most similar ones.
 
-    Each pair of frames of one place is compared with all frames of other places; at a low `temperature`, mostly with the
-    most similar of them. The loss is the mean over the frames that belong to such a pair; without any pair, it is 0.
+    Each pair of frames of one place is compared with all frames of other places. The lower the `temperature`, the more do
+    the most similar frames of other places count. The loss is the mean over the frames that show the same place as another
+    frame; it is 0 if there are no such frames.
     """
     similarities = cosines / temperature
     others = torch.logsumexp(similarities.masked_fill(~apart, -torch.inf), dim=1, keepdim=True)
