@@ -32,9 +32,10 @@ class Batch(NamedTuple):
     patches: Float[Tensor, "b things rows columns"]
     """Whether each thing is present in each patch of each image."""
     same_place: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows one place, as `places.pairs_of_places` decides."""
+    """Whether each pair of frames shows the same place, as decided by `places.pairs_of_places`."""
     apart: Bool[Tensor, "b b"]
-    """Whether each pair of frames shows different places, as `places.pairs_of_places` decides."""
+    """Whether each pair of frames shows different places, as decided by `places.pairs_of_places`. Some pairs are neither in
+    `same_place` nor in `apart`."""
 
 
 def batches(frames: Frames, size: int, rng: np.random.Generator, device: torch.device) -> Iterator[Batch]:
@@ -81,7 +82,7 @@ def chosen_once(houses: Int[np.ndarray, "n"], size: int, rng: np.random.Generato
 def _crops(house: Int[np.ndarray, "n"], rng: np.random.Generator) -> Float[Tensor, "n 2 3"]:
     """Draw random affine crops: each frame is zoomed and shifted a little.
 
-    Either all or none of a house's frames are mirrored, since a place and its mirror image would count as one place.
+    Either all or none of a house's frames are mirrored, since a place and its mirror image would count as the same place.
     """
     n = len(house)
     zoom, mirrored = rng.uniform(0.75, 1.0, n), rng.choice([-1.0, 1.0], house.max() + 1)
@@ -102,8 +103,7 @@ def _tints(
 ) -> tuple[Float[Tensor, "n 3 1 1"], Float[Tensor, "n 1 1 1"]]:
     """Draw random gains per channel and random offsets.
 
-    All frames of a house get the same gains and offset, since different colours would make frames of one place look like
-    different places.
+    All frames of a house get the same gains and offset, so that frames of the same place keep the same colours.
     """
     houses = house.max() + 1
     gain = rng.uniform(0.7, 1.25, (houses, 1, 1, 1)) * rng.uniform(0.9, 1.1, (houses, 3, 1, 1))
