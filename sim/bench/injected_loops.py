@@ -1,7 +1,7 @@
 """False loop edges that a benchmark adds to a finished map: random, local, and grouped in consistent clusters.
 
 The kinds follow Sünderhauf and Protzel (2012). Each false loop states that two keyframes are at the same place, as if a SLAM
-had confused two places that look alike. The covariance of a false loop is that of a confirmed loop.
+had confused two places that look alike. Its covariance is copied from a confirmed loop.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -60,7 +60,7 @@ class KernelRun:
 
 @dataclass(frozen=True)
 class KernelRow:
-    """Means and standard deviations over all houses, for one kernel, one kind of injected loops and one share of them."""
+    """Means and standard deviations over all houses, for one kernel, one kind and one share of injected loops."""
 
     kind: str
     share: float

@@ -61,7 +61,7 @@ class PlaceRow:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Pairs of a query and an older keyframe, as place recognition sees them, and whether they are at one place."""
+    """Pairs of a query and an older keyframe: the inputs of place recognition, and whether both are at the same place."""
 
     similarities: PerPair
     distances_m: PerPair

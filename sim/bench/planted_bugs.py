@@ -57,7 +57,7 @@ def planted(bug: Bug) -> Runner:
 
     def runner(scenario: Scenario, progress: Progress | None = None) -> Run:
         finished = run(scenario, _NoClaims(), progress)
-        with last_run().calling_slam():  # the bug is the SLAM
+        with last_run().calling_slam():  # the bug counts as the SLAM
             return replace(finished, estimate=bug(finished))
 
     return runner
@@ -90,7 +90,7 @@ def small_rooms(run: Run) -> Estimate:
 
 def corners(run: Run) -> Estimate:
     """Claim the truth, but give every room with more than four corners a wrong label."""
-    angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the first corner counts twice
+    angular = [len(room.polygon.exterior.coords) > 5 for room in run.house.rooms]  # the list ends with the first corner
     return replace(no_bug(run), labels=_mislabelled(run, np.array(angular)))
 
 

@@ -40,7 +40,7 @@ class ProofPlan:
     most_rooms: int
     """Greatest number of rooms in a house, without corridors, halls and stairs."""
     out: Path
-    """Folder for the failure folders of reductions; only those that break a law are kept."""
+    """Folder for the failure folders of reductions. Only failure folders of reductions that break a law are kept."""
     pytests: int
     """How often pytest runs a test_replay.py in a process of its own: once in this many scenarios, or never if 0. In
     addition, every test_replay.py is called directly."""
@@ -142,7 +142,7 @@ def broken_laws(reduction: Reduction, test: FailureTest, bug: str, folder: Path,
     before, after = reduction.sizes
     if after > before:
         yield f"no larger: {after} is larger than {before}"
-    if (found := replace(test)(reduction.scenario)) != reduction.signature:  # a new test, which has kept no run
+    if (found := replace(test)(reduction.scenario)) != reduction.signature:  # a new test, without cached runs
         yield f"same signature: {found} instead of {reduction.signature}"
         return
     replay = Replay("from sim.bench.planted_bugs import BUGS, planted", f"planted(BUGS[{bug!r}])(scenario)")

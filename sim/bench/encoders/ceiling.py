@@ -24,8 +24,8 @@ Ceiling = Callable[[Frames], Int[np.ndarray, "n"]]
 """A function that predicts for every frame the label of the camera's room, as an index into `ROOM_LABELS`. It chooses only
 among labels of rooms in which at least one of the frames was taken."""
 OWN_ROOM = (0.25, 0.5, 0.75)
-"""Frames are grouped by the share of the image that shows rooms with the label of the camera's room. These shares are the
-limits between the groups (`Band`)."""
+"""Limits between groups of frames (`Band`). Frames are grouped by the share of the image that shows rooms with the label of
+the camera's room."""
 _TREES = 100
 
 

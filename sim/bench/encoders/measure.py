@@ -205,7 +205,7 @@ def _held_out_losses(
     own: Int[np.ndarray, "n"],
     similarities: Float32[np.ndarray, "n rooms"],
 ) -> dict[tuple[str, str], float]:
-    """Compute `EncoderFigures.held_out_losses`. `similarities` are those of the images to all labels of the house."""
+    """Compute `EncoderFigures.held_out_losses`. `similarities` compares the images with all labels of the house."""
     before = (similarities.argmax(axis=1) == own).mean()
     losses = {}
     for room, label in enumerate(names):
