@@ -129,7 +129,7 @@ class CandidateMark:
     distance_m: float
     """Distance between the true positions of both keyframes [m]."""
     revisit: bool
-    """Whether both keyframes were truly taken at one place: within 1 m and 0.5 rad."""
+    """Whether both keyframes were truly taken at the same place: within 1 m and 0.5 rad."""
 
 
 @dataclass(frozen=True, eq=False)

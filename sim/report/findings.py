@@ -28,7 +28,7 @@ class Finding:
 
 
 def findings(data: ReportData) -> list[Finding]:
-    """List the findings about a run: bad ones first, then good ones, each in the order of the SLAM's stages."""
+    """Return the findings about a run: first bad news, then good news, both in the order of the SLAM's stages."""
     stages = (_coverage, _confusions, _refinement, _rooms, _loops, _trajectory, _plans)
     return sorted((finding for stage in stages for finding in stage(data)), key=lambda finding: finding.good)
 

@@ -12,7 +12,7 @@ _MOST = 12
 
 @dataclass(frozen=True)
 class ReasonCount:
-    """Numbers of loop candidates with one reason: those whose keyframes are truly at one place, and the others."""
+    """Numbers of loop candidates with the same reason: `revisits` are truly at the same place, `others` are not."""
 
     reason: str
     accepted: bool
@@ -34,7 +34,7 @@ class CandidateList:
 
 
 def reason_counts(data: ReportData) -> list[ReasonCount]:
-    """Count the candidates by reason: the accepted ones first, then the most frequent reason first."""
+    """Count the candidates by reason: reasons for acceptance before reasons for refusal, then frequent reasons first."""
     counts = Counter((mark.accepted, mark.reason, mark.revisit) for mark in data.candidates)
     reasons = {(accepted, reason) for accepted, reason, _ in counts}
     rows = [
