@@ -28,8 +28,8 @@ from lexis.verification import Verification, plausible
 from sim.feature_sensor.ray_origins import RayGrid
 
 _DEPTH_SHARE, _DEPTH_M = 0.15, 0.05
-"""Two depths count as those of one point if they differ by at most this share of the depth plus this length [m]. These
-bounds are generous, because rays are coarse."""
+"""Two depths count as depths of the same point if they differ by at most this share of the depth plus this length [m]. These
+bounds are generous, because the grid of rays is coarse."""
 _QUERY, _PAIR = 1, 2
 """Tags of the random streams for a query, and for a pair of a query and a match. numpy ignores trailing zeros of a seed, so
 that without tags, the streams of a query and of its pair with keyframe 0 would be the same."""
@@ -102,7 +102,7 @@ def predictors(firsts: Sequence[TrueView], seconds: Sequence[TrueView]) -> Float
     second.
     """
     shared = _seen_by(firsts, seconds)
-    overlap = np.flatnonzero(shared)  # without any overlap one way, the product is 0 whatever the other way gives
+    overlap = np.flatnonzero(shared)  # pairs without overlap in this direction have covisibility 0
     if len(overlap):
         back = _seen_by([seconds[i] for i in overlap.tolist()], [firsts[i] for i in overlap.tolist()])
         shared[overlap] = np.sqrt(shared[overlap] * back)
@@ -123,7 +123,7 @@ def _seen_by(viewers: Sequence[TrueView], others: Sequence[TrueView]) -> Float64
         column = _nearest(points[:, 0] / points[:, 2], grid.x)
         row = _nearest(points[:, 1] / points[:, 2], grid.y)
         inside = (column >= 0) & (column < len(grid.x)) & (row >= 0) & (row < len(grid.y))
-        inside &= points[:, 2] > _DEPTH_M  # points behind the camera are at no depth that a ray has
+        inside &= points[:, 2] > _DEPTH_M  # leaves out points behind the camera
     pair = np.nonzero(inside)[0]
     met, depth = depths[pair, column[inside].astype(int), row[inside].astype(int)], points[:, 2][inside]
     same = np.abs(met - depth) <= _DEPTH_SHARE * depth + _DEPTH_M

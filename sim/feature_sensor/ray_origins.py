@@ -57,7 +57,10 @@ class UprightCameras:
 
 
 def cameras_at(T_W_C: Poses, storeys: Int[np.ndarray, "k"], grid: RayGrid) -> UprightCameras:
-    """Approximate cameras at `T_W_C` by upright cameras: roll is ignored, and pitch only changes the slopes of the rays."""
+    """Return upright cameras that approximate cameras at `T_W_C`.
+
+    Roll is ignored, and pitch only changes the slopes of the rays.
+    """
     axis = T_W_C[:, :3, 2]
     level = np.linalg.norm(axis[:, :2], axis=1, keepdims=True)
     ahead = (axis[:, :2] / np.maximum(level, 1e-9)).astype(np.float32)

@@ -3,7 +3,7 @@
 Cameras are approximated as upright, so that all rays of an image column lie above the same line in the floor plan.
 
 1. Find in the floor plan the blocks (upright boxes) that the line of each column crosses (`crossings`).
-2. For each ray of the column, compute from the ray's slope which of these blocks the ray hits first.
+2. For each ray of the column, compute from the ray's slope which of the blocks the ray hits first.
 3. If the ray hits the floor or ceiling before any block, take this hit instead.
 4. Look up the room at hits on walls, floors and ceilings.
 """

@@ -40,7 +40,7 @@ class Blocks:
     z: Float32[np.ndarray, "b 2"]
     """Heights of each box's lower and upper end in W [m]."""
     thing: Int[np.ndarray, "b"]
-    """Index into `Surroundings.names`; `NOWHERE` for walls, whose hits count for the room in front of them."""
+    """Index into `Surroundings.names`; `NOWHERE` for walls, because a hit on a wall counts for the room in front of it."""
 
     def __getitem__(self, rows: np.ndarray) -> "Blocks":
         return Blocks(self.centre[rows], self.half[rows], self.yaw[rows], self.z[rows], self.thing[rows])

@@ -20,7 +20,7 @@ entries that describe visible things."""
 _NEAR_M = 2.5
 """Largest depth of near things [m]; near things are mostly in the same room as the camera."""
 _DEPTHS_M = (0.5, 1.0, 2.0, 4.0, 8.0)
-"""Depths [m]. For each of them, the description of a view holds the share of rays that hit something nearer."""
+"""Depths [m]. For each depth, the description of a view holds the share of rays that hit something nearer."""
 _COLOUR_WEIGHT = 2.0
 """Factor on the colours in the description of a view. Without this factor, the colours are in [0, 1]."""
 _LEAST_SHARE = 0.02
