@@ -8,7 +8,7 @@ from sim.errors import SimError
 
 
 def measure_memory(seed: int) -> int:
-    """Return the peak resident memory of a rendered run with LEXIS, without the memory for torch and open_clip [bytes].
+    """Return the peak resident memory of a rendered run with LEXIS, less that for importing torch and open_clip [bytes].
 
     Raises `SimError` if the run fails.
     """

@@ -149,7 +149,7 @@ def summary(measured: Iterator[tuple[int, bool, list[Start]]]) -> dict[str, tupl
     """Return five figures about the sessions in the same house and in twin houses, by the name of the house.
 
     The figures: the number of sessions, the number of joined sessions, the number of sessions that were joined within
-    `NEAR_M`, the median walk of the joined sessions until then [m], and their largest error [m].
+    `NEAR_M`, the median length of walk until a session was joined [m], and the largest error of a joined session [m].
     """
     by_house: dict[bool, list[Start]] = {False: [], True: []}
     for _, twin, found in measured:

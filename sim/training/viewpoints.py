@@ -50,7 +50,7 @@ def evenly_along(positions: Float64[np.ndarray, "n 3"], spacing_m: float, most: 
 
 
 def poses_along_tour(house: House, views: ViewpointConfig, rng: np.random.Generator) -> Float64[np.ndarray, "n 4 4"]:
-    """Return poses `T_W_B` along a tour; each two consecutive poses are a pair of nearby, similar views.
+    """Return poses `T_W_B` along a tour. Poses 2k and 2k + 1 are a pair of nearby, similar views.
 
     There are no poses if no tour is found.
     """

@@ -9,7 +9,7 @@ from sim.baselines.rooms.cells import Free, Segments, clearance, grown, large_co
 
 @dataclass(frozen=True)
 class Morphological:
-    """Erodes the free space by one cell at a time, until it falls apart. Every part with the area of a room becomes a room.
+    """Erodes the free space by one cell at a time. A part that is cut off becomes a room if it has the area of a room.
 
     Rooms are not eroded further. At the end, they grow until they cover the rest of the free space.
     """
