@@ -1,7 +1,7 @@
 """False loop edges that a benchmark adds to a finished map: random, local, and grouped in consistent clusters.
 
-The kinds follow Sünderhauf and Protzel (2012). Each false loop states that two keyframes are at one place, as a loop between
-two places that look alike does, and states the covariance of a confirmed loop.
+The kinds follow Sünderhauf and Protzel (2012). Each false loop states that two keyframes are at the same place, as if a SLAM
+had confused two places that look alike. Its covariance is copied from a confirmed loop.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,7 +30,7 @@ Pairs = Int[np.ndarray, "k 2"]
 
 
 def injected(kind: str, count: int, true: Poses, like: Sequence[LoopEdge], rng: np.random.Generator) -> list[LoopEdge]:
-    """Return `count` false loops of one of `KINDS`, or none if the walk has no pair of keyframes that fits.
+    """Return `count` false loops of one of `KINDS`, or none if no pair of keyframes fits or there are no confirmed loops.
 
     Args:
         kind: the name of the kind.
@@ -59,7 +59,7 @@ def _near(true: Poses) -> Pairs:
 
 
 def _pairs(true: Poses, nearest_m: float, furthest_m: float) -> Pairs:
-    """Pairs of a keyframe and a much later keyframe whose true distance is within a range [m]."""
+    """Return pairs (match, query) of keyframes whose true distance is within a range [m]; the query is much later."""
     match, query = np.triu_indices(len(true), _GAP)
     distances = np.linalg.norm(true[match, :3, 3] - true[query, :3, 3], axis=1)
     fits = (distances >= nearest_m) & (distances < furthest_m)
@@ -67,13 +67,13 @@ def _pairs(true: Poses, nearest_m: float, furthest_m: float) -> Pairs:
 
 
 def _single(match: int, query: int, true: Poses, covariance: Covariance, rng: np.random.Generator) -> Iterator[LoopEdge]:
-    """One loop, which states a small relative pose."""
+    """Yield one loop, which states a small random relative pose."""
     yield LoopEdge(query, match, exp(rng.normal(size=6) * _OFFSET), covariance, 0)
 
 
 def _cluster(match: int, query: int, true: Poses, covariance: Covariance, rng: np.random.Generator) -> Iterator[LoopEdge]:
-    """Loops of consecutive keyframes that agree with each other: the robot takes a room for another room."""
-    moved = true[match] @ exp(rng.normal(size=6) * _OFFSET) @ inverse(true[query])  # carries one room into the other
+    """Yield loops of consecutive keyframes that agree with each other, as if the robot confused two rooms."""
+    moved = true[match] @ exp(rng.normal(size=6) * _OFFSET) @ inverse(true[query])  # moves one room onto the other
     for k in range(min(GROUP, len(true) - query)):
         noise = exp(rng.multivariate_normal(np.zeros(6), covariance))
         stated = between(true[match + k], moved @ true[query + k]) @ noise
@@ -83,4 +83,4 @@ def _cluster(match: int, query: int, true: Poses, covariance: Covariance, rng: n
 KINDS: Mapping[str, Callable[..., Iterator[LoopEdge]]] = MappingProxyType(
     {"random": _single, "local": _single, "grouped": _cluster}
 )
-"""What makes false loops from a pair of keyframes, by the name of the kind."""
+"""Functions that make false loops from a pair of keyframes, by the name of the kind of loops."""
