@@ -149,7 +149,7 @@ def seeded(runs: Sequence[BayRun], rng: np.random.Generator) -> tuple[BayRun, ..
 
 
 def _bay(label: str, rng: np.random.Generator) -> Bay:
-    """A bay of one room; its area and the kind of opening to the corridor are drawn at random."""
+    """Return a bay of one room; its area and the kind of opening to the corridor are drawn at random."""
     entry: OpeningKind = "door"
     if label in _PUBLIC and rng.random() < 0.4:
         entry = ("cased", "arch", "open")[int(rng.integers(3))] if label != "gym" else "cased"
@@ -210,11 +210,11 @@ def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
 
 
 def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Generator) -> list[Bay]:
-    """Carve every small room from a host, the main room of a bay; without a suitable host it gets a bay of its own.
+    """Carve every small room from a host, the main room of a bay, or give it a bay of its own if no host is suitable.
 
     The first `joined` bays form a run with openings between neighbouring hosts. From each of these hosts, at most one room
-    is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind it. A room carved from the
-    back could separate them.
+    is carved, in a corner at the corridor, so that neighbouring hosts still share the wall behind the carved room. A room
+    carved from the back could separate them.
     """
     out = list(bays)
     for label in small:
@@ -233,10 +233,11 @@ def _carve(bays: list[Bay], joined: int, small: Sequence[str], rng: np.random.Ge
 
 
 def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
-    """Whether a small room of this area [m²] can be carved from the main room of a bay.
+    """Return whether a small room of this area [m²] can be carved from the main room of a bay.
 
-    The main room must be at least 2.2 times as large as all small rooms of the bay together. If it has an opening to a
-    neighbouring main room (`joined`), at most one small room can be carved.
+    The main room must not be a bathroom or one of the `SMALL` rooms, and it must be at least 2.2 times as large as all small
+    rooms of the bay together. The bay must not have a room with the same label. A second small room can be carved only if
+    the first is in a corner, and if the main room has no opening to a neighbouring main room (`joined`).
     """
     if bay.labels[0] in (*SMALL, "bathroom") or label in bay.labels or bay.areas[0] < 2.2 * (area + sum(bay.areas[1:])):
         return False
@@ -244,7 +245,7 @@ def _can_host(bay: Bay, label: str, area: float, joined: bool) -> bool:
 
 
 def _form(bay: Bay, label: str, rng: np.random.Generator) -> Form:
-    """The new arrangement of a bay's small rooms when another one, with this label, is carved from the main room."""
+    """Return the arrangement of a bay's small rooms after another one, with this label, is carved from the main room."""
     if bay.form == "corner":
         return "corners"
     private = label in ("pantry", "storage room") or (label == "bathroom" and bay.labels[0] == "bedroom")
