@@ -97,7 +97,7 @@ def explain(error: ValidationError, data: object, schema: dict[str, Any]) -> lis
         if len(lines) >= MAX_MISTAKES:
             return [*lines, f"and {len(problems) - i} more malformed fields"]
         *parent, field = problem["loc"] or ("",)
-        # A misspelt field is reported twice: as an unknown field and as a missing one. The first message says more.
+        # A misspelt field is reported twice: as an unknown field and as a missing field. The first message says more.
         if problem["type"] != "missing" or not any(
             did_you_mean(str(wrong), [str(field)]) for wrong in misspelt[tuple(parent)]
         ):

@@ -177,7 +177,7 @@ def _gap_and_area(house: House) -> dict[tuple[str, str], tuple[float, float]]:
         a, b = boundary.rooms
         if a in inner and b in inner and a is not None and b is not None:
             height = house.spec.storeys[level].height_m
-            # An opening may extend over two stretches of boundary; each gets its share of the area.
+            # An opening may extend over two stretches of boundary; each stretch gets its share of the area.
             taken = 0.0 if opening is None else gap_area(opening, height) * boundary.length / opening.width_m
             gap, area = sums[min(a, b), max(a, b)]
             sums[min(a, b), max(a, b)] = gap + taken, area + boundary.length * height

@@ -79,7 +79,7 @@ class Walkable:
 
     @cached_property
     def _free(self) -> Bool[np.ndarray, "storeys nx ny"]:
-        # If two diagonal neighbours are at least this far from an obstacle, the line between them keeps the radius from it.
+        # At this distance from an obstacle, even the line between two diagonal neighbours keeps the body's radius from it.
         margin = math.hypot(self.radius_m, self.resolution_m / math.sqrt(2.0))
         return (self.free_space.room >= 0) & (self.free_space.clearance >= margin)
 
@@ -211,7 +211,7 @@ class Walkable:
         `UnreachableError` if there is no path, or a point is not walkable.
         """
         a, b = (place if isinstance(place, int) else self.snap(place) for place in (start, goal))
-        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller node
+        if a > b:  # straightening depends on the end from which it starts, so it always starts from the smaller number
             return self.path(b, a, prefer_clearance_m)[::-1].copy()
         predecessors = dijkstra(self._costs(prefer_clearance_m), indices=[a], return_predecessors=True)[1][0]
         nodes = _trace(predecessors, a, b)

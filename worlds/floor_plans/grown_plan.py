@@ -6,7 +6,7 @@ A request (`RoomRequest`) gives a room's label and size, its place relative to t
     -------+------+---+-----+          the others follow to its east.
     stairs | room     | room|  row 0
 
-`worlds.strategies` draws the requests with Hypothesis. Two properties matter for that, and explain the rules below:
+`worlds.strategies` draws the requests with Hypothesis. Two properties matter for these draws, and explain the rules below:
 
 - Any list of requests gives a valid house in which every room can be reached, so that no drawn example is thrown away.
 - A request never changes the rooms before it, so that Hypothesis can shrink a failing house by leaving rooms out.

@@ -31,7 +31,7 @@ from worlds.spec import OpeningKind
 
 Form = Literal["plain", "corner", "corners", "middle", "inner"]
 SMALL = ("toilet", "storage room", "pantry", "laundry room", "print room")
-"""Labels of rooms that may be carved from a larger one."""
+"""Labels of rooms that may be carved from a larger room."""
 _PUBLIC = ("kitchen", "dining room", "living room", "lobby", "library", "open-plan office", "gym")
 """Labels of rooms that may be open to the corridor, without a door."""
 _OPEN_CHAIN = ("kitchen", "dining room", "living room")
@@ -118,9 +118,9 @@ def programme_runs(labels: Sequence[str], habits: LayoutShares, rng: np.random.G
 
     1. Two or three of a kitchen, a dining room and a living room become one run, because people build them side by side.
     2. Small rooms are set aside, and so are about a third of the bathrooms. All other rooms get bays of their own. Some of
-       those with the same label become twins (rooms of exactly the same shape).
+       these rooms become twins (rooms of exactly the same shape) of a room with the same label.
     3. Every room that was set aside is carved from a host, since in a bay of its own it would be deep and narrow. It gets a
-       bay of its own only if no host is large enough.
+       bay of its own only if no host is suitable.
     4. Twins are put into runs, because only in one band do they get the same shape. Every other bay becomes a run by itself.
     """
     left = [labels[i] for i in rng.permutation(len(labels))]

@@ -65,8 +65,8 @@ def by_storey(labels: Sequence[str], storeys: int, upstairs: Sequence[str], rng:
        smaller than it is, so that it becomes larger: it has to bear the others. Small rooms are assigned late, to even out
        the areas.
     2. Every empty storey takes a room from the storey with most rooms.
-    3. The storeys are sorted by area, since every storey stands on the one below. `_settle` then makes sure that no upper
-       storey is much larger than the ground storey.
+    3. The storeys are sorted by area, since every storey stands on the storey below; a storey with labels in `_BELOW` comes
+       first. `_settle` then makes sure that no upper storey is much larger than the ground storey.
     4. The garden goes to the ground storey. Balconies go to storeys drawn at random, at most one to each.
     """
     out: list[list[str]] = [[] for _ in range(storeys)]
