@@ -65,9 +65,9 @@ def sample_from_rooms(
 ) -> HouseSpec:
     """Generate a house with a room for each of `labels`; the same arguments always give the same house.
 
-    The rooms stand along the first corridor, entrance hall or lobby in the list. A corridor is added if the list has none,
-    and stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid. See
-    `sample_house` for the other arguments.
+    The rooms stand along the first corridor, entrance hall or lobby in the list. If the list has none of these, a corridor
+    is added. Stairs are added if there are several storeys. Raises `WorldsError` for labels or numbers that are not valid.
+    See `sample_house` for the other arguments.
     """
     possible = [label for label in ROOM_LABELS if label != STAIRS]
     if unknown := [label for label in labels if label not in possible]:
@@ -93,14 +93,14 @@ def sample_from_rooms(
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, ...]:
-    """Three independent generators: for the list of rooms, for their positions, and for the openings between them."""
+    """Return three random generators: for the list of rooms, for their positions, and for the openings between the rooms."""
     if not 0 <= seed < 2**63:
         raise WorldsError(f"house seed {seed} is not in 0 ... 2**63 - 1")
     return tuple(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
 
 
 def _random_kind(rng: np.random.Generator) -> BuildingKind:
-    """The kind of building of the preset "random": one of five kinds, or a mixture of all indoor rooms."""
+    """Draw the kind of building for the preset "random": one of five kinds, or a mixture of rooms with any label."""
     names = ("home", "apartment", "office", "clinic", "school", None, None)
     name = names[int(rng.integers(len(names)))]
     indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *_CIRCULATION, STAIRS)]
@@ -112,9 +112,9 @@ def _random_kind(rng: np.random.Generator) -> BuildingKind:
 
 
 def _counts(kind: BuildingKind, rooms: int | None, storeys: int | None, rng: np.random.Generator) -> tuple[int, int]:
-    """Numbers of rooms and storeys of a building: the requested numbers, or drawn numbers if None is given.
+    """Return the numbers of rooms and storeys of a building: the requested numbers, or drawn numbers if None is given.
 
-    A drawn number of storeys is limited so that there are enough rooms for all of them. Raises `WorldsError` for numbers
+    A drawn number of storeys is limited so that there are enough rooms for all storeys. Raises `WorldsError` for numbers
     that are not valid.
     """
     usual, levels = int(rng.integers(kind.rooms[0], kind.rooms[1] + 1)), int(rng.choice(kind.storeys))

@@ -17,11 +17,14 @@ _NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
 _FRONT_M = 0.9
 """Least distance between a door leaf and the foot of a flight of stairs [m]."""
 _MIN_SHARED_M = 0.7
-"""Least width of the opening at the foot of the new flight of stairs [m], unless that of the flight below is narrower."""
+"""Least width of the opening at the foot of the new flight of stairs [m], unless the opening to the flight below is
+narrower."""
 
 
 def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
-    """The house with another storey on top, a copy of its top storey without gardens and garages; the stairs continue.
+    """Return the house with another storey on top, to which the stairs continue.
+
+    The new storey is a copy of the top storey without gardens and garages.
 
     1. Each staircase gets an opening on the old top storey to the new flight, straight above the opening to the flight
        below, since all flights of a staircase have the same shape.
@@ -40,10 +43,10 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
 
 
 def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> OpeningSpec:
-    """The opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
+    """Return the opening on the top storey to the new flight of stairs, straight above the opening to the flight below.
 
     `cell` is the stairs' room on the top storey, `below` the storey below, and `level` the index of the top storey. Raises
-    `WorldsError` if there is no opening below, or no room in front of the new one.
+    `WorldsError` if there is no opening to the flight below, or no room in front of the new opening.
     """
     here = sorted(cell.polygon_m)
     lower = next((r.id for r in below.rooms if r.label == STAIRS and sorted(r.polygon_m) == here), None)
@@ -61,7 +64,7 @@ def _foot(cell: RoomSpec, below: StoreySpec, top: StoreySpec, level: int) -> Ope
 
 
 def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
-    """The storey with the openings `ups` added; door leaves in front of these are hung differently or removed."""
+    """Return the storey with the openings `ups`; door leaves in front of these openings are hung differently or removed."""
     rooms = {room.id: room for room in top.rooms}
     openings = [*top.openings, *ups]
     gaps = [OpeningDraft.of(opening, rooms) for opening in openings]
@@ -74,7 +77,7 @@ def _with_feet(top: StoreySpec, ups: list[OpeningSpec]) -> StoreySpec:
 
 
 def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
-    """The new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
+    """Return the new storey: rooms and openings of the top storey with new ids, without windows and furniture."""
     level = len(spec.storeys)
     rooms = [room for room in top.rooms if room.label not in _GROUND_ONLY]
     taken = {room.id for storey in spec.storeys for room in storey.rooms}
@@ -92,7 +95,7 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:
-    """An unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; names that would be too long are cut."""
+    """Return an unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; long names are cut."""
     match = _NUMBERED.fullmatch(name)
     stem = match[1] if match else name[:56]
     number = int(match[3]) if match else 1
@@ -102,7 +105,10 @@ def _new_name(name: str, level: int, taken: set[str]) -> str:
 
 
 def _new_seed(seed: int | None, level: int) -> int | None:
-    """The seed of a room's copy. It depends only on the seed of the room, so that twins stay twins; None stays None."""
+    """Return the seed of a room's copy; None stays None.
+
+    The new seed depends only on the seed of the room and on the storey, so that twins stay twins.
+    """
     return None if seed is None else zlib.crc32(f"{seed} {level}".encode())
 
 

@@ -36,7 +36,7 @@ def _each(labels: tuple[str, ...], per_clutter: float) -> dict[str, PerClutter]:
     place=AgainstWall(beside=("box pile", "cardboard boxes")),
 )
 def box_pile(s: Size, rng: Generator) -> Parts:
-    """A stack of removal boxes that are not quite aligned."""
+    """A stack of labelled cardboard boxes that are not quite aligned."""
     boxes: list[Part] = []
     for z in split(s.z, max(2, round(s.height / 0.33)), 0.004):
         left, right, back, front = rng.uniform(0.0, 0.07, 4)

@@ -108,7 +108,7 @@ class Around:
 
 @dataclass(frozen=True)
 class OnTop:
-    """Placement on top of another piece, the host, of a kind in `hosts`. `Kind.rooms` then means pieces per host."""
+    """Placement on top of another piece (the host) of a kind in `hosts`. `Kind.rooms` counts pieces per host."""
 
     hosts: tuple[str, ...]
     at: Literal["back", "middle", "front", "anywhere"] = "anywhere"
