@@ -16,7 +16,7 @@ MIN_KEYFRAMES = 4
 
 
 def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
-    """Number of the floor of every keyframe, 0 for the lowest and -1 on stairs.
+    """Return the number of the floor of every keyframe, 0 for the lowest floor and -1 on stairs.
 
     1. Divide the walk into level stretches between stairs.
     2. Give every stretch a height by summing the height differences over the stairs before it. Height changes within a

@@ -240,7 +240,7 @@ class LexisMap:
     candidates: tuple[tuple[int, tuple[int, ...]], ...]
     """Pairs of a new keyframe's id and the ids of the earlier keyframes proposed as its loop candidates, best first."""
     verdicts: tuple[Verdict, ...] = ()
-    """What became of the candidates, in the order of `candidates`. There are none from a verifier that does not tell."""
+    """What became of the candidates, in the order of `candidates`. A verifier may leave the verdicts out."""
     stage_seconds: dict[str, float] = field(default_factory=dict)
     """Wall time spent in each stage of the pipeline [s], by the stage's name."""
 
@@ -253,5 +253,5 @@ class LexisMap:
         return room_of
 
     def label_of(self, keyframe: int) -> str:
-        """The room name of a keyframe."""
+        """Return the room name of a keyframe."""
         return self.room_names[int(self.labels[keyframe])]

@@ -24,11 +24,11 @@ from lexis.map.interchange.storey_grid import CELL_M, StoreyGrid, floors, storey
 from lexis.types import LexisMap
 
 STAIRS_BOX_M = (1.0, 1.0, 2.0)
-"""Size of the box around every keyframe on stairs, whose free space has no plan [m]."""
+"""Size of the box around the camera of every keyframe on stairs, for which there is no plan with free cells [m]."""
 Box = dict[str, Any]
-"""A box as the file holds it."""
+"""A box in the form that it has in the file."""
 RoomBoxes = Mapping[int, list[Box]]
-"""The boxes of every room by its number."""
+"""The boxes of every room, by the room's number."""
 
 
 def write_hydra_rooms(map: LexisMap, path: Path) -> None:
@@ -43,10 +43,11 @@ def write_room_boxes(rooms: RoomBoxes, path: Path) -> None:
 
 
 def hydra_rooms(map: LexisMap) -> RoomBoxes:
-    """The boxes of every room in W, by the id of the room.
+    """Return the boxes of every room in W, by the id of the room.
 
-    A room on a floor is the union of boxes between the floor and the ceiling. A room that contains keyframes on stairs has
-    a box around each of them. Each room has at least one box.
+    A room on a floor is the union of boxes between the floor and the ceiling. A room that contains keyframes on stairs has a
+    box around the camera of each of these keyframes. A room has no box only if all of its keyframes share their cells with
+    earlier keyframes of other rooms.
     """
     boxes: dict[int, list[Box]] = {room.id: [] for room in map.rooms}
     for floor in floors(map):
@@ -59,7 +60,7 @@ def hydra_rooms(map: LexisMap) -> RoomBoxes:
 
 
 def _corners(grid: StoreyGrid, rectangle: tuple[int, int, int, int]) -> Float64[np.ndarray, "2 3"]:
-    """The lowest and the highest corner of the box over a rectangle of cells [m]."""
+    """Return the lowest and the highest corner of the box over a rectangle of cells, in W [m]."""
     row, column, row_end, column_end = rectangle
     plan = grid.origin + CELL_M * np.array([[column, row], [column_end, row_end]])
     return np.column_stack((plan, grid.heights))
@@ -74,7 +75,7 @@ def _stairs(map: LexisMap, keyframes: tuple[int, ...]) -> Iterator[Box]:
 
 
 def room_box(low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]) -> Box:
-    """An upright box by its lowest and highest corner [m]."""
+    """Return the upright box between its lowest and its highest corner [m]."""
     centre, extents = np.round((low + high) / 2, 4), np.round(high - low, 4)
     upright = {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}
     return {"center": centre.tolist(), "extents": extents.tolist(), "rotation": upright}
