@@ -98,13 +98,13 @@ class Session:
     def verifier(self) -> Verifier:
         """Return the function that verifies LEXIS's loop candidates.
 
-        With images it is LEXIS's own verifier; with a `sensor`, the sensor's model of this verifier.
+        In a session with images, this is LEXIS's own verifier; with a `sensor`, it is the sensor's model of this verifier.
         """
         return verify if self._sensed is None else self._sensed.verifier()
 
     def _images(self) -> Generator[Image | Percept, None, None]:
         if self._sensed is not None:
-            return self._percepts(self._sensed)  # not in a thread, from which numpy alone gains nothing
+            return self._percepts(self._sensed)  # not in a thread, because work in numpy alone gains nothing from it
         return prefetched(self._rendered, _AHEAD)
 
     def _percepts(self, sensed: SensedTour) -> Generator[Percept, None, None]:

@@ -47,7 +47,7 @@ _OPENNESS = argument(
 _HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
 _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
 _OWN_PYTESTS = 10
-"""Approximate number of tests replaying a reduced scenario that pytest also runs in a process of its own."""
+"""Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
 _CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
 _PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
@@ -72,7 +72,10 @@ def _printing(tables: Tables) -> Command:
 
 
 def _console() -> Console:
-    """Standard output, 200 columns wide if it is no terminal: rich would assume 80 columns then, and cut figures off."""
+    """Return a console for standard output, 200 columns wide if standard output is no terminal.
+
+    For files and pipes, rich would otherwise assume 80 columns and cut figures off.
+    """
     return Console(width=None if sys.stdout.isatty() else 200)
 
 
@@ -110,7 +113,7 @@ def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.speed import measure_speed
 
     for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
-        # Escaped, since rich would take a unit in brackets for a style and leave it out.
+        # The text is escaped, because rich would read a unit in brackets as a style and leave it out.
         headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"limit [{section.unit}]", "runs [count]"]
         table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
         for figure in section.figures:
@@ -401,7 +404,10 @@ def _shrinking(arguments: argparse.Namespace) -> int:
 
 
 def _spread(value: object) -> str:
-    """A figure as text, with at most one decimal. The figures of a tuple are joined by slashes; None gives "" (empty)."""
+    """Return a figure as text, with at most one decimal.
+
+    The figures of a tuple are joined by slashes; None gives "" (empty).
+    """
     if isinstance(value, tuple):
         return " / ".join(map(_spread, value))
     if value is None:

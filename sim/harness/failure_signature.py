@@ -32,7 +32,7 @@ class Signature:
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """A finished run with its figures, and the signature of the failure that it shows (None: it does not fail)."""
+    """A finished run with its figures, and the signature of the failure that it shows; None if the run does not fail."""
 
     run: Run
     result: RunResult
@@ -53,7 +53,7 @@ class FailureTest:
     """Runs a SLAM on a scenario and says whether it fails.
 
     A run fails if the claim is true or, without a claim, if the SLAM crashes. The test keeps the last failing run of each
-    fidelity. After a search by `reduce`, that is the run of the smallest scenario, so that it need not be run again.
+    fidelity. After a search by `reduce`, the kept run is the run of the smallest scenario, which need not be run again.
     """
 
     claim: Claim | None
@@ -107,7 +107,7 @@ class FailureTest:
         return outcome
 
     def _shows_the_failure(self, outcome: Observed | Crash, kept: Observed | Crash | None) -> bool:
-        """Whether an outcome is the failure that the test looks for. If a crash is kept, only the same crash counts."""
+        """Return whether an outcome is the failure that is looked for. If a crash is kept, only an equal crash counts."""
         if isinstance(outcome, Crash):
             return self.claim is None and (not isinstance(kept, Crash) or kept.what == outcome.what)
         return outcome.signature is not None

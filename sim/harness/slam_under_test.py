@@ -77,7 +77,10 @@ class FeatureInput:
     verifier: Verifier
 
     def renumbered(self, original: Callable[[int], int]) -> "FeatureInput":
-        """Return this input for a SLAM that gets observations under other indices; `original` maps those to the run's."""
+        """Return this input for a SLAM that gets observations under other indices.
+
+        `original` maps an index that the SLAM gets to the index in the run.
+        """
         if not isinstance(self.verifier, CovisibilityVerifier):
             raise SimError("feature input: its verifier cannot be renumbered; valid: the verifier of the feature sensor")
         return replace(self, verifier=self.verifier.renumbered(original))

@@ -211,7 +211,7 @@ def _size_table(before: ScenarioSize, after: ScenarioSize) -> Iterator[str]:
 
 
 def _size(value: object) -> str:
-    """A size as text; an infinite length stands for a tour as long as the house needs."""
+    """Return a size as text; an infinite length becomes "as long as needed"."""
     return "as long as needed" if value == math.inf else f"{value:g}"
 
 

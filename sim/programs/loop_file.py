@@ -20,7 +20,8 @@ _UNIT = 0.01
 """Largest accepted deviation of a quaternion's norm from 1."""
 
 RowsOf: TypeAlias = Callable[[Sequence[float]], Int[np.ndarray, "k"]]
-"""Finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the estimate."""
+"""A function that finds the rows of the estimate for stamps [s]. It raises `SimError` for a stamp without a frame in the
+estimate."""
 
 
 class _Strict(BaseModel):
@@ -41,7 +42,7 @@ class LoopClaim(_Strict):
 
 
 class RevisitClaim(_Strict):
-    """Earlier frames that may show the same place as one later frame, as proposed by the program before verification."""
+    """Earlier frames that may show the same place as one later frame. The program proposed them before verification."""
 
     query: float
     """Stamp of the later frame [s]."""
@@ -60,7 +61,7 @@ class LoopFile(_Strict):
 
 
 def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
-    """Read loops.json as the fields of `Estimate` that it claims: `loops`, and `candidates` if it lists them.
+    """Read loops.json, and return its claims as fields of `Estimate`: `loops`, and `candidates` if the file lists them.
 
     Raises `SimError` for a file that is not valid, a stamp that belongs to no frame, a loop whose match is not earlier than
     its query, and a quaternion whose norm is not 1.
@@ -78,7 +79,7 @@ def read_loops(path: Path, rows_of: RowsOf) -> dict[str, Any]:
 
 
 def _weights(loops: Sequence[LoopClaim]) -> Float64[np.ndarray, "m"] | None:
-    """Weights of all loops, or None if no loop has one."""
+    """Return the weights of all loops, or None if no loop has a weight."""
     if all(loop.weight is None for loop in loops):
         return None
     return np.array([1.0 if loop.weight is None else loop.weight for loop in loops])

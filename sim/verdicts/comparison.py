@@ -3,8 +3,9 @@
 Each scenario gives a pair of results, so that differences between houses cancel. Scenarios with one seed, such as a house
 with several values of openness, count as one, because they are not independent. No distribution of the differences is
 assumed: a figure is compared by the exact sign test, a claim by McNemar's exact test. Both count the scenarios in which one
-SLAM does better, and ask whether these counts are as unequal as a fair coin hardly makes them. Several figures are compared
-at once, so p-values are corrected by Holm's method: the stated confidence is that of all verdicts together.
+SLAM does better. If the SLAMs were equal, each of these scenarios would be like the toss of a fair coin; the p-value is the
+probability that as many tosses give counts at least as unequal. Several figures are compared at once, so p-values are
+corrected by Holm's method: the stated confidence holds for all verdicts together.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,14 +27,14 @@ from sim.harness.slam_under_test import SlamUnderTest
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
-"""Name of the comparison that counts, for each SLAM, the scenarios for which only that SLAM has a result."""
+"""Name of the comparison of completed runs. It counts the scenarios for which only one SLAM has a result."""
 
 
 class Rule(NamedTuple):
     """How two values of a figure are compared."""
 
     sign: int
-    """1 if a larger figure is better, -1 if a smaller one is."""
+    """1 if a larger figure is better, -1 if a smaller figure is better."""
     tie: float
     """Differences up to this size do not matter and count as ties."""
 
@@ -57,14 +58,16 @@ _Pair = tuple[RunResult, RunResult]
 
 @dataclass(frozen=True, eq=False)
 class FigureChange:
-    """How a figure differs between SLAM a and SLAM b, over independent scenarios."""
+    """How a figure differs between SLAM a and SLAM b, over independent scenarios; scenarios with one seed count as one."""
 
     name: str
     rule: Rule
     a: Float64[np.ndarray, "n"]
-    """The figure of SLAM a in each scenario; NaN if its run cannot have the figure."""
+    """The figure of SLAM a in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    figure."""
     b: Float64[np.ndarray, "n"]
-    """The figure of SLAM b in each scenario; NaN if its run cannot have the figure."""
+    """The figure of SLAM b in each independent scenario, as a mean if several scenarios have one seed; NaN without the
+    figure."""
 
     @property
     def better(self) -> int:
@@ -90,7 +93,10 @@ class FigureChange:
         return np.sort(self.b[both] - self.a[both])
 
     def interval(self, confidence: float) -> tuple[float, float] | None:
-        """Confidence interval of the median change, which inverts the sign test; None if there are too few scenarios."""
+        """Return the confidence interval of the median change, found by inverting the sign test.
+
+        The result is None if there are too few scenarios.
+        """
         changes = self.changes
         rank = int(binom.ppf((1.0 - confidence) / 2.0, len(changes), 0.5)) if len(changes) else 0
         if rank < 1:
@@ -100,22 +106,22 @@ class FigureChange:
 
 @dataclass(frozen=True)
 class ClaimChange:
-    """In how many independent scenarios a claim holds more often for SLAM a, or more often for SLAM b."""
+    """Numbers of independent scenarios in which a claim holds more often for SLAM a, or more often for SLAM b."""
 
     name: str
     only_a: int
     only_b: int
     others: int
-    """Number of scenarios in which the claim holds as often for either SLAM."""
+    """Number of scenarios in which the claim holds equally often for both SLAMs."""
 
     @property
     def better(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM b rather than for SLAM a."""
+        """Number of scenarios in which the claim holds more often for SLAM b than for SLAM a."""
         return self.only_b
 
     @property
     def worse(self) -> int:
-        """Number of scenarios in which the claim holds for SLAM a rather than for SLAM b."""
+        """Number of scenarios in which the claim holds more often for SLAM a than for SLAM b."""
         return self.only_a
 
     @property
@@ -126,14 +132,14 @@ class ClaimChange:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """All changes from SLAM a to SLAM b. The confidence is that of all verdicts together."""
+    """All changes from SLAM a to SLAM b. The confidence holds for all verdicts together."""
 
     names: tuple[str, str]
     """Names of the classes of both SLAMs."""
     scenarios: int
     """Number of scenarios for which both SLAMs have a result."""
     houses: int
-    """Number of independent scenarios among `scenarios`: those with the same seed count as one."""
+    """Number of independent scenarios among `scenarios`: scenarios with the same seed count as one."""
     figures: tuple[FigureChange, ...]
     claims: tuple[ClaimChange, ...]
     confidence: float
@@ -143,7 +149,7 @@ class Comparison:
         """Whether each figure and each claim, by name, is worse or better for SLAM b.
 
         By Holm's method, the smallest of k p-values may be at most (1 - confidence) / k, the next (1 - confidence) / (k - 1)
-        and so on, until one is too large.
+        and so on. The first p-value that is larger than its limit, and all p-values after it, show no difference.
         """
         every: list[FigureChange | ClaimChange] = [*self.figures, *self.claims]
         changes = sorted(every, key=lambda change: change.p_value)
@@ -291,5 +297,5 @@ def _mean(values: Float64[np.ndarray, "n"]) -> str:
 
 
 def _coin(first: int, second: int) -> float:
-    """Two-sided p-value of counts as unequal as these, if both sides are equally likely."""
+    """Return the two-sided p-value of counts as unequal as these, if both sides are equally likely."""
     return float(binomtest(first, first + second).pvalue) if first + second else 1.0
