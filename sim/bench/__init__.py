@@ -10,6 +10,7 @@ one long walk. `sessions` measures whether a robot that returns to a house recog
 `everyday_questions`. `fidelity` compares runs on simulated features with runs on rendered images, and the subpackage
 `encoders` compares vision-language models. `houses` chooses the houses of a benchmark, and `row_files` writes a benchmark's
 rows as a CSV file and as a picture. `collection` runs all benchmarks of the `benchmark_list`.
+`stage_costs` measures what each stage of LEXIS costs.
 
 Two benchmarks judge the harness itself. `shrinking` tests the reducer on the `failing_scenarios`, in which the SLAM has one
 of the `planted_bugs`. The subpackage `mutation` plants bugs into LEXIS and counts how many bugs a suite finds.

@@ -57,6 +57,7 @@ _OF_PRESETS = (
 )
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
+    ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 100),
     ("scale", "scale --rooms {rooms} --length {length} --seed 300", 30),
     ("speed", "speed --houses {houses} --seed 500", 60),
     ("throughput", "throughput --houses 8 --seed 100", 10),

@@ -172,6 +172,29 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
         write_rows(rows, arguments.csv)
 
 
+def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = []
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        measured = measure_stages(presets, seeds)
+        for house in bar.track(measured, total=len(presets) * len(seeds), description="houses"):
+            rows += house
+    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
+    table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
+    for name, found in gains(rows).items():
+        sign = "" if name == UNCHANGED else "+"
+        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
+        table.add_row(name, str(found.houses), *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
 
@@ -478,6 +501,13 @@ _BENCHMARKS = (
         "trajectory errors of odometry and of LEXIS with each method of place recognition, as in the paper's Table III",
         "lexis-sim bench table3 --presets ori home --houses 5 --seed 500",
         (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
+    ),
+    Action(
+        "stages",
+        _printing(_stages),
+        "what each stage of LEXIS costs in labels, rooms, trajectories and plans: the blame table over many houses",
+        "lexis-sim bench stages --presets home ori --houses 50 --seed 500 --csv stages.csv",
+        (_PRESETS, _HOUSES, _CSV, SEED),
     ),
     Action(
         "places",

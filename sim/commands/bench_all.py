@@ -15,9 +15,7 @@ ARGUMENTS = (
     argument("-o", "--out", type=folder, required=True, metavar="DIR", help="folder for the tables, curves and pictures"),
     argument("--quick", action="store_true", help="few houses, and images only where a benchmark needs them"),
     argument("--only", default="", metavar="TEXT", help="benchmarks whose name contains this text (default: all)"),
-    argument(
-        "--pose-graphs", nargs="+", type=Path, default=[], metavar="FILE", help="g2o files, for pose-graph"
-    ),
+    argument("--pose-graphs", nargs="+", type=Path, default=[], metavar="FILE", help="g2o files, for pose-graph"),
     argument(
         "--workers", type=positive, default=os.cpu_count() or 1, metavar="N", help="processes (default: one for each core)"
     ),
