@@ -87,7 +87,8 @@ class Landmarks:
     points: Float64[np.ndarray, "m 3"]
     """Positions in the keyframe's body frame B [m]."""
     feature_ids: Int[np.ndarray, "m"]
-    """For each point, the row of its key point in the keyframe's features; -1 for a point of a percept, which has none."""
+    """For each point, the row of its key point in the keyframe's features. It is -1 if the point comes from a `Percept`,
+    whose points have no key points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +154,8 @@ class Verdict:
     misfit_m: float | None = None
     """Distance between the measured position of the new keyframe and its position in the estimate at that time [m]."""
     misfit_rad: float | None = None
-    """Angle between the measured rotation and the rotation in the estimate at that time [rad]."""
+    """Angle between the measured rotation of the new keyframe and its rotation in the estimate when the candidate was
+    verified [rad]."""
 
 
 @dataclass(frozen=True, eq=False)

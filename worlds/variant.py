@@ -65,6 +65,11 @@ def in_light(spec: HouseSpec, light: Literal["day", "evening", "dim"]) -> HouseS
     return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"light": light})})
 
 
+def in_texture(spec: HouseSpec, texture: Literal["rich", "poor", "repeating"]) -> HouseSpec:
+    """Return the house with other textures; nothing else changes."""
+    return spec.model_copy(update={"appearance": spec.appearance.model_copy(update={"texture": texture})})
+
+
 def explicit(spec: HouseSpec) -> HouseSpec:
     """Return the spec of the same house with all windows and furniture listed that `build_house` would fill in.
 

@@ -40,25 +40,29 @@ class Benchmark:
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")
 """The presets that are named like the datasets of the paper."""
 _LIST = (
-    ("table1", "encoders --presets ori home --encoders mini --houses {houses} --seed 500", 60),
-    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 60),
-    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 120),
-    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 60),
-    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 60),
-    ("sessions", "sessions --houses {houses} --seed 500", 60),
-    ("planning", "planning --houses {houses} --seed 500", 60),
-    ("queries", "queries --houses {houses} --seed 500", 60),
-    ("fidelity", "fidelity --houses {houses} --seed 500", 60),
+    ("table1", "encoders --presets ori home --encoders mini --houses {houses} --seed 500", 130),
+    ("table3", "table3 --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500 --csv {out}/table3.csv", 70),
+    ("openness", "openness --houses {houses} --seed 500 --out {out}/openness.csv {out}/openness.png", 70),
+    ("clutter", "sweep clutter --houses {houses} --seed 500 --out {out}/clutter.csv {out}/clutter.png", 60),
+    ("odometry", "sweep odometry --houses {houses} --seed 500 --out {out}/odometry.csv {out}/odometry.png", 40),
+    ("light", "sweep light --houses {houses} --seed 500 --out {out}/light.csv {out}/light.png", 200),
+    ("texture", "sweep texture --houses {houses} --seed 500 --out {out}/texture.csv {out}/texture.png", 200),
+    ("places", "places --presets {presets} --houses {houses} --fidelity {fidelity} --seed 500", 110),
+    ("kernels", "kernels --houses {houses} --seed 500 --csv {out}/kernels.csv --plot {out}/kernels.png", 30),
+    ("sessions", "sessions --houses {houses} --seed 500", 40),
+    ("planning", "planning --houses {houses} --seed 500", 220),
+    ("queries", "queries --houses {houses} --seed 500", 125),
+    ("fidelity", "fidelity --houses {houses} --seed 500", 50),
 )
 """Names, arguments and quick processor times of the benchmarks that may run beside each other."""
 _OF_PRESETS = (
-    ("segmentation", "segmentation --preset {preset} --houses {houses} --fidelity {fidelity} --seed 500", 15),
-    ("rooms", "rooms --preset {preset} --houses {houses} --seed 500", 15),
+    ("segmentation", "segmentation --preset {preset} --houses {houses} --fidelity {fidelity} --seed 500", 35),
+    ("rooms", "rooms --preset {preset} --houses {houses} --seed 500", 20),
 )
 """The same for benchmarks of a single preset, which run once for each of `_PRESETS`."""
 _TIMINGS = (
     ("stages", "stages --presets {presets} --houses {houses} --seed 500 --csv {out}/stages.csv", 100),
-    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 30),
+    ("scale", "scale --rooms {rooms} --length {length} --seed 300", 25),
     ("speed", "speed --houses {houses} --seed 500", 60),
     ("throughput", "throughput --houses 8 --seed 100", 10),
 )

@@ -51,6 +51,7 @@ _OWN_PYTESTS = 10
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
 _CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
 _PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
+_SWEEP_FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
 
 
@@ -135,19 +136,34 @@ def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
 
 
 def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
-    from sim.bench.peers.openness_sweep import METHODS, OPENNESS, check_files, means, sweep, write_sweep
+    return _sweep(arguments, "openness")
+
+
+def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
+    return _sweep(arguments, arguments.over)
+
+
+def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, check_files, means, sweep, write_sweep
+    from sim.report.figures import shown
 
     check_files(arguments.out)
-    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    seeds, difficulty = range(arguments.seed, arguments.seed + arguments.houses), DIFFICULTIES[over]
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        total = len(METHODS) * len(OPENNESS) * len(seeds)
-        rows = list(bar.track(sweep(arguments.preset, seeds), total=total, description="runs"))
+        total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
+        rows = list(bar.track(sweep(arguments.preset, seeds, difficulty), total=total, description="runs"))
     for path in arguments.out:
-        write_sweep(rows, path)
-    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: room PQ (splits / merges per house)"
-    table = Table("rooms by", *(f"openness {each:g}" for each in OPENNESS), title=title)
+        write_sweep(rows, over, path)
+    title = (
+        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {difficulty.fidelity}: "
+        "room PQ (splits / merges per house), labels"
+    )
+    table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
     for name, found in means(rows).items():
-        cells = (f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f})" for each in found.values())
+        cells = (
+            f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f}) {shown(each.labels, '{:.3f}')}"
+            for each in found.values()
+        )
         table.add_row(name, *cells)
     yield table
 
@@ -488,10 +504,18 @@ _BENCHMARKS = (
         _printing(_openness),
         "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
         "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
+        (_PRESET, _HOUSES, _SWEEP_FILES, SEED),
+    ),
+    Action(
+        "sweep",
+        _printing(_sweep_over),
+        "the same while another difficulty grows: clutter, odometry errors, light or texture",
+        "lexis-sim bench sweep odometry --houses 5 --seed 500",
         (
+            argument("over", choices=("clutter", "odometry", "light", "texture"), help="what becomes more difficult"),
             _PRESET,
             _HOUSES,
-            argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            _SWEEP_FILES,
             SEED,
         ),
     ),

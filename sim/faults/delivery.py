@@ -126,7 +126,10 @@ class Late(StreamFault):
 
 @dataclass(frozen=True)
 class OutOfOrder(StreamFault):
-    """Groups of frames arrive in random order, with the right stamps. The truth of each misplaced frame names this fault."""
+    """Some groups of successive frames arrive shuffled within the group. All frames keep their right stamps.
+
+    The ground truth of each frame that arrives in the wrong place names this fault.
+    """
 
     name = "out-of-order"
     share: float = setting(0.1, 0.0, 1.0)

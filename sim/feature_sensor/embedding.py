@@ -18,7 +18,8 @@ from sim.feature_sensor.surroundings import OBJECTS
 from sim.feature_sensor.visible_shares import VisibleShares
 
 FIELDS = ((0.3, 0.2), (1.0, 0.6), (3.0, 1.5))
-"""Correlation lengths of each smooth kernel: in position [m] and in direction of view [rad]."""
+"""Correlation lengths of the error of embeddings, for each of the three smooth kernels: in position [m] and in direction of
+view [rad]."""
 KERNELS = ("house", "rooms", "objects", *(f"{metres:g} m, {radians:g} rad" for metres, radians in FIELDS))
 _WAVES = 256
 """Number of random Fourier features that approximate a smooth kernel."""

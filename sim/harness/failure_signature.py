@@ -22,7 +22,8 @@ class Signature:
     """Identifies a failure: two runs with equal signatures show the same failure."""
 
     what: str
-    """The claim that is true, or what the SLAM did, such as "raises RuntimeError"."""
+    """How the run failed: the condition for a failure that came true, such as "labels.accuracy < 0.7", or what the SLAM did
+    in a crash, such as "raises RuntimeError"."""
     value: float | None = field(default=None, compare=False)
     """Value of the figure in the claim `what`, in the run that failed; None if `what` is an exception."""
 

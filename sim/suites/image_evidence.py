@@ -8,8 +8,7 @@ from sim.suites.checks import CheckFinding, Examined, NewSlam, attempted, reache
 from sim.suites.image_changes import OtherImages
 
 _SAME = 1e-5
-"""Largest difference by rounding between two similarities of one image with one name, as a share of the largest
-similarity."""
+"""Tolerance for rounding: two similarities that should be equal may differ by this share of the largest similarity."""
 
 
 @dataclass(frozen=True)

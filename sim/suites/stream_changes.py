@@ -191,7 +191,7 @@ class HeightDrift(NoChange):
     """Speed at which the odometry rises [m/s]."""
 
     def observations(self, observation: Observation, number: int, previous: Observation | None) -> Iterator[Observation]:
-        """Yield the observation with its raised pose."""
+        """Yield the observation with its pose raised by the drift so far, and its covariance by that of the latest rise."""
         T_O_B, covariance = observation.T_O_B.copy(), observation.increment_covariance.copy()
         T_O_B[2, 3] += self.rate_m_s * observation.stamp
         if previous is not None:

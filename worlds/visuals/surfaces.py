@@ -24,7 +24,7 @@ from worlds.walls import WALL_THICKNESS_M, Boundary, arch_curve
 
 SurfaceKind = Literal["wall", "floor", "ceiling"]
 OUTSIDE = "(outside)"
-"""Name of the outside of the house where a room id is expected; no room id has brackets."""
+"""Stands for the outside of the house where a room id is expected. It cannot equal a room id, since no id has brackets."""
 _KINDS: tuple[SurfaceKind, ...] = ("wall", "floor", "ceiling")
 _HALF = WALL_THICKNESS_M / 2
 _TOLERANCE_M = 1e-6

@@ -41,7 +41,7 @@ class Band:
     share: float
     """Share of all frames that are in the band."""
     right: Mapping[str, float | None]
-    """Share of right answers in the band, by the name of the method; None if the band has no frames."""
+    """Share of right answers among the frames of this `Band`, by the name of the method; None if the band has no frames."""
 
 
 def ceiling_of(work: Path) -> Ceiling:
