@@ -279,7 +279,7 @@ class Config(Settings, place="lexis", error=ConfigError):
 
     @property
     def by_sight(self) -> bool:
-        """Whether labels or rooms are found by sight."""
+        """Whether the labels, the segmentation into rooms, or both use the method "sight" (see `lexis.sight`)."""
         return "sight" in (self.labels.method, self.segmentation.method)
 
     def __post_init__(self) -> None:

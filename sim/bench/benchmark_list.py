@@ -34,7 +34,7 @@ class Benchmark:
     quick_s: int
     """Processor time in the quick extent [s], by which the remaining time is estimated."""
     is_timing: bool = False
-    """Whether it measures time or uses all cores, so that no other benchmark may run beside it."""
+    """Whether the benchmark measures time or uses all cores, so that no other benchmark may run beside it."""
 
 
 _PRESETS = ("uh2-apt", "uh2-office", "ori", "home")

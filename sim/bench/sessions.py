@@ -33,7 +33,7 @@ _APART_M = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """The walk of one day through a house, on the feature sensor."""
+    """The walk of one day through a house, observed by the simulated feature sensor instead of by rendered images."""
 
     observations: tuple[Observation, ...]
     T_W_B: Float64[np.ndarray, "n 4 4"]

@@ -106,7 +106,10 @@ def _renamed(
 
 
 def _moved(loops: LoopClaims | None, new_row: Int[np.ndarray, "n"], T_B_N: Pose) -> LoopClaims | None:
-    """Convert loops to the rows of the unchanged observations and to the unchanged body frame."""
+    """Convert claimed loops: their frames to rows of the unchanged observations, their poses to the unchanged body frame.
+
+    A loop between two frames of the same unchanged observation is left out. None stays None.
+    """
     if loops is None:
         return None
     query, match = new_row[loops.query], new_row[loops.match]

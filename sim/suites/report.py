@@ -214,7 +214,10 @@ def check_slam(
 
 
 def runnable(suite: Suite, new_slam: NewSlam) -> Suite:
-    """Return the suite; if `new_slam` is a program, with rendered images, because programs cannot read percepts."""
+    """Return the suite in a form that can be run on the SLAM: for a program, all scenarios have rendered images.
+
+    Programs cannot read percepts (embeddings of views, which replace images). For any other SLAM, the suite does not change.
+    """
     return suite.with_images() if isinstance(new_slam, Program) else suite
 
 

@@ -95,7 +95,10 @@ def _divided(line: Float64[np.ndarray, "k 3"]) -> Float64[np.ndarray, "n 3"]:
 
 
 def _rounded(height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
-    """Round the heights at the ends of slopes. Level stretches stay exactly as they are."""
+    """Smooth the bends of the path's height at the ends of slopes, by a moving average that is applied twice.
+
+    Level stretches stay exactly as they are.
+    """
     for _ in range(2):
         wide = np.pad(height, _SLOPE_STEPS // 2, mode="edge")
         windows = np.lib.stride_tricks.sliding_window_view(wide, _SLOPE_STEPS)

@@ -52,5 +52,8 @@ def _swing(knot_s: float) -> Float64[np.ndarray, "n 4"]:
 
 
 def _strength(limits: Limits) -> float:
-    """Return the largest share of the full swing, up to 1, that keeps the limits."""
+    """Return the factor, up to 1, by which the start manoeuvre's swing is scaled to stay within `limits`.
+
+    The limits are those of speed, acceleration and turning. The full swing (factor 1) stays within the default limits.
+    """
     return float(min(1.0, *(getattr(limits, name) / full for name, full in vars(_DESIGNED_FOR).items())))

@@ -143,10 +143,11 @@ def _reserved_bands(runs: Sequence[BayRun]) -> dict[int, Band]:
 
 
 def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
-    """Choose a run that fits the space behind the stairs, remove it from `runs` and return it; None if no run fits.
+    """Choose a group of rooms for the space behind the stairs, remove it from `runs` and return it; None if no group fits.
 
-    A run (group of rooms) fits if it is one room, without small rooms carved from it and without a twin, and if the area
-    chosen for this room is close to the area of the space. At least two runs must be left for the bands (rows of rooms).
+    A run (group of rooms) fits if it is a single room that has no small rooms carved from it and no twin (a room that must
+    get exactly the same shape), and if the area chosen for the room is close to the area of the space. At least two runs must
+    be left for the bands (rows of rooms).
     """
     slot = shell.slot()
     if slot is None or len(runs) < 3:

@@ -17,7 +17,10 @@ from sim.baselines.rooms.cells import Free, Segments, clearance, components, gro
 
 @dataclass(frozen=True)
 class Voronoi:
-    """Cuts at critical points, then merges small parts, and parts with a long common border, with their neighbours."""
+    """Cuts the free space into parts at the critical points of its Voronoi graph, and then merges some parts.
+
+    Small parts, and parts with a long common border, are merged with their neighbours.
+    """
 
     least_turn: float = 0.7
     """Least value of (1 - cosine) / 2 at a critical point, for the angle between the directions to its two closest walls; 1

@@ -43,7 +43,7 @@ class EncoderRun:
     looked_at: Int[np.ndarray, "k"]
     """Indices of the keyframes that were also rendered with other textures, lightings and furniture colours."""
     held_out_looks: UInt8[np.ndarray, "looks k h w 3"]
-    """Images of the keyframes `looked_at` in pairs of texture and lighting that never occur in training."""
+    """Images of the keyframes in `looked_at`, rendered with pairs of texture and lighting that never occur in training."""
     trained_looks: UInt8[np.ndarray, "looks k h w 3"]
     """Images of the keyframes `looked_at` with the same textures and lightings, but in pairs that occur in training."""
     held_out_variants: UInt8[np.ndarray, "1 k h w 3"]
