@@ -151,8 +151,8 @@ class PlaceRecognitionConfig(Settings, place="place_recognition", error=ConfigEr
     place_rad: Annotated[float, Gt(0)] = 0.24
     """Estimated angle that lowers the log odds by 1 [rad]; they fall with its square."""
     lost_log_odds: Annotated[float, Ge(0)] = 12.4
-    """Largest reduction of the log odds by distance and angle. It is limited, because the estimated pose may be completely
-    wrong."""
+    """Largest amount by which the estimated distance and angle can lower the log odds of a revisit. The amount is limited,
+    because the estimated pose may be completely wrong."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,10 @@ def floor_levels(stairs: Bool[np.ndarray, "n"], height: Float64[np.ndarray, "n"]
 
 
 def _heights_over_stairs(stretches: list[Stretch], height: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "k"]:
-    """Height of every stretch relative to the first, summed over the stairs between them [m]."""
+    """Return the height of every level stretch relative to the first stretch [m].
+
+    It is the sum of the height differences over the stairs between the two; height changes within stretches are left out.
+    """
     steps = [height[b.start] - height[a.stop - 1] for a, b in pairwise(stretches)]
     return np.concatenate([[0.0], np.cumsum(steps)])
 

@@ -213,7 +213,10 @@ class PoseGraph:
         return True
 
     def _move(self, last: Poses) -> None:
-        """Set the poses of the last active keyframes; retired keyframes follow their anchors."""
+        """Set the poses of the newest active keyframes to `last`, and let retired keyframes follow their anchors.
+
+        A retired keyframe takes no part in the optimisation. It has a fixed pose relative to its anchor, an active keyframe.
+        """
         moved = self.active[len(self.active) - len(last) :]
         self._T_W_B.replace(moved, last)
         self._T_W_B.replace(*self._retired.following(int(moved[0]), self.T_W_B))

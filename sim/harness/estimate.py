@@ -69,7 +69,8 @@ class Estimate:
     frames: Int[np.ndarray, "n"]
     """`Observation.index` of every frame about which the SLAM makes claims, ascending."""
     T_W_B: Poses | None = None
-    """Poses of the body in the SLAM's own world frame, which figures align with the true world frame."""
+    """Poses of the body in the SLAM's own world frame. To compute figures, this frame is aligned with the true world
+    frame."""
     labels: Int[np.ndarray, "n"] | None = None
     """Room label of every frame, as an index into the argument `room_names` of `SlamUnderTest.start`. -1: the frame has no
     label, which counts as wrong."""

@@ -38,8 +38,9 @@ _STEEP = 0.45
 """A frame is certainly on stairs if the path is at least as steep as this before and after the frame [m/m]. The stairs of
 houses are steeper."""
 _LANDING_M = 3.0
-"""A level frame is on a half landing if the path rises within this length before the frame and within this length after it,
-or falls in both [m]."""
+"""Length of the path before and after a frame that tells whether the frame is on a half landing [m]. A frame where the path
+is level is on a half landing if the path rises over this length before the frame and again over this length after it, or if
+it falls both times."""
 _LEVEL_M = 0.2
 """A frame is certainly not on stairs if the heights `_CLIMB_M` before and after it differ by at most this from its own
 height [m]."""

@@ -235,7 +235,7 @@ class MoreNames(NoChange):
     more: tuple[str, ...] = ("swimming pool", "stable")
 
     def names(self, room_names: Sequence[str]) -> Mapping[str, str | None]:
-        """Return the names, followed by the additional ones."""
+        """Return the original room names, followed by the additional names in `more`."""
         return {name: name for name in room_names} | dict.fromkeys(self.more)
 
 

@@ -146,8 +146,8 @@ def _take_slot(runs: list[BayRun], shell: Shell) -> BayRun | None:
     """Choose a group of rooms for the space behind the stairs, remove it from `runs` and return it; None if no group fits.
 
     A run (group of rooms) fits if it is a single room that has no small rooms carved from it and no twin (a room that must
-    get exactly the same shape), and if the area chosen for the room is close to the area of the space. At least two runs must
-    be left for the bands (rows of rooms).
+    get exactly the same shape), and if the area chosen for the room is close to the area of the space. At least two runs
+    must be left for the bands (rows of rooms).
     """
     slot = shell.slot()
     if slot is None or len(runs) < 3:

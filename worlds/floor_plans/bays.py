@@ -45,8 +45,8 @@ def bay_width(bay: Bay, depth: int) -> int:
 def run_width(run: BayRun, depth: int) -> int:
     """Return the width that a run prefers in a band (a row of rooms) of the given depth [cm].
 
-    A run is a group of bays that stay side by side, and a bay is a main room with the small rooms carved from it. The width is
-    the sum of the preferred widths of the run's bays.
+    A run is a group of bays that stay side by side, and a bay is a main room with the small rooms carved from it. The width
+    is the sum of the preferred widths of the run's bays.
     """
     return sum(bay_width(bay, depth) for bay in run.bays)
 

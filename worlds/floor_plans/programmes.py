@@ -195,11 +195,11 @@ def _twins(bays: list[Bay], habits: LayoutShares, rng: np.random.Generator) -> l
 
 
 def _twin_runs(bays: Sequence[Bay]) -> list[BayRun]:
-    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; every other bay becomes a run by itself.
+    """Put twins (bays of the same shape) into runs of at most `_MOST_TWINS_IN_RUN`; a bay without a twin is a run by itself.
 
     The twins of a run stand side by side in one band (row of rooms), because only there can they be equal to the centimetre.
-    A longer run would not fit into a band. Further twins form another run, which may stand in another band, so this run gets
-    another twin number.
+    A longer run would not fit into a band. Twins that are left over form further runs, which may stand in other bands.
+    Therefore, the bays of each further run get another twin number: only bays with the same number have the same shape.
     """
     runs = [BayRun((bay,)) for bay in bays if bay.twin is None]
     for twin in dict.fromkeys(bay.twin for bay in bays if bay.twin is not None):
