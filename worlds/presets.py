@@ -13,15 +13,13 @@ from worlds.floor_plans.building_kinds import KINDS, BuildingKind
 from worlds.floor_plans.floor_plan import SLAB_M, PlanStyle, lay_out
 from worlds.floor_plans.programmes import LayoutShares, StoreyProgramme
 from worlds.floor_plans.room_lists import by_storey, draw_programmes, programmes_of
-from worlds.labels import OUTDOOR_LABELS, ROOM_LABELS, STAIRS
+from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, ROOM_LABELS, STAIRS
 from worlds.openings.openness import with_openness
 from worlds.openings.placement import place_openings
 from worlds.preset_names import MAX_ROOMS_ASKED, MAX_STOREYS_ASKED, MIN_ROOMS_ASKED
 from worlds.preset_names import PRESETS as PRESETS
 from worlds.spec import HouseSpec, StoreySpec
 from worlds.valid_names import did_you_mean
-
-_CIRCULATION = ("corridor", "entrance hall", "lobby")
 
 
 def sample_house(
@@ -76,7 +74,7 @@ def sample_from_rooms(
         )
     if not 1 <= len(labels) <= MAX_ROOMS_ASKED:
         raise WorldsError(f"{len(labels)} rooms were asked for; valid: 1 to {MAX_ROOMS_ASKED}")
-    spine = next((label for label in labels if label in _CIRCULATION), None)
+    spine = next((label for label in labels if label in CIRCULATION_LABELS), None)
     others = list(labels)
     if spine is not None:
         others.remove(spine)
@@ -103,9 +101,9 @@ def _random_kind(rng: np.random.Generator) -> BuildingKind:
     """Draw the kind of building for the preset "random": one of five kinds, or a mixture of rooms with any label."""
     names = ("home", "apartment", "office", "clinic", "school", None, None)
     name = names[int(rng.integers(len(names)))]
-    indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *_CIRCULATION, STAIRS)]
+    indoors = [label for label in ROOM_LABELS if label not in (*OUTDOOR_LABELS, *CIRCULATION_LABELS, STAIRS)]
     order = [indoors[i] for i in rng.permutation(len(indoors))]
-    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, "garden", "balcony"), repeats=0.2)
+    kind = KINDS[name] if name else replace(KINDS["office"], first=(), more=(*order, *OUTDOOR_LABELS), repeats=0.2)
     most = 2 + round(38 * float(rng.random()) ** 3)
     storeys = (1, 1, 1, 2, 2, 2, 3, 4) if most >= 5 else (1,)
     return replace(kind, rooms=(most, most), storeys=storeys, halls=(*kind.halls, None))

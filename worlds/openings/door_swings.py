@@ -8,7 +8,7 @@ possible ways to hang a leaf.
 import math
 from collections.abc import Mapping, Sequence
 
-from worlds.labels import OUTDOOR_LABELS, STAIRS
+from worlds.labels import CIRCULATION_LABELS, OUTDOOR_LABELS, STAIRS
 from worlds.openings.opening_draft import LEAF_THICKNESS_M, LeafDraft, OpeningDraft, Rectangle
 from worlds.spec import RoomSpec
 
@@ -21,8 +21,6 @@ _PASSING_M = 0.65
 _MOST_OPEN_RAD = math.radians(105.0)
 _AJAR_RAD = (math.radians(62.0), math.radians(85.0))
 """Range of the angle of a leaf that does not stand fully open [rad]."""
-_CIRCULATION = frozenset({"corridor", "entrance hall", "lobby"})
-"""Labels of rooms that people walk along, where a leaf is most in the way."""
 
 
 def hang_leaf(
@@ -61,7 +59,7 @@ def _swing_rank(room: RoomSpec) -> tuple[int, float]:
 
     Doors swing into rooms rather than corridors, indoors rather than outdoors, and otherwise into the larger room.
     """
-    rank = 2 if room.label in OUTDOOR_LABELS else 1 if room.label in _CIRCULATION else 0
+    rank = 2 if room.label in OUTDOOR_LABELS else 1 if room.label in CIRCULATION_LABELS else 0
     return rank, -_extent(room)
 
 
@@ -152,7 +150,7 @@ def _swings_freely(
     """
     room, swing, standing = rooms[leaf.into], swing_box(door, leaf), resting_box(door, leaf)
     # In a corridor, people have to pass a leaf that stands square to the wall.
-    passing = _PASSING_M if room.label in _CIRCULATION else 0.0
+    passing = _PASSING_M if room.label in CIRCULATION_LABELS else 0.0
     needed = _box(door, leaf, -LEAF_THICKNESS_M / 2, door.width, door.width + passing) if passing else swing
     if any(_overlap(needed, wall) or _overlap(swing, wall) for wall in _walls(room)):
         return False
