@@ -577,7 +577,7 @@ _BENCHMARKS = (
             argument(
                 "--threshold",
                 type=number(0.001, 1e6),
-                default=12.6,
+                default=60.0,
                 help="squared whitened residual above which a kernel lowers a weight (default: %(default)s)",
             ),
             _CSV,
