@@ -38,7 +38,9 @@ Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
 Point = tuple[Metres, Metres]
 MAX_ID_LENGTH = 64
 """Largest number of characters of an identifier."""
-Identifier = Annotated[str, Field(min_length=1, max_length=MAX_ID_LENGTH, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
+ID_PATTERN = r"[A-Za-z0-9][A-Za-z0-9 _.'-]*"
+"""Regular expression of an identifier."""
+Identifier = Annotated[str, Field(min_length=1, max_length=MAX_ID_LENGTH, pattern=f"^{ID_PATTERN}$")]
 MAX_STOREYS = 8
 """Largest number of storeys of a house."""
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
