@@ -54,7 +54,8 @@ def check_camera(camera: Camera) -> None:
 def check_room_names(names: Sequence[str]) -> None:
     """Raise LexisError unless there are 1 to `MAX_ROOM_NAMES` unique names, all of them printable and short enough.
 
-    Room names are looked up without regard to case and outer blanks, so two names may not differ in these alone.
+    A room is looked up without regard to case and outer blanks. Names may therefore not differ in case alone, and may not
+    begin or end with a blank.
     """
     if isinstance(names, str):
         raise LexisError(f"room names are a single string {names!r}; valid: a sequence of names, such as ({names!r},)")
@@ -65,10 +66,13 @@ def check_room_names(names: Sequence[str]) -> None:
         raise LexisError(
             f"room names {unusable} are unusable; valid: names of printable characters, not blank, up to {MAX_NAME_LENGTH}"
         )
-    count = Counter(name.strip().lower() for name in names)
+    padded = [name for name in names if name != name.strip()]
+    if padded:
+        raise LexisError(f"room names {padded} begin or end with a blank; valid: names without blanks at their ends")
+    count = Counter(name.lower() for name in names)
     twice = sorted(name for name, times in count.items() if times > 1)
     if twice:
-        raise LexisError(f"room names {twice} occur more than once; valid: unique names, ignoring case and outer blanks")
+        raise LexisError(f"room names {twice} occur more than once; valid: unique names, ignoring case")
 
 
 def check_observation(

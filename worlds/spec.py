@@ -36,7 +36,13 @@ _SHORT = re.compile(r"""\[\s+(?: [-+.\deE,\s[\]]+ | (?: "[^"\n]*" ,? \s+ )+ )\]"
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0, description="coordinate [m]")]
 Length = Annotated[float, Field(gt=0.0, le=1000.0, description="length [m]")]
 Point = tuple[Metres, Metres]
-Identifier = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.'-]*$")]
+MAX_ID_LENGTH = 64
+"""Largest number of characters of an identifier."""
+ID_PATTERN = r"[A-Za-z0-9][A-Za-z0-9 _.'-]*"
+"""Regular expression of an identifier."""
+Identifier = Annotated[str, Field(min_length=1, max_length=MAX_ID_LENGTH, pattern=f"^{ID_PATTERN}$")]
+MAX_STOREYS = 8
+"""Largest number of storeys of a house."""
 Seed = Annotated[int, Field(ge=0, lt=2**63, description="a seed")]
 OpeningKind = Literal["door", "cased", "arch", "half wall", "counter", "open"]
 PASSABLE: tuple[OpeningKind, ...] = ("door", "cased", "arch", "open")
@@ -202,7 +208,7 @@ class HouseSpec(_Data):
         default=1.0, ge=0.0, le=4.0, description="how much furniture is filled in [1]; 0: none, 1: usual, 4: a hoarder's"
     )
     appearance: AppearanceSpec = AppearanceSpec()
-    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=8)
+    storeys: tuple[StoreySpec, ...] = Field(min_length=1, max_length=MAX_STOREYS)
 
     @model_validator(mode="after")
     def _names_resolve(self) -> "HouseSpec":

@@ -120,13 +120,13 @@ def _error_m(found: LexisMap, first: Day, second: Day) -> float:
 
 
 def starts(day: Day, every_m: float, length_m: float) -> list[int]:
-    """Return indices of observations along a day's walk, `every_m` apart, each followed by at least `length_m` of walk.
+    """Return indices of observations along a day's walk, `every_m` apart, each followed by `length_m` of walk.
 
-    If the walk is too short for this, the first observation is returned nevertheless.
+    The result is empty if the walk is shorter than `length_m`. Lengths are right up to the distance between observations.
     """
     steps = np.linalg.norm(np.diff([seen.T_O_B[:3, 3] for seen in day.observations], axis=0), axis=1)
     path_m = np.concatenate([[0.0], np.cumsum(steps)])
-    places = np.arange(0.0, max(path_m[-1] - length_m, every_m), every_m)
+    places = np.arange(0.0, path_m[-1] - length_m, every_m)
     return [int(row) for row in np.searchsorted(path_m, places)]
 
 

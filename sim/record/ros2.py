@@ -32,11 +32,12 @@ _VERSION: Literal[8] = 8
 def write_bag(folder: Path, take: Take, frames: Iterable[RecordedFrame], images: str, storage: str = "sqlite3") -> None:
     """Write a take (the sensor data of one walk) as a bag in `folder / "bag"`. `storage` is sqlite3 or mcap.
 
-    Raises `SimError` if `rosbags` is not installed or the disk is full.
+    Settings files of other SLAM systems are written beside the bag. Raises `SimError` if `rosbags` is not installed, or if a
+    file cannot be written, for example because the disk is full.
     """
     messages = Messages.load()
-    write_settings(folder / "settings", take)
     with _writer(folder / "bag", storage) as writer:
+        write_settings(folder / "settings", take)
         bag = _Bag(writer, messages)
         start = int(take.imu_ns[0])
         bag.write(start, "/tf_static", messages.static_transforms(start, take.cameras))
@@ -56,7 +57,7 @@ def _writer(path: Path, storage: str) -> Iterator["Writer"]:
     try:
         with Writer(path, version=_VERSION, storage_plugin=StoragePlugin[storage.upper()]) as writer:
             yield writer
-    except sqlite3.Error as error:
+    except (sqlite3.Error, OSError) as error:
         raise SimError(f"{path}: cannot be written: {error}; valid: a place with room for it") from None
 
 

@@ -18,7 +18,7 @@ from sim.render.image_files import DEPTH_FACTOR
 from sim.render.lens import Distortion
 
 _YAML = "%YAML:1.0\n---\n"
-_OPENVINS_JERK_M_S2 = 0.2
+_OPENVINS_ACCELERATION_STD_M_S2 = 0.2
 """Standard deviation of accelerations above which OpenVINS takes the rest at the start to be over [m/s²]. It is lower than
 in OpenVINS's settings for EuRoC, since a walker starts more gently than a drone."""
 
@@ -160,7 +160,7 @@ def _openvins(rate_hz: float) -> str:
         'feat_rep_aruco: "ANCHORED_MSCKF_INVERSE_DEPTH"\n'
         "try_zupt: false\nzupt_chi2_multipler: 0\nzupt_max_velocity: 0.1\nzupt_noise_multiplier: 10\n"
         "zupt_max_disparity: 0.5\nzupt_only_at_beginning: false\n"
-        f"init_window_time: {REST_S}\ninit_imu_thresh: {_OPENVINS_JERK_M_S2}\ninit_max_disparity: 10.0\n"
+        f"init_window_time: {REST_S}\ninit_imu_thresh: {_OPENVINS_ACCELERATION_STD_M_S2}\ninit_max_disparity: 10.0\n"
         "init_max_features: 75\ninit_dyn_use: false\ninit_dyn_mle_opt_calib: false\ninit_dyn_mle_max_iter: 50\n"
         "init_dyn_mle_max_time: 0.05\ninit_dyn_mle_max_threads: 6\ninit_dyn_num_pose: 6\ninit_dyn_min_deg: 10.0\n"
         "init_dyn_inflation_ori: 10\ninit_dyn_inflation_vel: 100\ninit_dyn_inflation_bg: 10\n"

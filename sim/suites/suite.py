@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -103,16 +104,23 @@ class Suite:
         return replace(self, parts=tuple(part.with_limits(limits) for part in self.parts), means=tuple(means))
 
     def with_size(self, share: float) -> "Suite":
-        """Return the suite with `share` times as many scenarios, and at least one in each part."""
-        return replace(self, parts=tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts))
+        """Return the suite with `share` times as many scenarios, and at least one in each part.
+
+        The claims about means are left out if rounding changes the proportions of the parts, because their limits were set
+        for the suite's own mixture of parts.
+        """
+        parts = tuple(replace(part, n=max(1, round(share * part.n))) for part in self.parts)
+        shares = {Fraction(new.n, old.n) for new, old in zip(parts, self.parts, strict=True)}
+        return replace(self, parts=parts, means=self.means if len(shares) == 1 else ())
 
     def without_laws(self) -> "Suite":
         """Return the suite with its claims only, which takes less time because laws run the SLAM again.
 
-        Parts that consist of laws only are left out. Raises `SimError` if nothing is left.
+        Parts that consist of laws only are left out, unless the suite makes claims about means: these are about the
+        scenarios of all parts, which are therefore still run. Raises `SimError` if nothing is left.
         """
         claims = ((part, tuple(check for check in part.checks if isinstance(check, ClaimCheck))) for part in self.parts)
-        return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks))
+        return replace(self, parts=tuple(replace(part, checks=checks) for part, checks in claims if checks or self.means))
 
     def with_images(self) -> "Suite":
         """Return the suite with rendered images in all scenarios, for a SLAM that does not accept features."""

@@ -14,7 +14,7 @@ from jaxtyping import Float64
 
 from lexis.maths.paths import arc_length
 from sim.errors import SimError
-from sim.tours.config import TourConfig
+from sim.tours.config import TourConfig, TourKind
 from sim.tours.itinerary import SMOOTHED, Planner
 from sim.tours.motion import Motion
 from sim.tours.pace import paced
@@ -27,6 +27,8 @@ from worlds.walkable import Walkable
 
 _RANDOM_M = 100.0
 """Length of a random tour if none is requested [m]."""
+_EVERY_ROOM: frozenset[TourKind] = frozenset({"rooms", "both ways", "lawn-mower"})
+"""Kinds of tours that visit every room."""
 _LENGTH_TOLERANCE = (3.0, 0.03)
 """Tolerance of a requested length, in metres and as a share of the length. The larger tolerance applies."""
 _SHORTEST_M = 1.0
@@ -112,8 +114,9 @@ def _path(planner: Planner, config: TourConfig) -> Float64[np.ndarray, "k 3"]:
         share *= length / wished
     if best is None or abs(least - wished) > tolerance:
         bound = "at least" if least > wished else "at most"
+        where = "that visits every room of" if config.kind in _EVERY_ROOM else "in"
         raise SimError(
-            f"tour: length_m is {wished:g}; valid: {bound} {least:.0f} for a tour ({config.kind}) that visits every room of "
+            f"tour: length_m is {wished:g}; valid: {bound} {least:.0f} for a tour ({config.kind}) {where} "
             f"house {planner.house.spec.name!r}"
         )
     return best

@@ -36,7 +36,10 @@ def tuning_houses(count: int, seed: int) -> list[HouseDraw]:
 def write_calibration(encoder: TextEncoder, weights: Path, houses: int, seed: int) -> None:
     """Fit a calibration to `houses` tuning houses and write it beside the weights.
 
-    This is skipped if the file there already holds a calibration of the same encoder.
+    This is skipped if the file there already holds a calibration of the same encoder. A training with another seed or other
+    tuning houses makes other weights, whose temperature is fitted to these houses, and thus another encoder. A calibration
+    of the same encoder is therefore one of the same training, or one that `lexis-sim calibrate-queries` wrote there on
+    purpose.
     """
     path = weights.with_suffix(".calibration.json")
     if path.exists() and load_calibration(path).fingerprint == encoder.fingerprint:

@@ -8,6 +8,7 @@ probability that as many tosses give counts at least as unequal. Several figures
 corrected by Holm's method: the stated confidence holds for all verdicts together.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,7 +28,7 @@ from sim.harness.slam_under_test import SlamUnderTest
 
 Change = Literal["worse", "better", "not shown to differ"]
 COMPLETED = "the run completed"
-"""Name of the comparison of completed runs. It counts the scenarios for which only one SLAM has a result."""
+"""Name of the comparison of completed runs: does one of the SLAMs have results for more scenarios?"""
 
 
 class Rule(NamedTuple):
@@ -222,7 +223,8 @@ def compare_results(
 ) -> Comparison:
     """Compare results of SLAM a with results of SLAM b; results of one scenario form a pair.
 
-    A scenario for which only one of the SLAMs has a result counts under "the run completed".
+    A scenario for which only one of the SLAMs has a result counts under "the run completed". There, too, scenarios with one
+    seed count as one: the SLAM that has results for more of these scenarios does better.
 
     Args:
         a: results of the SLAM to compare with, at most one for each scenario.
@@ -247,13 +249,12 @@ def compare_results(
         groups.setdefault(first[scenario].seed, []).append((first[scenario], second[scenario]))
     houses = list(groups.values())
     changes = (_figure_change(name, rule, houses) for name, rule in figures.items())
-    completed = ClaimChange(COMPLETED, len(first) - len(common), len(second) - len(common), len(common))
     return Comparison(
         (a[0].slam, b[0].slam),
         len(common),
         len(houses),
         tuple(change for change in changes if not np.isnan([*change.a, *change.b]).all()),
-        (completed, *(_claim_change(claim, houses) for claim in wanted)),
+        (_completed_change(a, b), *(_claim_change(claim, houses) for claim in wanted)),
         confidence,
     )
 
@@ -278,9 +279,21 @@ def _figure_change(name: str, rule: Rule, houses: Sequence[Sequence[_Pair]]) -> 
 
 
 def _claim_change(claim: Claim, houses: Sequence[Sequence[_Pair]]) -> ClaimChange:
-    counts = [[sum(claim.outcome(pair[side]) == "holds" for pair in house) for side in (0, 1)] for house in houses]
+    held = ([[claim.outcome(result) == "holds" for result in pair] for pair in house] for house in houses)
+    counts = [(sum(a for a, _ in house), sum(b for _, b in house)) for house in held]
+    return _counted(str(claim), counts)
+
+
+def _completed_change(a: Sequence[RunResult], b: Sequence[RunResult]) -> ClaimChange:
+    """Compare how many scenarios of each seed have a result."""
+    done_a, done_b = (Counter(result.seed for result in side) for side in (a, b))
+    return _counted(COMPLETED, [(done_a[seed], done_b[seed]) for seed in done_a.keys() | done_b.keys()])
+
+
+def _counted(name: str, counts: Sequence[tuple[int, int]]) -> ClaimChange:
+    """Return the change of a claim from the numbers of scenarios in which it holds for SLAM a and SLAM b, for each seed."""
     only_a, only_b = sum(a > b for a, b in counts), sum(b > a for a, b in counts)
-    return ClaimChange(str(claim), only_a, only_b, len(houses) - only_a - only_b)
+    return ClaimChange(name, only_a, only_b, len(counts) - only_a - only_b)
 
 
 def _by_scenario(results: Sequence[RunResult]) -> dict[str, RunResult]:

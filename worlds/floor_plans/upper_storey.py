@@ -4,16 +4,17 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import count
 
 from worlds.errors import WorldsError
 from worlds.labels import STAIRS
 from worlds.openings.door_swings import hang_leaf, is_in_front
 from worlds.openings.opening_draft import OpeningDraft, shared_walls
-from worlds.spec import HouseSpec, OpeningSpec, RoomSpec, StoreySpec
+from worlds.spec import MAX_ID_LENGTH, MAX_STOREYS, HouseSpec, OpeningSpec, RoomSpec, StoreySpec
 from worlds.walls import opening_span
 
 _GROUND_ONLY = frozenset({"garden", "garage"})
-_NUMBERED = re.compile(r"(.*) (\d+)\.(\d+)")
+_NUMBERED = re.compile(r"(.*) \d{1,9}\.(\d{1,9})")
 _FRONT_M = 0.9
 """Least distance between a door leaf and the foot of a flight of stairs [m]."""
 _MIN_SHARED_M = 0.7
@@ -31,12 +32,15 @@ def with_storey_on_top(spec: HouseSpec) -> HouseSpec:
     2. Door leaves that would stand in front of these openings are hung differently, or removed.
     3. The copy gets new room ids, and with them furniture and finishes of its own. Twin rooms (with equal seeds) stay twins.
 
-    Raises `WorldsError` if no stairs reach the top storey, or if no room lies at the foot of a new flight.
+    Raises `WorldsError` if no stairs reach the top storey, if no room lies at the foot of a new flight, or if the house has
+    `MAX_STOREYS` storeys already.
     """
     top, below = spec.storeys[-1], spec.storeys[-2] if len(spec.storeys) > 1 else None
     cells = [room for room in top.rooms if room.label == STAIRS]
     if below is None or not cells:
         raise WorldsError("no stairs lead to the top storey, so none can lead on; valid: houses of two storeys or more")
+    if len(spec.storeys) == MAX_STOREYS:
+        raise WorldsError(f"the house has {MAX_STOREYS} storeys, the most that a house can have; valid: fewer")
     ups = [_foot(cell, below, top, len(spec.storeys) - 1) for cell in cells]
     storeys = (*spec.storeys[:-1], _with_feet(top, ups), _copy(spec, top))
     return HouseSpec.model_validate(spec.model_copy(update={"storeys": storeys}).model_dump(by_alias=True))
@@ -95,13 +99,15 @@ def _copy(spec: HouseSpec, top: StoreySpec) -> StoreySpec:
 
 
 def _new_name(name: str, level: int, taken: set[str]) -> str:
-    """Return an unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1"; long names are cut."""
+    """Return an unused id for the copy of a room, such as "bedroom 2.1" for "bedroom 1.1".
+
+    A long name is cut before its number, so that the id has no more than `MAX_ID_LENGTH` characters.
+    """
     match = _NUMBERED.fullmatch(name)
-    stem = match[1] if match else name[:56]
-    number = int(match[3]) if match else 1
-    while f"{stem} {level}.{number}" in taken:
-        number += 1
-    return f"{stem} {level}.{number}"
+    stem = match[1] if match else name
+    endings = (f" {level}.{number}" for number in count(int(match[2]) if match else 1))
+    names = (stem[: MAX_ID_LENGTH - len(ending)] + ending for ending in endings)
+    return next(name for name in names if name not in taken)
 
 
 def _new_seed(seed: int | None, level: int) -> int | None:

@@ -35,8 +35,7 @@ _Json = dict[str, Any]
 def write_spark_dsg(map: LexisMap, path: Path) -> None:
     """Write the map as a scene graph. Raises LexisError if the file cannot be written.
 
-    The graph leaves out key points, descriptors and landmarks, as `save_map` does without `features`, and the numbers of the
-    keyframes' sessions.
+    The graph leaves out key points, descriptors and landmarks, as `save_map` does without `features`.
     """
     with replaced_file(path) as beside:
         beside.write_text(json.dumps(scene_graph(map), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8")
@@ -143,6 +142,7 @@ def _agents(map: LexisMap) -> Iterator[_Json]:
             "dbow_values": None,
         }
         own = {
+            "session": keyframe.session,
             "observation_index": keyframe.observation_index,
             "stamp": keyframe.stamp,
             "T_O_B": keyframe.T_O_B.tolist(),
@@ -163,10 +163,12 @@ def _hierarchy(map: LexisMap) -> Iterator[_Json]:
 def _walk(map: LexisMap) -> Iterator[_Json]:
     """Yield edges between consecutive places, between rooms that follow each other on the walk, and between agents.
 
+    The last keyframe of a session and the first keyframe of the next session are not consecutive, because nobody walked from
+    one to the other.
     There is an edge between the agents of two keyframes if they are consecutive or a loop edge connects them. The edge's
     metadata hold all loop edges between the two keyframes.
     """
-    steps = list(pairwise(range(len(map.keyframes))))
+    steps = [(a.id, b.id) for a, b in pairwise(map.keyframes) if a.session == b.session]
     yield from (_edge(PLACES.node(a), PLACES.node(b)) for a, b in steps)
     room_of = map.room_of.tolist()
     passages = {tuple(sorted((room_of[a], room_of[b]))) for a, b in steps if -1 != room_of[a] != room_of[b] != -1}

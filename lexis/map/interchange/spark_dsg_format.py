@@ -96,10 +96,12 @@ class GraphData(BaseModel):
 
 
 class AgentData(BaseModel):
-    """Data of a keyframe besides its optimised pose: the odometry, and the exact time of its image [s]."""
+    """Data of a keyframe besides its optimised pose: its session, the odometry, and the exact time of its image [s]."""
 
     model_config = _STRICT
 
+    session: Id = 0
+    """Number of the recording session. Files of earlier versions of LEXIS do not state it."""
     observation_index: Annotated[int, Field(ge=-(2**62), lt=2**62)]
     stamp: float
     T_O_B: Matrix4

@@ -1,7 +1,7 @@
 """Import of a map from a scene graph that `spark_dsg` wrote, also after Spark-DSG has loaded and saved it.
 
 Other programs may have changed the graph. Poses, labels, embeddings and the keyframes of each room are therefore read from
-the graph's own fields. Everything else is read from the metadata. All keyframes get the session 0.
+the graph's own fields. Everything else is read from the metadata.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -114,6 +114,7 @@ def _keyframe(i: int, agent: AgentAttributes, place: PlaceAttributes) -> Keyfram
         embedding=np.array(place.semantic_feature.data, np.float32),
         features=Features(np.zeros((0, 2), np.float32), np.zeros((0, 0), np.uint8)),
         landmarks=Landmarks(np.zeros((0, 3)), np.zeros(0, int)),
+        session=own.session,
     )
 
 
