@@ -149,6 +149,27 @@ def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
 
 
+def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.labels import PAPER_ACCURACY, compare_labels, means
+    from sim.bench.row_files import check_folder, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = list(compare_labels(presets, seeds, arguments.fidelity))
+    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy in %"
+    table = Table("method", *presets, title=title)
+    for method, found in means(rows).items():
+        table.add_row(method, *(f"{each.accuracy:.1%} ± {each.std:.1%}".replace("%", "") for each in found.values()))
+    table.add_section()
+    for method, paper in PAPER_ACCURACY.items():
+        figures = ((f"{100 * paper[each][0]:.1f} ± {100 * paper[each][1]:.1f}" if each in paper else "") for each in presets)
+        table.add_row(f"paper: {method}", *figures)
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
     from sim.bench.row_files import check_folder, write_rows
@@ -458,6 +479,13 @@ _BENCHMARKS = (
             argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
             SEED,
         ),
+    ),
+    Action(
+        "table2",
+        _printing(_table2),
+        "label accuracy of LEXIS and of Hydra-like rooms that objects name, as in the paper's Table II",
+        "lexis-sim bench table2 --presets uh2-apt uh2-office ori home --houses 5 --seed 500",
+        (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
     ),
     Action(
         "table3",
