@@ -1,8 +1,8 @@
 """Scores of room names for categories of objects, by which `object_votes` names rooms.
 
-Chen et al. ("Leveraging Large (Visual) Language Models for Robot 3D Scene Understanding", arXiv:2209.05629) name the rooms of
-Hydra's scene graphs by the objects in them, with language models, text embeddings or counts. `Similarity` and
-`RelativeSimilarity` use text embeddings, and `Counted` uses counts.
+Chen et al. ("Leveraging Large (Visual) Language Models for Robot 3D Scene Understanding", arXiv:2209.05629) name the rooms
+of scene graphs, such as Hydra's, by the objects in them and a language model. Here, `Similarity` and `RelativeSimilarity`
+use text embeddings, and `Counted` counts objects in training houses.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,8 +43,8 @@ class RelativeSimilarity:
     """Scores by how much more similar a room name is to a category than to the other objects of the house.
 
     From every similarity, the mean of its room name over all objects of the house is taken. Then every category is weighted
-    by its information: one minus the entropy of the room names given the category, relative to the largest entropy. Chen et
-    al. select informative objects by the same entropy. Both steps and the setting were tuned on walks in houses 120 to 131
+    by its information: one minus the entropy of the room names given the category, relative to the largest entropy; Chen et
+    al. select informative objects by this entropy. Both steps and the setting were tuned on walks in houses 120 to 131
     of each preset of the paper.
     """
 
@@ -56,7 +56,7 @@ class RelativeSimilarity:
         """Score of each room name for each category."""
         found = Similarity(self.encoder).scores(pieces, names)
         relative = found - np.average(found, axis=0, weights=list(pieces.values()))
-        return relative * _information(relative / self.temperature)[:, None]
+        return np.asarray(relative * _information(relative / self.temperature)[:, None])
 
 
 def _information(logits: Float64[np.ndarray, "categories names"]) -> Float64[np.ndarray, "categories"]:
@@ -83,7 +83,7 @@ class Counted:
         categories = sorted({category for category, _ in self.counts} | set(pieces))
         table = np.array([[self.counts.get((category, name), 0) for name in names] for category in categories], np.float64)
         shares = (table + self.smoothing) / (table + self.smoothing).sum(axis=0)
-        return np.log(shares[[categories.index(category) for category in pieces]])
+        return np.asarray(np.log(shares[[categories.index(category) for category in pieces]]))
 
 
 @lru_cache(maxsize=8)

@@ -51,11 +51,11 @@ class ObjectVotes:
     def finish(self) -> Estimate:
         """Return rooms, labels and floors of all keyframes. Raises `SimError` without observations."""
         estimate = self._rooms.finish()
-        assert estimate.rooms is not None and estimate.floors is not None
+        assert estimate.rooms is not None
+        labels = self.labels
         stairs = self._names.index(STAIRS) if STAIRS in self._names else UNNAMED
-        # Numbers of segments end before those of stairs, which have no votes.
-        labels = np.append(self.labels, UNNAMED)[np.minimum(estimate.rooms, len(self.labels))]
-        return replace(estimate, labels=np.where(estimate.floors < 0, stairs, labels))
+        # `MapRooms` numbers the staircases after the segments.
+        return replace(estimate, labels=np.append(labels, stairs)[np.minimum(estimate.rooms, len(labels))])
 
     @property
     def labels(self) -> Int[np.ndarray, "segments"]:
