@@ -8,7 +8,7 @@ from worlds.house import build_house
 from worlds.presets import sample_house
 
 ROOMS = {"kitchen": (1.0, 0.0, 0.0), "bedroom": (0.0, 1.0, 0.0)}
-OBJECTS = {"stove": (0.8, 0.0, 0.6), "bed": (0.28, 0.96, 0.0), "picture": (0.6, 0.48, 0.64)}
+OBJECTS = {"stove": (0.8, 0.0, 0.6), "bed": (0.28, 0.96, 0.0), "picture": (0.6, 0.48, 0.64), "cot": (0.28, 0.96, 0.0)}
 
 
 class Words:
@@ -46,6 +46,13 @@ def test_relative_similarity_does_not_change_if_a_room_name_is_more_similar_to_e
     names = ("kitchen", "bedroom")
     fair, biased = (RelativeSimilarity(each()).scores(PIECES, names) for each in (Fair, Biased))
     assert fair == pytest.approx(biased, abs=1e-6) and fair[0].argmax() == 0 and fair[1].argmax() == 1
+
+
+def test_two_categories_of_one_meaning_count_like_one():
+    names = ("kitchen", "bedroom")
+    one = RelativeSimilarity(Words()).scores(PIECES, names)
+    two = RelativeSimilarity(Words()).scores({"stove": 1, "bed": 1, "cot": 1, "picture": 4}, names)
+    assert two[[0, 1, 3]] == pytest.approx(one) and two[2] == pytest.approx(one[1])
 
 
 def test_an_object_that_tells_nothing_about_the_room_has_little_weight():

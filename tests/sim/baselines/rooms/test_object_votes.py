@@ -49,6 +49,15 @@ def test_every_room_takes_the_preferred_name_and_stairs_alone_are_stairs():
 
 
 def test_rooms_without_objects_stay_without_a_label():
-    bare = replace(CLOSED, house=variant(house_spec(CLOSED), clutter=0.0))
+    spec = house_spec(CLOSED)
+    below, above = spec.storeys
+    bare = replace(CLOSED, house=spec.model_copy(update={"storeys": (below, above.model_copy(update={"furniture": ()}))}))
     finished = run(bare, ObjectVotes.of(bare, Voronoi(), TOLD))
-    assert (finished.estimate.labels[~finished.on_stairs] == -1).all()
+    labelled = finished.estimate.labels >= 0
+    assert (labelled == (finished.on_stairs | (finished.true_storeys == 0))).all() and not labelled.all()
+
+
+def test_a_house_without_objects_gets_no_label_but_stairs():
+    empty = replace(CLOSED, house=variant(house_spec(CLOSED), clutter=0.0))
+    finished = run(empty, ObjectVotes.of(empty, Voronoi(), TOLD))
+    assert ((finished.estimate.labels >= 0) == finished.on_stairs).all()
