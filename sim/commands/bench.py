@@ -49,7 +49,7 @@ _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="M
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
-_CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
+_CSV = argument("--csv", "--out", type=Path, metavar="FILE", help="write the table to this file")
 _PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
 _SWEEP_FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
@@ -166,6 +166,34 @@ def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
         )
         table.add_row(name, *cells)
     yield table
+
+
+def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.labels import PAPER_ACCURACY, compare_labels, means
+    from sim.bench.row_files import check_folder, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        walks = compare_labels(presets, seeds, arguments.fidelity)
+        rows = [row for walk in bar.track(walks, total=len(presets) * len(seeds), description="walks") for row in walk]
+    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
+    table = Table("method", *presets, title=title)
+    for method, found in means(rows).items():
+        spreads = ((_percent(each.accuracy, each.std), each.rooms) for each in found.values())
+        table.add_row(method, *(spread if rooms is None else f"{spread} ({100 * rooms:.0f})" for spread, rooms in spreads))
+    table.add_section()
+    for method, paper in PAPER_ACCURACY.items():
+        table.add_row(f"paper: {method}", *(_percent(*paper[each]) if each in paper else "" for each in presets))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
+def _percent(mean: float, std: float) -> str:
+    """A share and its standard deviation in per cent."""
+    return f"{100 * mean:.1f} ± {100 * std:.1f}"
 
 
 def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -518,6 +546,13 @@ _BENCHMARKS = (
             _SWEEP_FILES,
             SEED,
         ),
+    ),
+    Action(
+        "table2",
+        _printing(_table2),
+        "label accuracy of LEXIS and of Hydra-like rooms that their objects name, as in the paper's Table II",
+        "lexis-sim bench table2 --presets uh2-apt uh2-office ori home --houses 5 --seed 500",
+        (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
     ),
     Action(
         "table3",

@@ -4,4 +4,5 @@ from .lexis_variants import LEXIS_VARIANTS as LEXIS_VARIANTS
 from .lexis_variants import WordlessLexis as WordlessLexis
 from .map_rooms import MapRooms as MapRooms
 from .morphological import Morphological as Morphological
+from .object_votes import ObjectVotes as ObjectVotes
 from .voronoi import Voronoi as Voronoi
