@@ -169,6 +169,37 @@ def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
         write_rows(rows, arguments.csv)
 
 
+def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.openness_sweep import check_files
+    from sim.bench.peers.place_figures import PLACES
+    from sim.bench.peers.place_methods import compare_place_methods, totals
+    from sim.bench.peers.place_picture import write_places
+    from sim.bench.peers.place_walks import record_walks
+
+    check_files(arguments.out)
+    presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        walks = bar.track(
+            record_walks(presets, seeds, arguments.length), total=len(presets) * len(seeds), description="walks"
+        )
+        found = list(compare_place_methods(walks))
+    for preset, methods in totals(found).items():
+        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
+        headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
+        table, false = Table("method", *headers, title=title), Table("method", *PLACES, title="false matches at N = 1")
+        for name, total in methods.items():
+            cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
+            recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
+            table.add_row(
+                name, *cells, recalls, f"{total.curve.at_full_precision:.2f}", f"{total.curve.average_precision:.2f}"
+            )
+            false.add_row(name, *map(str, total.false_places))
+        yield table
+        yield false
+    for path in arguments.out:
+        write_places(found, path)
+
+
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
     from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
 
@@ -465,6 +496,24 @@ _BENCHMARKS = (
         "trajectory errors of odometry and of LEXIS with each method of place recognition, as in the paper's Table III",
         "lexis-sim bench table3 --presets ori home --houses 5 --seed 500",
         (_PRESETS, _HOUSES, _FIDELITY, _CSV, SEED),
+    ),
+    Action(
+        "fig5",
+        _printing(_fig5),
+        "true and false matches of LEXIS and of other methods of place recognition, as in the paper's Fig. 5",
+        "lexis-sim bench fig5 --presets home ori --houses 5 --seed 500 --out places.csv places.png",
+        (
+            _PRESETS,
+            _HOUSES,
+            argument(
+                "--length",
+                type=number(10.0, 1e4),
+                default=250.0,
+                help="length of every walk in metres (default: %(default)s)",
+            ),
+            argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            SEED,
+        ),
     ),
     Action(
         "places",
