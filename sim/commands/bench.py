@@ -3,11 +3,11 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import astuple, fields
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from rich.console import Console
 from rich.markup import escape
@@ -32,6 +32,9 @@ from sim.commands.arguments import (
 from sim.durations import duration_s
 from sim.fidelity import FIDELITIES
 from worlds.presets import PRESETS
+
+if TYPE_CHECKING:
+    from sim.bench.peers.place_walks import PlaceWalk
 
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
@@ -179,9 +182,11 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
     check_files(arguments.out)
     presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        walks = bar.track(
-            record_walks(presets, seeds, arguments.length), total=len(presets) * len(seeds), description="walks"
-        )
+        recorded = record_walks(presets, seeds, arguments.length)
+        walks = bar.track(recorded, total=len(presets) * len(seeds), description="walks")
+        if arguments.tune:
+            yield _tuned_places(walks)
+            return
         found = list(compare_place_methods(walks))
     for preset, methods in totals(found).items():
         title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
@@ -198,6 +203,16 @@ def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
         yield false
     for path in arguments.out:
         write_places(found, path)
+
+
+def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:
+    from sim.bench.peers.place_tuning import tune
+
+    table = Table("method", "settings", "least score", "mean F1", title="best settings on these walks")
+    for tuned in tune(list(walks)):
+        settings = ", ".join(f"{name} {value}" for name, value in tuned.settings.items())
+        table.add_row(tuned.method, settings, f"{tuned.least:.3f}", f"{tuned.f1:.3f}")
+    return table
 
 
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -512,6 +527,7 @@ _BENCHMARKS = (
                 help="length of every walk in metres (default: %(default)s)",
             ),
             argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            argument("--tune", action="store_true", help="find the best settings of all methods on these walks instead"),
             SEED,
         ),
     ),

@@ -27,8 +27,10 @@ class BagOfWords:
     tree: WordTree
     features: int = 1000
     """Number of ORB key points that are used of an image, the strongest ones."""
-    least_share: float = 0.3
-    """Least normalised score of a match."""
+    normalised: bool = True
+    """Whether scores are divided by the score of the query with the keyframe before it."""
+    least: float = 0.3
+    """Least score of a match in an island."""
     gap: int = 3
     """Largest difference between the numbers of neighbouring keyframes in an island, and between consistent islands."""
     consistent: int | None = 1
@@ -36,12 +38,12 @@ class BagOfWords:
     islands."""
 
     def scores(self, seen: SeenKeyframes) -> Scores:
-        """See `PlaceMethod.scores`; a score is the normalised L1 score, about 1 for a perfect match."""
-        normalised = seen.only_eligible(self._normalised(seen))
+        """See `PlaceMethod.scores`; a score is the L1 score or, normalised, about 1 for a perfect match."""
+        every = seen.only_eligible(self._compared(seen))
         if self.consistent is None:
-            return normalised
-        scores, streak, before = np.full_like(normalised, -np.inf), 0, None
-        for query, row in enumerate(normalised):
+            return every
+        scores, streak, before = np.full_like(every, -np.inf), 0, None
+        for query, row in enumerate(every):
             island = self._best_island(row)
             if island is None:
                 streak, before = 0, None
@@ -50,18 +52,20 @@ class BagOfWords:
             streak, before = streak + 1 if follows else 0, island
             if streak >= self.consistent:
                 part = slice(island[0], island[1] + 1)
-                scores[query, part] = np.where(row[part] >= self.least_share, row[part], -np.inf)
+                scores[query, part] = np.where(row[part] >= self.least, row[part], -np.inf)
         return scores
 
-    def _normalised(self, seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
+    def _compared(self, seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
         histograms = self.tree.histograms([descriptors[: self.features] for descriptors in seen.orb])
         raw = l1_scores(histograms)
+        if not self.normalised:
+            return raw
         neighbour = np.append(0.0, raw.diagonal(-1))[:, None]
         return np.where(neighbour >= _LEAST_NEIGHBOUR, raw / np.maximum(neighbour, _LEAST_NEIGHBOUR), -np.inf)
 
     def _best_island(self, row: Float64[np.ndarray, "n"]) -> tuple[int, int] | None:
         """First and last keyframe of the island with the largest sum of scores; None without a match."""
-        matches = np.flatnonzero(row >= self.least_share)
+        matches = np.flatnonzero(row >= self.least)
         if not matches.size:
             return None
         first = np.flatnonzero(np.diff(matches, prepend=-self.gap - 1) > self.gap)

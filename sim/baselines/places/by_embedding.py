@@ -53,7 +53,7 @@ class SequenceMatching:
             if rows > 0 and columns > 0:
                 total[back:, match_back:] += similarities[:rows, :columns]
                 count[back:, match_back:] += 1
-        return total / count
+        return np.asarray(total / count)
 
 
 def cosines(seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:

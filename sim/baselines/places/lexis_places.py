@@ -15,7 +15,10 @@ from sim.baselines.places.place_method import Scores, SeenKeyframes
 
 @dataclass(frozen=True)
 class RevisitProbability:
-    """Scores keyframes by the log odds of a revisit, the default method of LEXIS."""
+    """Scores keyframes by the log odds of a revisit, the default method of LEXIS.
+
+    LEXIS itself leaves out very improbable keyframes; here, they fill up the candidates of a query that is answered.
+    """
 
     config: PlaceRecognitionConfig = field(default_factory=PlaceRecognitionConfig)
 

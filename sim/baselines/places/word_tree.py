@@ -62,7 +62,7 @@ class WordTree:
         rows = np.repeat(np.arange(len(images)), [len(each) for each in found])
         counts = np.zeros((len(images), len(occurring)))
         np.add.at(counts, (rows, columns), self.weights[occurring][columns])
-        return counts / np.maximum(counts.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        return np.asarray(counts / np.maximum(counts.sum(axis=1, keepdims=True), np.finfo(float).tiny))
 
 
 def nearest(

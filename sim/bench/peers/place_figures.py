@@ -102,7 +102,7 @@ def ranked(scores: Scores, count: int = CANDIDATES) -> Ranking:
 def answers(ranking: Ranking, least: float) -> list[tuple[int, tuple[int, ...]]]:
     """Return every query with the keyframes proposed for it; none if the best score is below `least`."""
     proposed = np.isfinite(ranking.scores) & (ranking.scores[:, :1] >= least)
-    return [(query, tuple(ids[known].tolist())) for query, (ids, known) in enumerate(zip(ranking.keyframes, proposed))]
+    return [(query, tuple(ids[proposed[query]].tolist())) for query, ids in enumerate(ranking.keyframes)]
 
 
 def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> PlaceFigures:
@@ -145,8 +145,3 @@ def curve(found: Sequence[PlaceFigures]) -> Curve:
     precision = true / np.arange(1, len(order) + 1)
     recall = true / max(sum(each.row.possible_1 for each in found), 1)
     return Curve(precision[distinct], recall[distinct])
-
-
-def f1(tp: int, fp: int, possible: int) -> float:
-    """Harmonic mean of precision and recall; 0 without true positives."""
-    return 2 * tp / (tp + fp + possible) if tp else 0.0

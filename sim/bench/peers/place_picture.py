@@ -1,4 +1,4 @@
-"""Writes the rows of `lexis-sim bench fig5` as CSV, or draws matches and precision against recall like the paper's Fig. 5."""
+"""Writes the rows of `lexis-sim bench fig5` as CSV, or draws counts of matches like the paper's Fig. 5, and precision."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

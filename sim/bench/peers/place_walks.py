@@ -94,7 +94,7 @@ class _Listener:
             estimated[:, query, : query + 1] = self.estimated[query]
         akaze = tuple(keyframe.features.descriptors for keyframe in self.keyframes)
         embeddings = np.array([keyframe.embedding for keyframe in self.keyframes])
-        return SeenKeyframes(embeddings, tuple(self.orb), akaze, eligible, *estimated, active, in_room)
+        return SeenKeyframes(embeddings, tuple(self.orb), akaze, eligible, estimated[0], estimated[1], active, in_room)
 
 
 def record_walks(presets: Sequence[str], seeds: Sequence[int], length_m: float = WALK_M) -> Iterator[PlaceWalk]:
