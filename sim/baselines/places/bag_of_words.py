@@ -9,6 +9,7 @@ The geometric check that follows in DBoW2 is left out, because no method here ve
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float64
@@ -56,8 +57,7 @@ class BagOfWords:
         return scores
 
     def _compared(self, seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
-        histograms = self.tree.histograms([descriptors[: self.features] for descriptors in seen.orb])
-        raw = l1_scores(histograms)
+        raw = _word_scores(self.tree, self.features, seen)
         if not self.normalised:
             return raw
         neighbour = np.append(0.0, raw.diagonal(-1))[:, None]
@@ -72,6 +72,12 @@ class BagOfWords:
         best = int(np.add.reduceat(row[matches], first).argmax())
         last = np.append(first[1:], len(matches))[best] - 1
         return int(matches[first[best]]), int(matches[last])
+
+
+@lru_cache(maxsize=16)
+def _word_scores(tree: WordTree, features: int, seen: SeenKeyframes) -> Float64[np.ndarray, "n n"]:
+    """Scores of all pairs of images. The last ones are remembered, since other settings are tuned on the same scores."""
+    return l1_scores(tree.histograms([descriptors[:features] for descriptors in seen.orb]))
 
 
 def l1_scores(histograms: Float64[np.ndarray, "n words"]) -> Float64[np.ndarray, "n n"]:

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.two_laps import PLACES, two_laps
 
 from sim.baselines.places import BagOfWords, WordTree
 from sim.baselines.places.bag_of_words import l1_scores
-from tests.helpers.two_laps import PLACES, two_laps
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,9 @@
 """Sequences of embeddings: one keyframe is the plain similarity, and longer ones tell look-alike places apart."""
 
 import numpy as np
+from helpers.two_laps import PLACES, replace_embeddings, two_laps
 
 from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
-from tests.helpers.two_laps import PLACES, replace_embeddings, two_laps
 
 
 def test_a_sequence_of_one_keyframe_is_the_cosine_similarity(rng):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.two_laps import PLACES, first_keyframes, two_laps
 
 from sim.baselines.places import (
     BagOfWords,
@@ -12,7 +13,6 @@ from sim.baselines.places import (
     Vlad,
     WordTree,
 )
-from tests.helpers.two_laps import PLACES, first_keyframes, two_laps
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.two_laps import two_laps, walk_of
 
 from sim.baselines.places import EmbeddingSimilarity
 from sim.bench.peers.place_figures import FALSE_FIELDS, PLACES, Curve, answers, curve, figures, ranked, whereabouts
-from tests.helpers.two_laps import two_laps, walk_of
 
 
 @pytest.fixture

@@ -4,12 +4,12 @@ import csv
 
 import numpy as np
 import pytest
+from helpers.two_laps import two_laps, walk_of
 
 from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
 from sim.bench.peers import place_methods as module
 from sim.bench.peers.place_methods import Contestant, compare_place_methods, totals
 from sim.bench.peers.place_picture import write_places
-from tests.helpers.two_laps import two_laps, walk_of
 
 
 @pytest.fixture

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from helpers.two_laps import two_laps, walk_of
 
 from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
 from sim.bench.peers import place_tuning as module
 from sim.bench.peers.place_figures import REQUIRED, figures
 from sim.bench.peers.place_methods import METHODS
 from sim.bench.peers.place_tuning import SEARCHES, Search, best_least, tune
-from tests.helpers.two_laps import two_laps, walk_of
 
 
 @pytest.fixture
