@@ -32,11 +32,11 @@ def two_laps(rng: np.random.Generator, noise: float = 0.1, flipped: float = 0.03
     )
 
 
-def walk_of(seen: SeenKeyframes) -> PlaceWalk:
-    """The walk of `two_laps` with its truth: places lie 2 m apart, and half of them in each of two rooms."""
+def walk_of(seen: SeenKeyframes, spacing_m: float = 2.0) -> PlaceWalk:
+    """The walk of `two_laps` with its truth: places lie in a row, and half of them in each of two rooms."""
     places = np.tile(np.arange(PLACES), 2)
     poses = np.tile(np.eye(4), (len(places), 1, 1))
-    poses[:, 0, 3] = 2.0 * places
+    poses[:, 0, 3] = spacing_m * places
     rooms = places // 7
     return PlaceWalk("home", 1, seen, poses, at_one_place(poses), rooms, np.zeros_like(rooms), np.zeros_like(rooms))
 

@@ -12,7 +12,7 @@ from sim.baselines.places.bag_of_words import l1_scores
 
 @pytest.fixture(scope="module")
 def tree():
-    return WordTree.learned(two_laps(np.random.default_rng(1)).orb, np.random.default_rng(2), depth=2)
+    return WordTree.learned(two_laps(np.random.default_rng(1)).orb, np.random.default_rng(2), depth=3)
 
 
 def test_the_score_is_one_minus_half_of_the_l1_distance(rng):
@@ -37,6 +37,15 @@ def test_only_one_island_is_proposed_and_it_is_close_in_the_walk(tree, rng):
     scores = BagOfWords(tree, consistent=0, gap=2, least=0.0, normalised=False).scores(two_laps(rng))
     for row in np.isfinite(scores):
         assert np.diff(np.flatnonzero(row)).max(initial=0) <= 2
+
+
+def test_the_island_with_the_largest_sum_is_kept(tree, rng):
+    seen, query = two_laps(rng, flipped=0.0), PLACES + 10
+    orb = list(seen.orb)
+    orb[1] = np.concatenate([orb[query][:45], orb[1][:15]])  # most of the query's corners are seen far away, too
+    both = BagOfWords(tree, consistent=None, normalised=False).scores(replace(seen, orb=tuple(orb)))[query]
+    kept = BagOfWords(tree, consistent=0, normalised=False, least=0.6, gap=1).scores(replace(seen, orb=tuple(orb)))[query]
+    assert np.flatnonzero(both >= 0.6).tolist() == [1, 10] and np.flatnonzero(np.isfinite(kept)).tolist() == [10]
 
 
 def test_a_normalised_score_is_relative_to_the_keyframe_before(tree, rng):

@@ -22,7 +22,7 @@ def methods():
     return {
         "embedding": EmbeddingSimilarity(),
         "sequence": SequenceMatching(length=4),
-        "sequence with contrast": SequenceMatching(length=3, contrast=4),
+        "sequence with contrast": SequenceMatching(length=3, contrast=8),
         "words": BagOfWords(tree, consistent=None, normalised=False),
         "words with islands": BagOfWords(tree, gap=2, consistent=1, least=0.02, normalised=False),
         "VLAD": Vlad.learned(training.akaze, np.random.default_rng(2), words=8, dims=0),

@@ -12,7 +12,7 @@ from sim.bench.peers.place_figures import FALSE_FIELDS, PLACES, Curve, answers, 
 
 @pytest.fixture
 def walk(rng):
-    return walk_of(two_laps(rng, noise=0.8))
+    return walk_of(two_laps(rng, noise=2.0))
 
 
 def test_a_ranking_is_in_the_order_of_the_scores_and_equal_scores_in_the_order_of_the_walk():
