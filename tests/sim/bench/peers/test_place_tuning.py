@@ -13,7 +13,7 @@ from sim.bench.peers.place_tuning import SEARCHES, Search, best_least, tune
 
 @pytest.fixture
 def walks(rng):
-    return [walk_of(two_laps(rng, noise=1.0), spacing_m=0.45) for _ in range(2)]
+    return [walk_of(two_laps(rng, noise=1.0), spacing_m=0.3) for _ in range(2)]
 
 
 def mean_f1(walks, method, least):
