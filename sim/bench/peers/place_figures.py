@@ -30,7 +30,7 @@ class Ranking(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PlaceRow:
+class MatchRow:
     """Figures of one method on one walk."""
 
     preset: str
@@ -61,14 +61,14 @@ class PlaceRow:
 
 
 FALSE_FIELDS = ("false_opposite", "false_same_room", "false_look_alike", "false_other_floor", "false_elsewhere")
-"""Fields of `PlaceRow` in the order of `PLACES`."""
+"""Fields of `MatchRow` in the order of `PLACES`."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlaceFigures:
     """A row of figures, and what the curve of precision against recall is made of."""
 
-    row: PlaceRow
+    row: MatchRow
     best: Float64[np.ndarray, "n"]
     """Score of the best match of every query; -inf without a match."""
     right: Bool[np.ndarray, "n"]
@@ -117,7 +117,7 @@ def figures(walk: PlaceWalk, method: str, scores: Scores, least: float) -> Place
     possible = (walk.right & eligible).any(axis=1)
     recall = [float(hits[possible, :n].any(axis=1).mean()) if possible.any() else 0.0 for n in REQUIRED]
     numbers = [number for each in counts for number in (each.tp, each.fp, each.possible)]
-    row = PlaceRow(walk.preset, walk.seed, method, *numbers, *where.tolist(), *recall)
+    row = MatchRow(walk.preset, walk.seed, method, *numbers, *where.tolist(), *recall)
     return PlaceFigures(row, ranking.scores[:, 0], hits[:, 0])
 
 

@@ -28,7 +28,7 @@ _ISLANDS = tuple(
 
 
 @dataclass(frozen=True)
-class Search:
+class SettingsSearch:
     """A method and the settings that are tried."""
 
     make: Callable[..., PlaceMethod]
@@ -52,15 +52,15 @@ def _each(name: str, *values: object) -> Axis:
     return [{name: value} for value in values]
 
 
-SEARCHES: Mapping[str, Search] = MappingProxyType(
+SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
     {
-        "LEXIS, stricter": Search(RevisitProbability),
-        "LEXIS, paper": Search(LabelledRoom),
-        "embedding": Search(EmbeddingSimilarity),
-        "embedding sequences": Search(
+        "LEXIS, stricter": SettingsSearch(RevisitProbability),
+        "LEXIS, paper": SettingsSearch(LabelledRoom),
+        "embedding": SettingsSearch(EmbeddingSimilarity),
+        "embedding sequences": SettingsSearch(
             SequenceMatching, (_each("length", 5, 2, 3, 8, 12), _each("contrast", 0, 10, 30, 100))
         ),
-        "ORB words (DBoW2)": Search(
+        "ORB words (DBoW2)": SettingsSearch(
             bag_of_words,
             (
                 _each("depth", 4, 3, 5),
@@ -69,7 +69,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
                 ({"consistent": None}, *_ISLANDS),
             ),
         ),
-        "AKAZE VLAD": Search(vlad, (_each("words", 64, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
+        "AKAZE VLAD": SettingsSearch(vlad, (_each("words", 64, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
     }
 )
 """The search for each method of `METHODS` that has something to tune."""

@@ -8,7 +8,7 @@ from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
 from sim.bench.peers import place_tuning as module
 from sim.bench.peers.place_figures import REQUIRED, figures
 from sim.bench.peers.place_methods import METHODS
-from sim.bench.peers.place_tuning import SEARCHES, Search, best_least, tune
+from sim.bench.peers.place_tuning import SEARCHES, SettingsSearch, best_least, tune
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_no_other_least_score_has_a_larger_f1_score(walks):
 
 def test_settings_are_the_best_of_each_axis_and_every_tuned_method_takes_part(walks, monkeypatch):
     axes = ([{"length": each} for each in (1, 4, 8)],)
-    monkeypatch.setattr(module, "SEARCHES", {"sequences": Search(SequenceMatching, axes)})
+    monkeypatch.setattr(module, "SEARCHES", {"sequences": SettingsSearch(SequenceMatching, axes)})
     (tuned,) = tune(walks)
     every = {each: best_least(SequenceMatching(each), walks) for each in (1, 4, 8)}
     best = max(every, key=lambda each: every[each][1])
