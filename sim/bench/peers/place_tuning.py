@@ -5,6 +5,7 @@ The benchmark uses settings that were found on other houses than those of its fi
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -20,11 +21,12 @@ from sim.bench.peers.place_walks import PlaceWalk
 Axis = Sequence[Mapping[str, Any]]
 """Choices of one or more settings. The first choice is the start of the search."""
 _ISLANDS = tuple(
-    {"consistent": consistent, "gap": gap, "least": least}
-    for consistent in (0, 1, 3)
-    for gap in (2, 5)
-    for least in (0.01, 0.03, 0.1, 0.3)
+    {"consistent": consistent, "gap": gap, "normalised": normalised, "least": least}
+    for consistent in (1, 0, 3)
+    for gap in (3, 6)
+    for normalised, least in ((True, 0.3), (True, 0.1), (False, 0.1), (False, 0.05), (False, 0.02))
 )
+"""Choices for the islands of DBoW2. Their least scores depend on whether scores are normalised."""
 
 
 @dataclass(frozen=True)
@@ -60,15 +62,11 @@ SEARCHES: Mapping[str, SettingsSearch] = MappingProxyType(
         "embedding sequences": SettingsSearch(
             SequenceMatching, (_each("length", 5, 2, 3, 8, 12), _each("contrast", 0, 10, 30, 100))
         ),
-        "ORB words (DBoW2)": SettingsSearch(
-            bag_of_words,
-            (
-                _each("depth", 4, 3, 5),
-                _each("features", 1000, 500),
-                _each("normalised", True, False),
-                ({"consistent": None}, *_ISLANDS),
-            ),
+        "ORB words": SettingsSearch(
+            partial(bag_of_words, consistent=None),
+            (_each("depth", 4, 3, 5), _each("features", 1000, 500), _each("normalised", True, False)),
         ),
+        "ORB words, DBoW2": SettingsSearch(bag_of_words, (_each("depth", 5, 4), _ISLANDS)),
         "AKAZE VLAD": SettingsSearch(vlad, (_each("words", 64, 16, 32, 128), _each("dims", 128, 0, 64, 256))),
     }
 )
