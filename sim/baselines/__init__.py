@@ -1,7 +1,8 @@
 """Other methods that LEXIS is compared with.
 
 `orb_words` is place recognition by ORB and a bag of visual words, and `orb_vocabulary` learns the visual words. The
-subpackage `rooms` finds rooms in the true map of a house, and holds reduced variants of LEXIS.
+subpackage `rooms` finds rooms in the true map of a house, and holds reduced variants of LEXIS. The subpackage `places` holds
+methods of place recognition.
 """
 
 import lazy_loader

@@ -3,11 +3,11 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import astuple, fields
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from rich.console import Console
 from rich.markup import escape
@@ -33,6 +33,9 @@ from sim.durations import duration_s
 from sim.fidelity import FIDELITIES
 from worlds.presets import PRESETS
 
+if TYPE_CHECKING:
+    from sim.bench.peers.place_walks import PlaceWalk
+
 Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
 
 _PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
@@ -49,7 +52,7 @@ _ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="M
 _OWN_PYTESTS = 10
 """Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
 _CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
-_CSV = argument("--csv", "--out", type=Path, metavar="FILE", help="write the table to this file")
+_CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
 _PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
 _SWEEP_FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
 _FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
@@ -237,6 +240,49 @@ def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
     yield table
     if arguments.csv:
         write_rows(rows, arguments.csv)
+
+
+def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.difficulty_sweep import check_files
+    from sim.bench.peers.place_figures import PLACES
+    from sim.bench.peers.place_methods import compare_place_methods, totals
+    from sim.bench.peers.place_picture import write_places
+    from sim.bench.peers.place_walks import record_walks
+
+    check_files(arguments.out)
+    presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        recorded = record_walks(presets, seeds, arguments.length)
+        walks = bar.track(recorded, total=len(presets) * len(seeds), description="walks")
+        if arguments.tune:
+            yield _tuned_places(walks)
+            return
+        found = list(compare_place_methods(walks))
+    for preset, methods in totals(found).items():
+        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
+        headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
+        table, false = Table("method", *headers, title=title), Table("method", *PLACES, title="false matches at N = 1")
+        for name, total in methods.items():
+            cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
+            recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
+            table.add_row(
+                name, *cells, recalls, f"{total.curve.at_full_precision:.2f}", f"{total.curve.average_precision:.2f}"
+            )
+            false.add_row(name, *map(str, total.false_places))
+        yield table
+        yield false
+    for path in arguments.out:
+        write_places(found, path)
+
+
+def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:
+    from sim.bench.peers.place_tuning import tune
+
+    table = Table("method", "settings", "least score", "mean F1", title="best settings on these walks")
+    for tuned in tune(list(walks)):
+        settings = ", ".join(f"{name} {value}" for name, value in tuned.settings.items())
+        table.add_row(tuned.method, settings, f"{tuned.least:.3f}", f"{tuned.f1:.3f}")
+    return table
 
 
 def _places(arguments: argparse.Namespace) -> Iterator[Table]:
@@ -567,6 +613,25 @@ _BENCHMARKS = (
         "what each stage of LEXIS costs in labels, rooms, trajectories and plans: the blame table over many houses",
         "lexis-sim bench stages --presets home ori --houses 50 --seed 500 --csv stages.csv",
         (_PRESETS, _HOUSES, _CSV, SEED),
+    ),
+    Action(
+        "fig5",
+        _printing(_fig5),
+        "true and false matches of LEXIS and of other methods of place recognition, as in the paper's Fig. 5",
+        "lexis-sim bench fig5 --presets home ori --houses 5 --seed 500 --out places.csv places.png",
+        (
+            _PRESETS,
+            _HOUSES,
+            argument(
+                "--length",
+                type=number(10.0, 1e4),
+                default=250.0,
+                help="length of every walk in metres (default: %(default)s)",
+            ),
+            argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files"),
+            argument("--tune", action="store_true", help="find the best settings of all methods on these walks instead"),
+            SEED,
+        ),
     ),
     Action(
         "places",

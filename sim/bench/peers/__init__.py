@@ -4,6 +4,9 @@
 Hydra-like rooms. `difficulty_sweep` compares the rooms found by LEXIS and by the baselines while houses are opened, or while
 the runs become more difficult in another way. `trajectories` compares the trajectories that LEXIS estimates with different
 methods of place recognition. `side_by_side` gives the observations of one walk to several systems.
+
+`place_methods` compares methods of place recognition on the walks of `place_walks`. `place_figures` judges their answers,
+`place_picture` draws them, and `place_tuning` tunes the settings of the methods.
 """
 
 import lazy_loader

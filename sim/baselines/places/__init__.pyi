@@ -1,0 +1,9 @@
+from .bag_of_words import BagOfWords as BagOfWords
+from .by_embedding import EmbeddingSimilarity as EmbeddingSimilarity
+from .by_embedding import SequenceMatching as SequenceMatching
+from .lexis_places import LabelledRoom as LabelledRoom
+from .lexis_places import RevisitProbability as RevisitProbability
+from .place_method import PlaceMethod as PlaceMethod
+from .place_method import SeenKeyframes as SeenKeyframes
+from .vlad import Vlad as Vlad
+from .word_tree import WordTree as WordTree

@@ -1,0 +1,110 @@
+"""`lexis-sim bench fig5`: LEXIS and other methods of place recognition on the same rendered walks (the paper's Fig. 5).
+
+Every method proposes up to ten earlier keyframes for each keyframe, or none if the best of them has a low score.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from types import MappingProxyType
+
+import numpy as np
+from scipy.special import logit
+
+from lexis.config import PlaceRecognitionConfig
+from lexis.evaluation.place_recognition import Counts
+from sim.baselines.places.bag_of_words import BagOfWords
+from sim.baselines.places.by_embedding import EmbeddingSimilarity, SequenceMatching
+from sim.baselines.places.descriptors import training_descriptors
+from sim.baselines.places.lexis_places import LabelledRoom, RevisitProbability
+from sim.baselines.places.place_method import PlaceMethod
+from sim.baselines.places.vlad import Vlad
+from sim.baselines.places.word_tree import WordTree
+from sim.bench.peers.place_figures import FALSE_FIELDS, REQUIRED, Curve, PlaceFigures, curve, figures
+from sim.bench.peers.place_walks import PlaceWalk
+
+_SEED = 5
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A method of place recognition with its settings."""
+
+    make: Callable[[], PlaceMethod]
+    """Makes the method; its vocabulary is learned then."""
+    least: float
+    """Least score of the best keyframe at which the method answers a query."""
+
+
+@lru_cache(maxsize=8)
+def word_tree(depth: int) -> WordTree:
+    """The vocabulary tree of training images, with ten branches per node."""
+    return WordTree.learned(training_descriptors().orb, np.random.default_rng(_SEED), depth=depth)
+
+
+@lru_cache(maxsize=8)
+def vlad(words: int, dims: int) -> Vlad:
+    """VLAD with words and whitening of training images."""
+    return Vlad.learned(training_descriptors().akaze, np.random.default_rng(_SEED), words, dims)
+
+
+def bag_of_words(depth: int, **settings: object) -> BagOfWords:
+    """DBoW2's scheme with a vocabulary tree of training images; see `BagOfWords` for the settings."""
+    return BagOfWords(word_tree(depth), **settings)  # type: ignore[arg-type]
+
+
+METHODS: Mapping[str, Contestant] = MappingProxyType(
+    {
+        "LEXIS": Contestant(RevisitProbability, float(logit(PlaceRecognitionConfig.least_probability))),
+        "LEXIS, stricter": Contestant(RevisitProbability, 2.276),
+        "LEXIS, paper": Contestant(LabelledRoom, 0.896),
+        "embedding": Contestant(EmbeddingSimilarity, 0.910),
+        "embedding sequences": Contestant(partial(SequenceMatching, length=5), 0.867),
+        "ORB words": Contestant(partial(bag_of_words, 5, normalised=False, consistent=None), 0.0759),
+        "ORB words, DBoW2": Contestant(partial(bag_of_words, 5), 0.3),
+        "AKAZE VLAD": Contestant(partial(vlad, 16, 0), 0.271),
+    }
+)
+"""Methods with the settings that `place_tuning` found on other houses: `lexis-sim bench fig5 --tune` with the homes 100 to
+104 and the offices (ori) 100 and 101. The first one has the defaults of LEXIS instead, which answer more queries because a
+false candidate costs LEXIS a verification only."""
+
+
+def compare_place_methods(walks: Iterable[PlaceWalk]) -> Iterator[PlaceFigures]:
+    """Let every method of `METHODS` answer the queries of the same walks."""
+    methods = {name: each.make() for name, each in METHODS.items()}
+    for walk in walks:
+        for name, method in methods.items():
+            yield figures(walk, name, method.scores(walk.seen), METHODS[name].least)
+
+
+@dataclass(frozen=True)
+class PlaceTotal:
+    """Figures of one method over all walks of a preset: counts are sums, and recalls are means over the walks."""
+
+    counts: tuple[Counts, ...]
+    """Counts for N = 1, 3 and 5."""
+    false_places: tuple[int, ...]
+    """Numbers of false positives at N = 1 by the place of the best match; see `PLACES`."""
+    recalls: tuple[float, ...]
+    """Recall among the first 1, 3 and 5 candidates, if all queries are answered."""
+    curve: Curve
+    """Precision against recall over the queries of all walks."""
+
+
+def totals(found: Sequence[PlaceFigures]) -> dict[str, dict[str, PlaceTotal]]:
+    """Sum up the walks, by preset and method."""
+    groups: dict[str, dict[str, list[PlaceFigures]]] = {}
+    for each in found:
+        groups.setdefault(each.row.preset, {}).setdefault(each.row.method, []).append(each)
+    return {preset: {name: _total(mine) for name, mine in methods.items()} for preset, methods in groups.items()}
+
+
+def _total(found: Sequence[PlaceFigures]) -> PlaceTotal:
+    def of(name: str) -> list[int]:
+        return [getattr(each.row, name) for each in found]
+
+    counts = tuple(Counts(*(sum(of(f"{name}_{n}")) for name in ("tp", "fp", "possible"))) for n in REQUIRED)
+    false = tuple(sum(of(name)) for name in FALSE_FIELDS)
+    recalls = tuple(float(np.mean(of(f"recall_at_{n}"))) for n in REQUIRED)
+    return PlaceTotal(counts, false, recalls, curve(found))

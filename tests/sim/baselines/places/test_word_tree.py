@@ -1,0 +1,59 @@
+"""The vocabulary tree: similar descriptors share a word, common words weigh nothing, and histograms have unit sum."""
+
+import numpy as np
+import pytest
+
+from sim.baselines.places.word_tree import WordTree, nearest
+from sim.errors import SimError
+
+
+def drawn(rng, count):
+    return rng.integers(0, 256, (count, 32), np.uint8)
+
+
+def test_the_nearest_descriptor_has_the_fewest_different_bits(rng):
+    first, second = drawn(rng, 40), drawn(rng, 9)
+    different = np.bitwise_count(first[:, None] ^ second[None]).sum(axis=2)
+    bits, rows = nearest(first, second)
+    np.testing.assert_array_equal(bits, different.min(axis=1))
+    np.testing.assert_array_equal(rows, different.argmin(axis=1))
+
+
+def test_few_descriptors_are_words_of_their_own_and_many_share_words(rng):
+    few = drawn(rng, 6)
+    tree = WordTree.learned([few], rng, branching=3, depth=3)
+    assert len(set(tree.words(few).tolist())) == 6
+    many = drawn(rng, 500)
+    words = WordTree.learned([many], rng, branching=3, depth=3).words(many)
+    assert words.max() < 27 and 20 <= len(set(words.tolist())) <= 27
+
+
+def test_descriptors_of_one_cluster_share_a_word_and_find_it_through_noise(rng):
+    centres = drawn(rng, 16)
+    noise = np.packbits(rng.random((16, 20, 256)) < 0.02, axis=-1)
+    members = centres[:, None] ^ noise
+    tree = WordTree.learned([members.reshape(-1, 32)], rng, branching=4, depth=2)
+    words = tree.words(members.reshape(-1, 32)).reshape(16, 20)
+    assert (words == tree.words(centres)[:, None]).mean() > 0.98  # a few descriptors lie on the border of two branches
+
+
+def test_weights_are_inverse_document_frequencies_of_all_images(rng):
+    images = [drawn(rng, 200) for _ in range(5)]
+    tree = WordTree.learned(images, rng, branching=4, depth=2)
+    having = np.array([[word in tree.words(image) for word in range(16)] for image in images]).sum(axis=0)
+    np.testing.assert_allclose(tree.weights, np.log(5 / np.maximum(having, 1)))
+    common = drawn(rng, 4)
+    both = WordTree.learned([common, common], rng, branching=4, depth=1)
+    assert not both.weights.any() and not both.histograms([common]).any()
+
+
+def test_histograms_have_unit_sum_or_are_empty(rng):
+    images = [drawn(rng, 30), np.zeros((0, 32), np.uint8), drawn(rng, 60)]
+    histograms = WordTree.learned([drawn(rng, 20) for _ in range(6)], rng, branching=6, depth=2).histograms(images)
+    np.testing.assert_allclose(histograms.sum(axis=1), (1.0, 0.0, 1.0))
+    assert (histograms >= 0).all()
+
+
+def test_images_without_descriptors_are_an_error(rng):
+    with pytest.raises(SimError, match="no ORB descriptors"):
+        WordTree.learned([np.zeros((0, 32), np.uint8)], rng)

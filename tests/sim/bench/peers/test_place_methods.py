@@ -1,0 +1,36 @@
+"""The benchmark: every method answers the same queries, counts are summed, and files hold rows and drawings."""
+
+import csv
+
+import numpy as np
+import pytest
+from helpers.two_laps import two_laps, walk_of
+
+from sim.baselines.places import EmbeddingSimilarity, SequenceMatching
+from sim.bench.peers import place_methods as module
+from sim.bench.peers.place_methods import Contestant, compare_place_methods, totals
+from sim.bench.peers.place_picture import write_places
+
+
+@pytest.fixture
+def found(rng, monkeypatch):
+    methods = {"embedding": Contestant(EmbeddingSimilarity, 0.3), "sequences": Contestant(SequenceMatching, 0.3)}
+    monkeypatch.setattr(module, "METHODS", methods)
+    return list(compare_place_methods(walk_of(two_laps(rng, noise=0.5)) for _ in range(3)))
+
+
+def test_totals_are_sums_over_walks_and_recalls_are_means(found):
+    assert [each.row.method for each in found] == ["embedding", "sequences"] * 3
+    for name, total in totals(found)["home"].items():
+        rows = [each.row for each in found if each.row.method == name]
+        assert total.counts[0].tp == sum(row.tp_1 for row in rows) and total.counts[2].fp == sum(row.fp_5 for row in rows)
+        assert total.counts[0].possible == 3 * rows[0].possible_1 and sum(total.false_places) == total.counts[0].fp
+        assert total.recalls[1] == pytest.approx(np.mean([row.recall_at_3 for row in rows]))
+
+
+def test_files_hold_the_rows_and_drawings(found, tmp_path):
+    for name in ("rows.csv", "plot.png", "plot.svg"):
+        write_places(found, tmp_path / name)
+    with (tmp_path / "rows.csv").open() as file:
+        assert [row["tp_1"] for row in csv.DictReader(file)] == [str(each.row.tp_1) for each in found]
+    assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (tmp_path / "plot.svg").read_text()
