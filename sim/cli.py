@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 from lexis.command_line import Parser, add_completion, run_command
 from lexis.errors import LexisError
-from sim.commands import bench, calibration, check, compare, doctor, features, house, record, run, shrink, training
+from sim.commands import calibration, check, compare, doctor, features, house, record, run, shrink, training
+from sim.commands.benchmarks import bench
 from sim.errors import SimError
 from worlds.errors import WorldsError
 

@@ -1,0 +1,145 @@
+"""Benchmarks of pose graphs, of long walks and of several sessions."""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+
+from rich.markup import escape
+from rich.table import Table
+
+from lexis.command_line import positive
+from sim.commands.action import Action
+from sim.commands.arguments import SEED, argument, number
+from sim.commands.benchmarks.bench_options import (
+    CSV,
+    HOUSES,
+    PLOT,
+    PRESET,
+    printing,
+)
+
+
+def _pose_graph(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.public_pose_graphs import PoseGraphRow, optimise_files
+    from sim.report.figures import shown
+
+    title = "cost: half of the sum of squared residuals; excess: share above the least known cost"
+    table = Table(*(field.name.replace("_", " ") for field in fields(PoseGraphRow)), title=title)
+    for row in optimise_files(arguments.files):
+        table.add_row(
+            *(row.file, str(row.poses), str(row.edges), row.start, f"{row.start_cost:,.4g}", f"{row.cost:.6g}"),
+            *(shown(row.excess, "{:.4%}"), shown(row.iterations, "{}"), f"{row.seconds:.2f}"),
+        )
+    yield table
+
+
+def _kernels(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.kernels import draw_kernels, kernel_runs, mapped_houses, summarised
+    from sim.bench.row_files import check_folder, check_picture, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    if arguments.plot:
+        check_picture(arguments.plot)
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    rows = list(
+        summarised(
+            [each for house in mapped_houses(arguments.preset, seeds) for each in kernel_runs(house, arguments.threshold)]
+        )
+    )
+    title = f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, features: mean ± std over houses"
+    headers = ("ATE, m", "growth of the ATE", "true loops rejected", "houses without", "false loops trusted")
+    table = Table("false loops", "share", "kernel", *headers, title=title)
+    for row in rows:
+        table.add_row(
+            *(row.kind, f"{row.share:.0%}", row.kernel, f"{row.ate_m:.3f} ± {row.ate_std_m:.3f}", f"{row.growth:.1%}"),
+            *(f"{row.true_rejected:.1%} ± {row.true_rejected_std:.1%}", f"{row.untouched:.0%}", f"{row.false_trusted:.1%}"),
+            end_section=row.kernel == rows[-1].kernel,
+        )
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+    if arguments.plot:
+        draw_kernels(rows, arguments.plot)
+
+
+def _scale(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.scale import bytes_per_keyframe, measure_scale
+
+    portions, finished = measure_scale(arguments.rooms, arguments.length, arguments.seed)
+    kilobytes = bytes_per_keyframe(finished) / 1e3
+    title = (
+        f"{arguments.length:g} m through {arguments.rooms} rooms: {len(finished.loops)} loops, {kilobytes:.1f} kB a keyframe"
+    )
+    table = Table("keyframes", "ms per keyframe", title=title)
+    for portion in portions:
+        table.add_row(f"{portion.first} to {portion.last}", f"{portion.keyframe_ms:.2f}")
+    yield table
+
+
+def _sessions(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.sessions import NEAR_M, measure_sessions, summary
+    from sim.report.figures import shown
+
+    title = f"{arguments.preset}, features: a session that starts somewhere on another day, {arguments.length:g} m of walk"
+    headers = ("starts", "joined", f"joined within {NEAR_M:g} m", "median walk [m]", "largest error [m]")
+    table = Table("house", *map(escape, headers), title=title)
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    for name, row in summary(measure_sessions(arguments.preset, seeds, arguments.every, arguments.length)).items():
+        table.add_row(name, *(shown(value, "{:.3g}") for value in row))
+    yield table
+
+
+BENCHMARKS = (
+    Action(
+        "pose-graph",
+        printing(_pose_graph),
+        "LEXIS's optimiser on pose graphs in g2o files: cost, iterations and time",
+        "lexis-sim bench pose-graph sphere2500.g2o parking-garage.g2o",
+        (argument("files", type=Path, nargs="+", metavar="FILE", help="pose graphs in three dimensions, as g2o files"),),
+    ),
+    Action(
+        "kernels",
+        printing(_kernels),
+        "robust kernels against false loops that are added to finished maps",
+        "lexis-sim bench kernels --preset home --houses 5 --seed 500",
+        (
+            PRESET,
+            HOUSES,
+            argument(
+                "--threshold",
+                type=number(0.001, 1e6),
+                default=60.0,
+                help="squared whitened residual above which a kernel lowers a weight (default: %(default)s)",
+            ),
+            CSV,
+            PLOT,
+            SEED,
+        ),
+    ),
+    Action(
+        "scale",
+        printing(_scale),
+        "time per keyframe and size of the map along one long walk",
+        "lexis-sim bench scale --rooms 40 --length 10000",
+        (
+            argument("--rooms", type=positive, default=10, help="number of rooms of the home (default: %(default)s)"),
+            argument("--length", type=float, default=1000.0, help="length of the walk in metres (default: %(default)s)"),
+            SEED,
+        ),
+    ),
+    Action(
+        "sessions",
+        printing(_sessions),
+        "whether a robot that returns on another day recognises where it is, and never does in a twin house",
+        "lexis-sim bench sessions --preset home --houses 5",
+        (
+            PRESET,
+            HOUSES,
+            argument("--every", type=float, default=10.0, help="metres of walk between starts (default: %(default)s)"),
+            argument("--length", type=float, default=15.0, help="length of each session in metres (default: %(default)s)"),
+            SEED,
+        ),
+    ),
+)

@@ -1,0 +1,130 @@
+"""Benchmarks of the harness itself: the bugs that a suite finds, and the reducer."""
+
+import argparse
+import os
+from dataclasses import astuple
+from functools import partial
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from lexis.command_line import positive
+from sim.commands.action import Action
+from sim.commands.arguments import SEED, argument, folder
+from sim.commands.benchmarks.bench_options import (
+    console,
+)
+from sim.durations import duration_s
+
+_OWN_PYTESTS = 10
+"""Approximate number of reduced scenarios whose replay tests pytest also runs in a process of its own."""
+
+
+def _mutation(arguments: argparse.Namespace) -> int:
+    """Print a line for each mutant as soon as it is graded, and a table; return 1 if unchanged LEXIS fails a check."""
+    from sim.bench.mutation import MUTANTS, grade
+    from sim.bench.mutation.grading import markdown_table, read_grades, write_grade
+
+    laws, before = not arguments.no_laws, arguments.against
+    graded = partial(grade, suite=arguments.suite, laws=laws, smallest=arguments.smallest, before=before)
+    suite = arguments.suite if laws else f"{arguments.suite} without laws"
+    kept = [] if arguments.out is None else read_grades(arguments.out)
+    grades = [each for each in kept if (each.suite, each.seed) == (suite, arguments.seed) and arguments.only in each.mutant]
+    done = {found.mutant for found in grades}
+    for mutant in MUTANTS:
+        if arguments.only in mutant.name and mutant.name not in done:
+            grades.append(found := graded(mutant, arguments.seed))
+            verdict = f"caught by {found.caught_by}" if found.is_caught else "not caught"
+            print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  {mutant.name}: {verdict}", flush=True)
+            if arguments.out is not None:
+                write_grade(found, arguments.out)
+    print(markdown_table(grades))
+    alarms = [graded(None, arguments.seed + k) for k in range(arguments.unchanged)]
+    for k, found in enumerate(alarms):
+        verdict = f"FALSE ALARM by {found.caught_by}: {found.measured}" if found.is_caught else "passes"
+        print(f"{found.scenarios:4} scenarios {found.seconds:6.0f} s  unchanged LEXIS, seed {arguments.seed + k}: {verdict}")
+    caught = sum(found.is_caught for found in grades)
+    print(f"{caught} of {len(grades)} mutants are caught; {sum(found.is_caught for found in alarms)} false alarms")
+    return int(any(found.is_caught for found in alarms))
+
+
+def _shrinking(arguments: argparse.Namespace) -> int:
+    """Print a line for each broken law and a table of the families of bugs; return 1 if a law is broken, else 0."""
+    from sim.bench.shrinking import ProofPlan, folder_of, prove, summaries
+
+    one_in = arguments.scenarios // _OWN_PYTESTS
+    plan = ProofPlan(arguments.seed, arguments.deadline, arguments.rooms, arguments.out, one_in)
+    proofs, progress = [], Console(stderr=True)
+    with Progress(console=progress, transient=True, disable=not progress.is_terminal) as bar:
+        proving = prove(plan, arguments.scenarios, arguments.processes)
+        for proof in bar.track(proving, total=arguments.scenarios, description="scenarios"):
+            proofs.append(proof)
+            for law in proof.broken:
+                print(f"{folder_of(proof.number, plan)}.json: {law}")
+    headers = ("family", "scenarios", "in time", "broken", "needs", "rooms before", "rooms", "walk before, m", "walk, m")
+    title = "reductions: median, 90 % and worst after it; before it, and what the bug needs at least"
+    table = Table(*headers, "candidates", "seconds", title=title, title_justify="left")
+    for row in summaries(proofs):
+        table.add_row(*map(_spread, astuple(row)))
+    console().print(table)
+    return int(any(proof.broken for proof in proofs))
+
+
+def _spread(value: object) -> str:
+    """Return a figure as text, with at most one decimal.
+
+    The figures of a tuple are joined by slashes; None gives "" (empty).
+    """
+    if isinstance(value, tuple):
+        return " / ".join(map(_spread, value))
+    if value is None:
+        return ""
+    return f"{value:.1f}".removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+BENCHMARKS = (
+    Action(
+        "mutation",
+        _mutation,
+        "planted bugs of LEXIS that a suite finds; exit status 1 if unchanged LEXIS fails a check",
+        "lexis-sim bench mutation --only loop",
+        (
+            argument("--only", default="", metavar="TEXT", help="mutants whose name contains this text (default: all)"),
+            argument("--suite", default="pr", metavar="NAME", help="the suite (default: %(default)s)"),
+            argument("--no-laws", action="store_true", help="let the suite make claims only, without laws"),
+            argument("--against", type=Path, metavar="FILE", help="results of unchanged LEXIS, to compare with"),
+            argument("--smallest", action="store_true", help="also look for the smallest scenario that shows each mutant"),
+            argument("--unchanged", type=positive, default=1, metavar="N", help="seeds for unchanged LEXIS (default: 1)"),
+            argument(
+                "-o", "--out", type=Path, metavar="FILE", help="file for the grades; mutants in it are not graded again"
+            ),
+            SEED,
+        ),
+    ),
+    Action(
+        "shrinking",
+        _shrinking,
+        "reductions of scenarios in which planted bugs show; exit status 1 if one of them breaks a law",
+        "lexis-sim bench shrinking --scenarios 200",
+        (
+            argument("--scenarios", type=positive, default=32, help="number of scenarios (default: %(default)s)"),
+            argument("--deadline", type=duration_s, default=60.0, metavar="TIME", help="for each reduction (default: 60s)"),
+            argument(
+                "--rooms", type=positive, default=10, help="greatest number of rooms in a house (default: %(default)s)"
+            ),
+            argument(
+                "--processes", type=positive, default=os.cpu_count() or 2, help="number of processes (default: one per core)"
+            ),
+            argument(
+                "--out",
+                type=folder,
+                default=Path("broken-reductions"),
+                metavar="DIR",
+                help="scenarios whose reductions break a law are kept here (default: %(default)s)",
+            ),
+            SEED,
+        ),
+    ),
+)

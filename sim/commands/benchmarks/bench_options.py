@@ -1,0 +1,59 @@
+"""Options that several benchmarks share, and the way in which all of them print their tables."""
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeAlias
+
+from rich.console import Console
+from rich.table import Table
+
+from lexis.command_line import Command, positive
+from sim.commands.arguments import (
+    CONFIG_HELP,
+    ENCODER_HELP,
+    FEATURE_MODEL_HELP,
+    FIDELITY_HELP,
+    PRESET_HELP,
+    argument,
+    seeing_encoder,
+)
+from sim.fidelity import FIDELITIES
+from worlds.presets import PRESETS
+
+Tables: TypeAlias = Callable[[argparse.Namespace], Iterator[Table]]
+
+PRESET = argument("--preset", choices=PRESETS, default="home", metavar="NAME", help=PRESET_HELP)
+SEVERAL_PRESETS = argument("--presets", nargs="+", choices=PRESETS, default=["home"], metavar="NAME", help=PRESET_HELP)
+FIDELITY = argument("--fidelity", choices=FIDELITIES, default="features", help=FIDELITY_HELP)
+OPENNESS = argument(
+    "--openness",
+    type=float,
+    metavar="X",
+    help="open or close inner walls of every house to X in [0, 1] (default: as sampled)",
+)
+HOUSES = argument("--houses", type=positive, default=5, help="number of houses, from --seed upwards (default: %(default)s)")
+ENCODER = argument("--encoder", type=seeing_encoder, default="mini", metavar="MODEL", help=ENCODER_HELP)
+CONFIG = argument("--config", type=Path, metavar="FILE", help=CONFIG_HELP)
+CSV = argument("--csv", type=Path, metavar="FILE", help="write the table to this file")
+PLOT = argument("--plot", type=Path, metavar="FILE", help="draw the figures in this file, .png or .svg")
+FILES = argument("--out", nargs="+", type=Path, default=[], metavar="FILE", help="write .csv, .png or .svg files")
+FEATURE_MODEL = argument("--feature-model", type=Path, metavar="FILE", help=FEATURE_MODEL_HELP)
+
+
+def printing(tables: Tables) -> Command:
+    """Make a command that prints every table as soon as it is complete."""
+
+    def command(arguments: argparse.Namespace) -> int:
+        out = console()
+        for table in tables(arguments):
+            out.print(table)
+        return 0
+
+    return command
+
+
+def console() -> Console:
+    """Return standard output as a console. It is 200 columns wide if it is no terminal; rich would cut figures off at 80."""
+    return Console(width=None if sys.stdout.isatty() else 200)

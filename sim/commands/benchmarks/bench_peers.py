@@ -1,0 +1,241 @@
+"""Benchmarks that compare LEXIS with other methods in the same runs."""
+
+import argparse
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from sim.commands.action import Action
+from sim.commands.arguments import SEED, argument, number
+from sim.commands.benchmarks.bench_options import (
+    CSV,
+    FIDELITY,
+    FILES,
+    HOUSES,
+    PRESET,
+    SEVERAL_PRESETS,
+    printing,
+)
+
+if TYPE_CHECKING:
+    from sim.bench.peers.place_walks import PlaceWalk
+
+
+def _openness(arguments: argparse.Namespace) -> Iterator[Table]:
+    return _sweep(arguments, "openness")
+
+
+def _sweep_over(arguments: argparse.Namespace) -> Iterator[Table]:
+    return _sweep(arguments, arguments.over)
+
+
+def _sweep(arguments: argparse.Namespace, over: str) -> Iterator[Table]:
+    from sim.bench.peers.difficulty_sweep import DIFFICULTIES, check_files, means, sweep, write_sweep
+    from sim.report.figures import shown
+
+    check_files(arguments.out)
+    seeds, difficulty = range(arguments.seed, arguments.seed + arguments.houses), DIFFICULTIES[over]
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        total = len(difficulty.methods) * len(difficulty.values) * len(seeds)
+        rows = list(bar.track(sweep(arguments.preset, seeds, difficulty), total=total, description="runs"))
+    for path in arguments.out:
+        write_sweep(rows, over, path)
+    title = (
+        f"{arguments.preset}, seeds {seeds[0]} to {seeds[-1]}, {difficulty.fidelity}: "
+        "room PQ (splits / merges per house), labels"
+    )
+    table = Table("rooms by", *(f"{over} {each}" for each in difficulty.values), title=title)
+    for name, found in means(rows).items():
+        cells = (
+            f"{each.pq:.3f} ± {each.pq_std:.3f} ({each.splits:.1f} / {each.merges:.1f}) {shown(each.labels, '{:.3f}')}"
+            for each in found.values()
+        )
+        table.add_row(name, *cells)
+    yield table
+
+
+def _table2(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.labels import PAPER_ACCURACY, compare_labels, means
+    from sim.bench.row_files import check_folder, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        walks = compare_labels(presets, seeds, arguments.fidelity)
+        rows = [row for walk in bar.track(walks, total=len(presets) * len(seeds), description="walks") for row in walk]
+    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: label accuracy over keyframes (over found rooms) in %"
+    table = Table("method", *presets, title=title)
+    for method, found in means(rows).items():
+        spreads = ((_percent(each.accuracy, each.std), each.rooms) for each in found.values())
+        table.add_row(method, *(spread if rooms is None else f"{spread} ({100 * rooms:.0f})" for spread, rooms in spreads))
+    table.add_section()
+    for method, paper in PAPER_ACCURACY.items():
+        table.add_row(f"paper: {method}", *(_percent(*paper[each]) if each in paper else "" for each in presets))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
+def _percent(mean: float, std: float) -> str:
+    """A share and its standard deviation in per cent."""
+    return f"{100 * mean:.1f} ± {100 * std:.1f}"
+
+
+def _table3(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.trajectories import PAPER_ATE_M, compare_trajectories, means
+    from sim.bench.row_files import check_folder, write_rows
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = list(compare_trajectories(presets, seeds, arguments.fidelity))
+    title = f"seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: ATE in m (share of the odometry's)"
+    table = Table("method", *presets, title=title)
+    for method, found in means(rows).items():
+        table.add_row(method, *(f"{each.ate_m:.3f} ± {each.std_m:.3f} ({each.odometry:.2f})" for each in found.values()))
+    table.add_section()
+    for method, paper in PAPER_ATE_M.items():
+        table.add_row(f"paper: {method}", *(f"{paper[each]:.2f}" if each in paper else "" for each in presets))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
+def _fig5(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.difficulty_sweep import check_files
+    from sim.bench.peers.place_figures import PLACES
+    from sim.bench.peers.place_methods import compare_place_methods, totals
+    from sim.bench.peers.place_picture import write_places
+    from sim.bench.peers.place_walks import record_walks
+
+    check_files(arguments.out)
+    presets, seeds = arguments.presets, range(arguments.seed, arguments.seed + arguments.houses)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        recorded = record_walks(presets, seeds, arguments.length)
+        walks = bar.track(recorded, total=len(presets) * len(seeds), description="walks")
+        if arguments.tune:
+            yield _tuned_places(walks)
+            return
+        found = list(compare_place_methods(walks))
+    for preset, methods in totals(found).items():
+        title = f"{preset}, seeds {seeds[0]} to {seeds[-1]}, walks of {arguments.length:g} m: true / false matches"
+        headers = (*(f"N = {n}" for n in (1, 3, 5)), "recall at 1 / 3 / 5", "at full precision", "average precision")
+        table, false = Table("method", *headers, title=title), Table("method", *PLACES, title="false matches at N = 1")
+        for name, total in methods.items():
+            cells = (f"{each.tp} / {each.fp} of {each.possible}" for each in total.counts)
+            recalls = " / ".join(f"{each:.2f}" for each in total.recalls)
+            table.add_row(
+                name, *cells, recalls, f"{total.curve.at_full_precision:.2f}", f"{total.curve.average_precision:.2f}"
+            )
+            false.add_row(name, *map(str, total.false_places))
+        yield table
+        yield false
+    for path in arguments.out:
+        write_places(found, path)
+
+
+def _tuned_places(walks: "Iterable[PlaceWalk]") -> Table:
+    from sim.bench.peers.place_tuning import tune
+
+    table = Table("method", "settings", "least score", "mean F1", title="best settings on these walks")
+    for tuned in tune(list(walks)):
+        settings = ", ".join(f"{name} {value}" for name, value in tuned.settings.items())
+        table.add_row(tuned.method, settings, f"{tuned.least:.3f}", f"{tuned.f1:.3f}")
+    return table
+
+
+def _places(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.places import FITTED, ask_everywhere, compare_places, fit_revisits, walks
+
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    answers = []
+    for condition, scenarios in walks(arguments.presets, seeds, arguments.fidelity).items():
+        found = [ask_everywhere(scenario) for scenario in scenarios]
+        answers += found
+        title = f"{', '.join(arguments.presets)}, seeds {seeds[0]} to {seeds[-1]}, {arguments.fidelity}: {condition}"
+        headers = (f"{figure}, N = {n}" for n in (1, 3, 5) for figure in ("found", "false"))
+        table = Table("candidates by", *headers, title=title)
+        for row in compare_places(found):
+            cells = ((f"{each.tp} of {each.possible}", str(each.fp)) for each in row.counts)
+            table.add_row(row.method, *(cell for pair in cells for cell in pair))
+        yield table
+    if arguments.fit:
+        fitted = fit_revisits(answers)
+        table = Table("place_recognition", "fitted value", title="probability of a revisit, fitted to all of these walks")
+        for name in FITTED:
+            table.add_row(name, f"{getattr(fitted, name):.3g}")
+        yield table
+
+
+BENCHMARKS = (
+    Action(
+        "openness",
+        printing(_openness),
+        "rooms by LEXIS and by segmentations of the true map, in houses with more and more open inner walls",
+        "lexis-sim bench openness --houses 5 --seed 500 --out openness.csv openness.png",
+        (PRESET, HOUSES, FILES, SEED),
+    ),
+    Action(
+        "sweep",
+        printing(_sweep_over),
+        "the same while another difficulty grows: clutter, odometry errors, light or texture",
+        "lexis-sim bench sweep odometry --houses 5 --seed 500",
+        (
+            argument("over", choices=("clutter", "odometry", "light", "texture"), help="what becomes more difficult"),
+            PRESET,
+            HOUSES,
+            FILES,
+            SEED,
+        ),
+    ),
+    Action(
+        "table2",
+        printing(_table2),
+        "label accuracy of LEXIS and of Hydra-like rooms that their objects name, as in the paper's Table II",
+        "lexis-sim bench table2 --presets uh2-apt uh2-office ori home --houses 5 --seed 500",
+        (SEVERAL_PRESETS, HOUSES, FIDELITY, CSV, SEED),
+    ),
+    Action(
+        "table3",
+        printing(_table3),
+        "trajectory errors of odometry and of LEXIS with each method of place recognition, as in the paper's Table III",
+        "lexis-sim bench table3 --presets ori home --houses 5 --seed 500",
+        (SEVERAL_PRESETS, HOUSES, FIDELITY, CSV, SEED),
+    ),
+    Action(
+        "fig5",
+        printing(_fig5),
+        "true and false matches of LEXIS and of other methods of place recognition, as in the paper's Fig. 5",
+        "lexis-sim bench fig5 --presets home ori --houses 5 --seed 500 --out places.csv places.png",
+        (
+            SEVERAL_PRESETS,
+            HOUSES,
+            argument(
+                "--length",
+                type=number(10.0, 1e4),
+                default=250.0,
+                help="length of every walk in metres (default: %(default)s)",
+            ),
+            FILES,
+            argument("--tune", action="store_true", help="find the best settings of all methods on these walks instead"),
+            SEED,
+        ),
+    ),
+    Action(
+        "places",
+        printing(_places),
+        "loop candidates by the method of the paper, by similarity alone and by the probability of a revisit",
+        "lexis-sim bench places --presets home ori --houses 5 --seed 900",
+        (
+            SEVERAL_PRESETS,
+            HOUSES,
+            FIDELITY,
+            argument("--fit", action="store_true", help="also fit the probability of a revisit to these walks"),
+            SEED,
+        ),
+    ),
+)

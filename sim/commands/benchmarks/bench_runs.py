@@ -1,0 +1,266 @@
+"""Benchmarks of runs: times, labels, rooms, plans, questions, and what each stage of LEXIS costs."""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import astuple, fields
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress
+from rich.table import Table
+
+from sim.commands.action import Action
+from sim.commands.arguments import FIDELITY_HELP, SEED, argument, folder
+from sim.commands.benchmarks.bench_options import (
+    CONFIG,
+    CSV,
+    ENCODER,
+    FEATURE_MODEL,
+    HOUSES,
+    OPENNESS,
+    PRESET,
+    SEVERAL_PRESETS,
+    printing,
+)
+from sim.fidelity import FIDELITIES
+
+
+def _speed(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.speed import measure_speed
+
+    for section in measure_speed(arguments.preset, arguments.houses, arguments.seed):
+        # The text is escaped, because rich would read a unit in brackets as a style and leave it out.
+        headers = [f"median [{section.unit}]", f"worst [{section.unit}]", f"limit [{section.unit}]", "runs [count]"]
+        table = Table("step", *map(escape, headers), title=section.title, title_justify="left")
+        for figure in section.figures:
+            table.add_row(
+                figure.name, *(f"{value:.4g}" for value in (figure.median, figure.worst)), figure.limit, str(figure.runs)
+            )
+        yield table
+
+
+def _throughput(arguments: argparse.Namespace) -> Iterator[Table]:
+    from statistics import median
+
+    from sim.bench.throughput import measure_throughput
+
+    headers = ("tier", "houses/s", "wanted", "houses", "median s", "worst s", "rooms", "keyframes")
+    table = Table(*headers, title="homes of about ten rooms, one process for each core")
+    for tier in measure_throughput(arguments.houses, arguments.seed):
+        seconds = [each.seconds for each in tier.handled]
+        rooms, keyframes = (median(getattr(each, name) for each in tier.handled) for name in ("rooms", "frames"))
+        table.add_row(
+            *(tier.tier, f"{tier.per_second:.3g}", f">= {tier.wanted:g}", str(len(seconds))),
+            *(f"{median(seconds):.3g}", f"{max(seconds):.3g}", f"{rooms:g}", f"{keyframes:g}"),
+        )
+    yield table
+
+
+def _houses(arguments: argparse.Namespace) -> str:
+    """Describe the family of houses and its openness, for a table's title."""
+    return arguments.preset if arguments.openness is None else f"{arguments.preset} at openness {arguments.openness:g}"
+
+
+def _segmentation(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.config import read_config
+    from sim.bench.segmentation import SegmentationRow, mean_and_spread, run_houses
+    from sim.harness import Scenario
+    from sim.report.figures import shown
+
+    title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}, {arguments.fidelity}")
+    table = Table("seed", *(field.name.replace("_", " ") for field in fields(SegmentationRow)), title=title)
+    last = arguments.seed + arguments.houses - 1
+    rows = []
+    config = Scenario(
+        preset=arguments.preset,
+        encoder=arguments.encoder,
+        fidelity=arguments.fidelity,
+        feature_model=arguments.feature_model,
+    )
+    settings = read_config(arguments.config) if arguments.config else None
+    for house, row in run_houses(config, range(arguments.seed, last + 1), arguments.openness, settings):
+        rows.append(row)
+        table.add_row(str(house), *(shown(value, "{:.3g}") for value in astuple(row)), end_section=house == last)
+    for name, values in zip(("mean", "std"), mean_and_spread(rows), strict=True):
+        table.add_row(name, *(shown(value, "{:.3g}") for value in values))
+    yield table
+
+
+def _rooms(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.peers.room_methods import compare_methods
+
+    table = Table("labels, rooms by", "labels", "room PQ", "splits and merges", title=f"{_houses(arguments)}, features")
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    for row in compare_methods(arguments.preset, seeds, arguments.openness):
+        spreads = f"{row.labels:.3f} ± {row.labels_std:.3f}", f"{row.rooms:.3f} ± {row.rooms_std:.3f}"
+        table.add_row(row.method, *spreads, f"{row.splits_and_merges:.1f}")
+    yield table
+
+
+def _stages(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.row_files import check_folder, write_rows
+    from sim.bench.stage_costs import UNCHANGED, gains, measure_stages
+
+    if arguments.csv:
+        check_folder(arguments.csv)
+    seeds, presets = range(arguments.seed, arguments.seed + arguments.houses), arguments.presets
+    rows = []
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        measured = measure_stages(presets, seeds)
+        for house in bar.track(measured, total=len(presets) * len(seeds), description="houses"):
+            rows += house
+    title = f"{', '.join(presets)}, seeds {seeds[0]} to {seeds[-1]}, features: change, mean ± standard error over houses"
+    table = Table("replaced", "houses", "labels", "room PQ", "ATE, m", "right plans", title=title)
+    for name, found in gains(rows).items():
+        sign = "" if name == UNCHANGED else "+"
+        pairs = zip(astuple(found.mean), astuple(found.error), strict=True)
+        table.add_row(name, str(found.houses), *(f"{mean:{sign}.3f} ± {error:.3f}" for mean, error in pairs))
+    yield table
+    if arguments.csv:
+        write_rows(rows, arguments.csv)
+
+
+def _planning(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.planning import DRIVERS, drive_houses
+    from sim.harness import Scenario
+    from sim.report.figures import shown
+
+    seeds = range(arguments.seed, arguments.seed + arguments.houses)
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
+    title = escape(f"{_houses(arguments)}, encoder {arguments.encoder}")
+    table = Table("seed", "driven by", "queries", "success", "spl", "touched", "seconds", title=title)
+    rows = []
+    for row in drive_houses(config, seeds, arguments.pictures, arguments.openness):
+        rows.append(row)
+        figures = (shown(row.success, "{:.3f}"), shown(row.spl, "{:.3f}"), str(row.touched), f"{row.seconds:.1f}")
+        table.add_row(str(row.seed), row.driver, str(row.queries), *figures, end_section=row.driver == list(DRIVERS)[-1])
+    for driver in DRIVERS:
+        mine = [row for row in rows if row.driver == driver and row.queries]
+        queries = sum(row.queries for row in mine)
+        means = (sum(getattr(row, name) * row.queries for row in mine) / max(queries, 1) for name in ("success", "spl"))
+        sums = str(sum(row.touched for row in mine)), f"{sum(row.seconds for row in mine):.1f}"
+        table.add_row("all", driver, str(queries), *(f"{mean:.3f}" for mean in means), *sums)
+    yield table
+
+
+def _queries(arguments: argparse.Namespace) -> Iterator[Table]:
+    from sim.bench.queries import SETS, Answered, QueriesRow, ask_houses, row_of
+    from sim.harness import Scenario
+    from sim.report.figures import shown
+
+    title = escape(f"{arguments.preset}, encoder {arguments.encoder}")
+    table = Table("seed", "list", *(field.name.replace("_", " ") for field in fields(QueriesRow)), title=title)
+    failures = Table("seed", "list", "failed question", "best room", "said", title_justify="left")
+    everything: dict[str, list[Answered]] = {name: [] for name in SETS}
+    config = Scenario(preset=arguments.preset, encoder=arguments.encoder)
+    for house, name, answered in ask_houses(config, range(arguments.seed, arguments.seed + arguments.houses)):
+        everything[name] += answered
+        table.add_row(str(house), name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+        for one in answered:
+            if not one.succeeded:
+                said = "nothing fits" if one.unknown else one.first
+                failures.add_row(str(house), name, escape(one.question.text), one.first, said)
+    table.add_section()
+    for name, answered in everything.items():
+        table.add_row("all", name, *(shown(value, "{:.3g}") for value in astuple(row_of(answered))))
+    yield table
+    yield failures
+
+
+def _fidelity(arguments: argparse.Namespace) -> Iterator[Table]:
+    from lexis.encoder.open_clip_encoder import load_encoder
+    from sim.bench.fidelity import FIGURES, compare_fidelities, mixed_houses, percepts_per_second, summarised
+    from sim.report.figures import shown
+
+    table = Table("houses", "house", *(f"{name}, {side}" for name in FIGURES for side in ("render", "features")))
+    pairs = []
+    for pair in compare_fidelities(
+        mixed_houses(arguments.houses, arguments.seed), load_encoder(arguments.encoder), arguments.feature_model
+    ):
+        pairs.append(pair)
+        table.add_row(pair.group, pair.name, *(f"{value:.2f}" for name in FIGURES for value in getattr(pair, name)))
+    yield table
+    headers = ("houses", "how many", "figure", "mean, render", "mean, features", "mean difference", "Spearman's rho")
+    rate = percepts_per_second(arguments.seed, arguments.feature_model)
+    title = f"how well features predict renders, at {rate:,.0f} keyframes/s on one core"
+    summary = Table(*headers, title=title, title_justify="left")
+    for group, name, found in summarised(pairs):
+        means = (f"{value:.3f}" for value in (found.rendered, found.features, found.mean_difference))
+        summary.add_row(group, str(found.houses), name, *means, shown(found.rho, "{:.2f}"))
+    yield summary
+
+
+BENCHMARKS = (
+    Action(
+        "speed",
+        printing(_speed),
+        "time for houses, scenes, images and mapping, each with its limit",
+        "lexis-sim bench speed --preset home --houses 5",
+        (PRESET, HOUSES, SEED),
+    ),
+    Action(
+        "throughput",
+        printing(_throughput),
+        "houses per second without rendering: checked layouts, and runs on the feature sensor",
+        "lexis-sim bench throughput --houses 40",
+        (HOUSES, SEED),
+    ),
+    Action(
+        "segmentation",
+        printing(_segmentation),
+        "labels, rooms, loops and plans of whole runs, one row per house",
+        "lexis-sim bench segmentation --preset home --houses 5 --fidelity features",
+        (
+            PRESET,
+            HOUSES,
+            OPENNESS,
+            ENCODER,
+            argument("--fidelity", choices=FIDELITIES, default="render", help=FIDELITY_HELP),
+            FEATURE_MODEL,
+            CONFIG,
+            SEED,
+        ),
+    ),
+    Action(
+        "rooms",
+        printing(_rooms),
+        "labels and rooms by the methods of the paper and by sight, on the same walks",
+        "lexis-sim bench rooms --preset uh2-apt --houses 5 --seed 900",
+        (PRESET, HOUSES, OPENNESS, SEED),
+    ),
+    Action(
+        "stages",
+        printing(_stages),
+        "what each stage of LEXIS costs in labels, rooms, trajectories and plans: the blame table over many houses",
+        "lexis-sim bench stages --presets home ori --houses 50 --seed 500 --csv stages.csv",
+        (SEVERAL_PRESETS, HOUSES, CSV, SEED),
+    ),
+    Action(
+        "planning",
+        printing(_planning),
+        "plans driven with LEXIS's pose estimate, with the true pose and with odometry alone",
+        "lexis-sim bench planning --preset home --houses 5 --pictures failed-drives",
+        (
+            PRESET,
+            HOUSES,
+            OPENNESS,
+            ENCODER,
+            argument("--pictures", type=folder, metavar="DIR", help="draw failed drives of LEXIS here"),
+            SEED,
+        ),
+    ),
+    Action(
+        "queries",
+        printing(_queries),
+        "everyday questions to the maps of generated homes, with a list of those that fail",
+        "lexis-sim bench queries --preset home --houses 3 --seed 600",
+        (PRESET, HOUSES, ENCODER, SEED),
+    ),
+    Action(
+        "fidelity",
+        printing(_fidelity),
+        "how well runs without pixels predict runs with them",
+        "lexis-sim bench fidelity --houses 5",
+        (HOUSES, ENCODER, FEATURE_MODEL, SEED),
+    ),
+)
